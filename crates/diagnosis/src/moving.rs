@@ -4,11 +4,13 @@ use haptical_calibration::Channel;
 use haptical_effects::device::is_law;
 use haptical_effects::force::in_motion::SAMPLING;
 use haptical_model::{Device, JointType, Recording};
-use haptical_motion::{Examined, Finding, PARTS, Unseen, examine, is_moving_arm, link_torques};
+use haptical_motion::{
+    Dependence, Examined, Finding, PARTS, Quantity, Unseen, examine, is_moving_arm, link_torques,
+};
 
 use crate::answer::floor::Floor;
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
-use crate::force::answer::{Course, ForceAnswer};
+use crate::force::answer::{Course, Followed, ForceAnswer};
 use crate::force::recorded::torque_nm_without_effects;
 use crate::force::{OnSecond, names};
 use crate::noise::NoiseSource;
@@ -17,6 +19,10 @@ use haptical_metrics::gap_reduction_percent;
 
 /// A rival within this of a finding is not told apart from it: ln 100.
 const NOT_TOLD_APART: f64 = 4.605;
+
+/// A quantity is told where functions of it explain this share of a gap, and that one of what the best does.
+const TOLD: f64 = 0.2;
+const OF_MOST: f64 = 0.6;
 
 /// A torque whose slope over the nominal one is below this has the other sign.
 const WRONG_SIGN: f64 = -0.3;
@@ -121,6 +127,7 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
     };
     ForceAnswer {
         course: course(device, examined, &channels),
+        depends_on: followed(device, examined, &channels),
         channels,
         untestable: untestable(examined),
         unexplained_share: unexplained,
@@ -369,14 +376,55 @@ fn on_second(device: &Device, examined: &Examined) -> OnSecond {
     found
 }
 
+/// The channel with the largest gap.
+fn largest(channels: &[ChannelGap]) -> Option<usize> {
+    let share = |index: &usize| channels[*index].share_of_gap;
+    (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+/// What the largest gap depends on, in the log's columns.
+fn followed(device: &Device, examined: &Examined, channels: &[ChannelGap]) -> Vec<Followed> {
+    let Some(own) = largest(channels).map(|index| &examined.channels[index]) else {
+        return Vec::new();
+    };
+    let most = own.depends_on.first().map_or(0.0, |own| own.share);
+    let is_told = |own: &&Dependence| own.share > TOLD.max(OF_MOST * most);
+    let joint = &device.joints[own.joint];
+    let number = own.joint + 1;
+    let position = format!("theta{number}_{}", joint.unit());
+    let told = own.depends_on.iter().filter(is_told);
+    let followed = told.map(|found| {
+        let (column, words) = match found.quantity {
+            Quantity::Position if joint.unit() == "m" => {
+                (position.clone(), format!("the travel of joint {number}"))
+            }
+            Quantity::Position => (position.clone(), format!("the angle of joint {number}")),
+            Quantity::Velocity => (
+                position.clone(),
+                format!("the speed and direction of joint {number}"),
+            ),
+            Quantity::Acceleration => (
+                position.clone(),
+                format!("the acceleration of joint {number}"),
+            ),
+            Quantity::Load => (
+                joint.torque_column(number),
+                format!("the load of joint {number}"),
+            ),
+            Quantity::Time => ("t_s".to_owned(), "time".to_owned()),
+        };
+        Followed {
+            column,
+            words,
+            share: found.share,
+        }
+    });
+    followed.collect()
+}
+
 /// The torque with the largest gap over time.
 fn course(device: &Device, examined: &Examined, channels: &[ChannelGap]) -> Option<Course> {
-    let by_share = |a: &usize, b: &usize| {
-        channels[*a]
-            .share_of_gap
-            .total_cmp(&channels[*b].share_of_gap)
-    };
-    let most = (0..channels.len()).max_by(by_share)?;
+    let most = largest(channels)?;
     let own = &examined.channels[most];
     let after = if examined.is_adequate() {
         &own.after

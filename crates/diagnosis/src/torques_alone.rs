@@ -6,7 +6,7 @@ use haptical_model::{Device, Recording};
 
 use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
-use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
+use crate::answer::{Diagnosis, Gap, Provenance, Trace, Untestable, Verdict, Whiteness};
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
@@ -56,10 +56,6 @@ pub(crate) fn diagnose(
     }
     let verdict = verdict::by_torques(&force);
     let place = in_torques(&force).filter(|_| verdict != Verdict::NoGap);
-    let place = place.map(|place| Place {
-        region: format!("in {}", place.channel),
-        ..place
-    });
     let located = place.as_ref().map(|place| place.channel.as_str());
     let gap = Gap::new(verdict, located, force.channels.clone());
     let mut causes = force.findings.clone();

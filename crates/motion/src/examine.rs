@@ -6,6 +6,8 @@ use haptical_model::{Device, Recording};
 use crate::MotionError;
 use crate::arm::Arm;
 use crate::base::{Base, Term};
+use crate::dependence::{Dependence, dependences, share_of_posture};
+use crate::effect::is_exact;
 use crate::problem::{Problem, Reading};
 use crate::select::{Rival, Selection, select};
 use crate::unseen::{Unseen, on_second, within};
@@ -23,6 +25,11 @@ const UNEXPLAINED: f64 = 0.02;
 /// And of each joint's root mean square, beyond twice its noise.
 const LEFT: f64 = 0.1;
 const QUIET: f64 = 2.0;
+/// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
+const OF_POSTURE: f64 = 0.5;
+/// But a spring's, whose levers are not known, may leave this share of the gap.
+const SPRING: &str = "gravity-spring";
+const OF_SPRING: f64 = 1e-3;
 /// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
 const PART: f64 = 0.01;
 
@@ -78,6 +85,10 @@ pub struct ChannelFit {
     pub before: Vec<f64>,
     /// With all effects.
     pub after: Vec<f64>,
+    /// What the gap depends on, most first; nothing where there is no gap.
+    pub depends_on: Vec<Dependence>,
+    /// Share of what all effects leave beyond noise that functions of the posture explain.
+    pub share_of_posture: f64,
 }
 
 /// An effect that was found.
@@ -133,7 +144,25 @@ impl Examined {
     pub fn is_adequate(&self) -> bool {
         let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
         let is_explained = self.unexplained_share() <= UNEXPLAINED && self.kept().next().is_none();
-        !self.findings.is_empty() && (is_quiet || is_explained)
+        !self.findings.is_empty() && (is_quiet || is_explained) && !self.is_of_another_law()
+    }
+
+    /// Whether weights, springs, offsets and factors alone were found, whose laws are exact, and a rest still follows the posture: then
+    /// they only look like what is there.
+    fn is_of_another_law(&self) -> bool {
+        let acts = |found: &Finding, joint: usize| found.joint.is_none_or(|own| own == joint);
+        let are_exact = |joint: usize| {
+            let mut all = self.findings.iter();
+            all.all(|own| is_exact(own.effect) || !acts(own, joint))
+        };
+        let follows = |own: &ChannelFit| {
+            own.has_rest() && own.share_of_posture > OF_POSTURE && are_exact(own.joint)
+        };
+        // springs have levers of their own
+        let of_springs = self.findings.iter().all(|own| own.effect == SPRING);
+        let is_small = of_springs && self.unexplained_share() < OF_SPRING;
+        let exact = self.findings.iter().any(|own| is_exact(own.effect));
+        exact && !is_small && self.channels.iter().any(follows)
     }
 }
 
@@ -149,9 +178,13 @@ impl ChannelFit {
     }
 
     fn is_beyond_noise(&self, rms: f64) -> bool {
-        let rows = self.before.len().max(1) as f64;
-        (rms / self.noise).powi(2) > GAP + GAP_SDS * (2.0 / rows).sqrt()
+        is_beyond_noise(rms / self.noise, self.before.len())
     }
+}
+
+/// Whether a root mean square over that of the noise is more than so many rows of noise have.
+pub(crate) fn is_beyond_noise(of_noise: f64, rows: usize) -> bool {
+    of_noise.powi(2) > GAP + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
 }
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
@@ -187,7 +220,8 @@ pub fn examine(
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let first = examine_with(device, (recording, second), without, false)?;
-    if !first.has_gap() || first.is_adequate() {
+    // what only looks like an effect still does beside a larger noise
+    if !first.has_gap() || first.is_adequate() || first.is_of_another_law() {
         return Ok(first);
     }
     // a noise with a memory may be all of a gap that has no name
@@ -243,7 +277,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
             };
             let rms = |rest: &[f64]| (dot(rest, rest) / rows as f64).sqrt();
             let (before, after) = (own(before), own(after));
-            ChannelFit {
+            let mut fit = ChannelFit {
                 joint,
                 rms_before: rms(&before),
                 rms_after: rms(&after),
@@ -251,7 +285,16 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
                 slope: slope(problem, channel),
                 before,
                 after,
+                depends_on: Vec::new(),
+                share_of_posture: 0.0,
+            };
+            if fit.has_gap() {
+                fit.depends_on = dependences(problem, base, &selection.bare, joint);
             }
+            if fit.has_rest() {
+                fit.share_of_posture = share_of_posture(problem, &selection.fitted, joint);
+            }
+            fit
         });
     let rival = |own: &Rival| NearRival {
         effect: own.effect,

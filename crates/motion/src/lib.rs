@@ -6,6 +6,7 @@
 mod arm;
 mod base;
 mod column;
+mod dependence;
 mod effect;
 mod error;
 mod examine;
@@ -23,6 +24,7 @@ mod system;
 mod trimmed;
 mod unseen;
 
+pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};

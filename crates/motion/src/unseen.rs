@@ -155,7 +155,7 @@ fn again<'c>(pool: &Pool<'c>, frame: &Frame<'_>, pick: &Pick) -> Option<Candidat
     match &own.finer {
         Finer::Settled => Some(own),
         Finer::Shape { at, .. } => at(*pick.shape.first()?),
-        Finer::About(about) => match pick.about.is_empty() {
+        Finer::About(about) | Finer::Correction(about) => match pick.about.is_empty() {
             true => Some(own),
             false => about(&pick.about),
         },

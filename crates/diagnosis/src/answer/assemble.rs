@@ -13,7 +13,7 @@ use crate::answer::place_touched::{by_dependence, of_base_term};
 use crate::answer::steps::steps;
 use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
-use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Provenance, Verdict};
+use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Place, Provenance, Verdict};
 use crate::judge::findings::Findings;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
@@ -64,7 +64,12 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     let adequacy = &findings.adequacy;
     let place = match &located {
         Some(located) => Some(located.answer.clone()),
-        None => in_torques(&findings.force).filter(|_| verdict != Verdict::NoGap),
+        None => in_torques(&findings.force)
+            .filter(|_| verdict != Verdict::NoGap)
+            .map(|place| Place {
+                region: format!("{}: positions show no gap", place.region),
+                ..place
+            }),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
     let gap = Gap::new(verdict, located_in, channels(&findings));

@@ -85,12 +85,21 @@ impl Located {
 pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
     let largest = force.largest()?;
     let joint = largest.joint?;
+    let followed = || force.depends_on.iter();
+    let region = match force.depends_on.first() {
+        Some(first) => format!(
+            "in the torque of joint {joint}; it follows {} ({:.0} % of it)",
+            first.words,
+            100.0 * first.share
+        ),
+        None => format!("in the torque of joint {joint}"),
+    };
     Some(Answer {
         channel: largest.channel.clone(),
         joint: Some(joint),
-        depends_on: Vec::new(),
-        region: format!("in the torque of joint {joint}: positions show no gap"),
-        explained: Vec::new(),
+        depends_on: followed().map(|own| own.column.clone()).collect(),
+        region,
+        explained: followed().map(|own| own.share).collect(),
         dependence: Vec::new(),
     })
 }

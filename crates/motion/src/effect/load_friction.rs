@@ -1,22 +1,52 @@
 //! Friction that grows with the load of the joint.
 
-use super::{Candidate, Candidates, Context, Effect, first, product};
+use std::rc::Rc;
+
+use super::{Candidate, Candidates, Context, Effect, Finer, first, product};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "load-friction",
     candidates: Candidates::Given(candidates),
 };
 
-/// `s(dq) |tau|` by the torque of the nominal bodies, which a bearing carries, or of the whole drive, which a gear does (Hamon, Gautier and Garrec 2010).
+/// Most of its load that a drive's friction is.
+const MOST: f64 = 0.8;
+
+/// `s(dq) |tau|` by the torque of the nominal bodies, which a bearing carries, or of the whole drive, which a gear does (Hamon, Gautier and
+/// Garrec 2010).
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
-        let of = |load: &[f64]| {
-            let signal = product(&context.sign(joint), load.iter().map(|own| own.abs()));
-            let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
-            found.map(Candidate::if_positive)
-        };
-        let loads = [&context.problem.rigid[joint], &context.torque[joint]];
-        let found = loads.into_iter().filter_map(|load| of(load)).enumerate();
-        found.map(|(kind, own)| own.of_kind(kind)).collect()
+        let of_bearing = of(context, joint, &sizes(&context.problem.rigid[joint]));
+        let of_drive = of(context, joint, &sizes(&context.torque[joint]));
+        let of_drive = of_drive.map(|own| Candidate {
+            finer: Finer::Correction(Rc::new(move |own| by_recorded(context, joint, own[0]))),
+            ..own.of_kind(1)
+        });
+        of_bearing.into_iter().chain(of_drive).collect()
     })
+}
+
+fn sizes(torque: &[f64]) -> Vec<f64> {
+    torque.iter().map(|own| own.abs()).collect()
+}
+
+fn of<'c>(context: Context<'c>, joint: usize, load: &[f64]) -> Option<Candidate<'c>> {
+    let signal = product(&context.sign(joint), load.iter().copied());
+    let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
+    found.map(Candidate::if_positive)
+}
+
+/// By the drive's torque as it was recorded, this friction included. The noise of that is in the rows too: a factor `c` takes
+/// `(1 - (1 - c)^2) / 2` of a row's off.
+fn by_recorded(context: Context<'_>, joint: usize, per_nm: f64) -> Option<Candidate<'_>> {
+    if !(0.0..MOST).contains(&per_nm) {
+        return None;
+    }
+    let load = sizes(&context.problem.recorded_torque(joint));
+    let mut found = of(context, joint, &load)?.of_kind(1);
+    let rows = context.problem.states.rows() as f64;
+    found.of_noise = rows * per_nm * (1.0 - 0.5 * per_nm);
+    found.about = vec![per_nm];
+    found.finer = Finer::Correction(Rc::new(move |own| by_recorded(context, joint, own[0])));
+    Some(found)
 }

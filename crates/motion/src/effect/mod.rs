@@ -66,6 +66,8 @@ pub(crate) enum Finer<'c> {
     Shape { ratio: f64, at: Made<'c, f64> },
     /// The same effect linear about its coefficients.
     About(MadeAbout<'c>),
+    /// The same, where it corrects the law a little: most of what it explains was explained before.
+    Correction(MadeAbout<'c>),
 }
 
 /// What effects are worked out of.
@@ -113,6 +115,20 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::OF_ONE_ENCODER,
     delay::TORQUE_LATENCY,
 ];
+
+/// Whether an effect's law is exact, and not one of many that describe the same thing: friction has many, a weight has one.
+pub(crate) fn is_exact(name: &str) -> bool {
+    [
+        payload::EFFECT.name,
+        link_inertia::EFFECT.name,
+        gravity_direction::EFFECT.name,
+        gravity_spring::EFFECT.name,
+        torque_offset::EFFECT.name,
+        torque_gain::EFFECT.name,
+        armature::EFFECT.name,
+    ]
+    .contains(&name)
+}
 
 /// Names of all effects.
 pub fn effect_names() -> Vec<&'static str> {

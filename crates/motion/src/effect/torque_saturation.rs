@@ -17,14 +17,19 @@ const LIMITS: [f64; 12] = [
 const LONGEST: f64 = 0.4;
 /// Least share of samples that stand at the end of what is read.
 const LEAST_FLAT: f64 = 0.003;
-/// How far below the largest they are, in standard deviations of a reading.
-const END_SDS: f64 = 6.0;
+/// How far about the end they are, and how far above it there are none to speak of, in standard deviations of a reading.
+const END_SDS: f64 = 3.0;
+const ABOVE_SDS: f64 = 5.0;
+/// Most readings above, per reading at the end: noise has tails.
+const ABOVE: f64 = 0.02;
 /// How much denser readings are there than below.
-const DENSER: f64 = 6.0;
-/// From this share of the end on a smoothed reading may hold readings that ended.
-const NEAR_END: f64 = 0.94;
+const DENSER: f64 = 3.0;
+/// A smoothed reading that is this near to the end, in standard deviations of one, holds readings that ended.
+const NEAR_END_SDS: f64 = 2.0;
+/// Least of what is missing that is missing on the right side, over what is on the wrong one.
+const RIGHT_SIDE: f64 = 1.5;
 /// Most nodes of what is missing.
-const MOST_NODES: usize = 60;
+const MOST_NODES: usize = 120;
 /// How far the share of the excess that is lost may be from all of it.
 const NEAR_ALL: f64 = 0.15;
 
@@ -52,23 +57,12 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
     let all: Vec<f64> = pieces.flatten().copied().collect();
     let most = all.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
     let sd = problem.reading_sd[problem.channel_of(joint)?].max(1e-9 * most);
-    // readings that end pile up there; those of a crest, a parabola, are 2.7 times as dense in the top third
-    let within = |from: f64, to: f64| {
-        let sizes = all.iter().map(|own| most - own.abs());
-        sizes
-            .filter(|own| (from * sd..to * sd).contains(own))
-            .count() as f64
-    };
-    let (top, below) = (within(0.0, END_SDS), within(END_SDS, 3.0 * END_SDS) / 2.0);
-    if top < LEAST_FLAT * all.len() as f64 || top < DENSER * below.max(2.0) {
-        return None;
-    }
-    let limit = most - 0.5 * END_SDS * sd;
+    let end = end(&all, sd)?;
     let smooth = problem.recorded_torque(joint);
     // where a smoothed reading is near its end, the low pass takes in readings that ended
     let near: Vec<bool> = smooth
         .iter()
-        .map(|own| own.abs() > NEAR_END * limit)
+        .map(|own| own.abs() > end - NEAR_END_SDS * sd)
         .collect();
     let times = near
         .iter()
@@ -97,10 +91,40 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
         })
         .collect();
     let mut found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(|_| Vec::new()))?;
-    found.is_sound = |own| own.iter().filter(|own| **own > 0.0).count() * 4 > own.len() * 3;
-    found.shape = vec![("limit_nm", limit)];
+    found.is_sound = |own| {
+        let sum = |sign: f64| own.iter().map(|own| (sign * own).max(0.0)).sum::<f64>();
+        sum(1.0) > RIGHT_SIDE * sum(-1.0)
+    };
+    found.shape = vec![("limit_nm", end)];
     (found.kind, found.is_of_recording) = (1, true);
     Some(found)
+}
+
+/// The value at which readings end, if they do: they pile up there, and above it are those alone that noise puts there. Those of a
+/// crest, a parabola, are 2.7 times as dense in its top third as below.
+fn end(all: &[f64], sd: f64) -> Option<f64> {
+    let mut sizes: Vec<f64> = all.iter().map(|own| own.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let below = |value: f64| sizes.partition_point(|own| *own < value);
+    let within = |from: f64, to: f64| below(to).saturating_sub(below(from)) as f64;
+    let most = *sizes.last()?;
+    let bins = (0..(most / sd).min(1e5) as usize).map(|bin| most - bin as f64 * sd);
+    let dense = |value: &f64| within(value - sd, value + sd);
+    // the densest of those above which there is nothing more
+    let is_end = |value: &f64| {
+        let at = within(value - END_SDS * sd, value + END_SDS * sd);
+        all.len() as f64 - below(value + ABOVE_SDS * sd) as f64 <= ABOVE * at
+    };
+    let end = bins.take_while(|value| *value > 0.3 * most).filter(is_end);
+    let end = end.max_by(|a, b| dense(a).total_cmp(&dense(b)))?;
+    let at = within(end - END_SDS * sd, end + END_SDS * sd);
+    let under = within(end - 3.0 * END_SDS * sd, end - END_SDS * sd);
+    // both in bands of two standard deviations
+    let per_width = under / END_SDS;
+    let is_dense = at >= LEAST_FLAT * all.len() as f64 && dense(&end) > DENSER * per_width.max(2.0);
+    let from = below(end - 2.0 * sd);
+    let nearby = &sizes[from..below(end + 2.0 * sd)];
+    is_dense.then(|| nearby[nearby.len() / 2])
 }
 
 /// What the logged torque is beyond a limit on each side, the noise of its readings smoothed; all of it is lost, so its coefficients

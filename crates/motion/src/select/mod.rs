@@ -97,6 +97,9 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         };
         state = next;
     }
+    while let Some(fewer) = without_needless(&frame, &state) {
+        state = fewer;
+    }
     let misfit = (1.0 + 2.0 * state.fitted.excess / state.fitted.freedom.max(1.0)).max(1.0);
     let mut first = 0;
     let mut picks = Vec::new();
@@ -135,12 +138,35 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
     }
 }
 
-/// Whether no channel's rest is larger than its noise.
+/// Whether no channel's rest is larger than its noise: what would be no gap by itself needs no further effect.
 fn is_quiet(problem: &Problem, fitted: &Fitted) -> bool {
     let rows = problem.states.rows();
-    let channels = fitted.solved.rest.chunks(rows);
-    let square = |own: &[f64]| haptical_linalg::dot(own, own) / rows as f64;
-    channels.map(square).all(|square| square < 1.0)
+    let mut channels = fitted.solved.rest.chunks(rows);
+    let rms = |own: &[f64]| (haptical_linalg::dot(own, own) / rows as f64).sqrt();
+    !channels.any(|own| crate::examine::is_beyond_noise(rms(own), rows))
+}
+
+/// The state less the effect that explains least, if that is less than an effect has to: a later one may stand in its place.
+fn without_needless<'c>(frame: &Frame<'_>, state: &State<'c>) -> Option<State<'c>> {
+    if state.taken.len() < 2 {
+        return None;
+    }
+    let without = |index: usize| {
+        let mut taken = state.taken.clone();
+        let own = taken.remove(index);
+        let early_s = state.early_s.filter(|_| !own.is_delay_of_all());
+        let fitted = frame.fitted(&columns_of(&taken, None), early_s);
+        let nats = fitted.excess - state.fitted.excess - penalty(frame, &own);
+        let fewer = State {
+            taken,
+            fitted,
+            early_s,
+        };
+        (nats, fewer)
+    };
+    let all = (0..state.taken.len()).map(without);
+    let (nats, fewer) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (nats < LEAST_NATS).then_some(fewer)
 }
 
 /// The state with the further effect that explains most, if it explains enough.

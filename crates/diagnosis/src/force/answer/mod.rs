@@ -51,6 +51,17 @@ pub(crate) struct ForceAnswer {
     pub(crate) warnings: Vec<String>,
     /// Block means of the torques with the largest gap.
     pub(crate) course: Option<Course>,
+    /// What the largest gap depends on, most first; nothing where that was not asked.
+    pub(crate) depends_on: Vec<Followed>,
+}
+
+/// A column that a torque's gap follows.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Followed {
+    pub(crate) column: String,
+    pub(crate) words: String,
+    /// Share of the gap that functions of it explain.
+    pub(crate) share: f64,
 }
 
 /// Torques over time, block by block.
@@ -272,6 +283,7 @@ pub(in crate::force) fn answer(
     findings.sort_by(|a, b| b.share.total_cmp(&a.share));
     let mut answer = ForceAnswer {
         course: course(effects, selection, carried, &channels),
+        depends_on: Vec::new(),
         channels,
         findings,
         untestable: untestable(effects, carried, is_falsified && !named),
