@@ -419,7 +419,14 @@ fn followed(device: &Device, examined: &Examined, channels: &[ChannelGap]) -> Ve
             share: found.share,
         }
     });
-    followed.collect()
+    let mut told: Vec<Followed> = Vec::new();
+    for own in followed {
+        // angle and speed are of one column
+        if !told.iter().any(|other| other.column == own.column) {
+            told.push(own);
+        }
+    }
+    told
 }
 
 /// The torque with the largest gap over time.

@@ -16,6 +16,10 @@ const TURNOVER: [f64; 10] = [
     0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12,
 ];
 
+/// Times by which Coulomb friction may lead the motion, and lag it where negative, that are tried \[s\]. It lags by its memory (Hess and
+/// Soom 1990); where a simulator holds it back by a soft constraint it leads (docs/assumptions.md, A185).
+const LEADS_S: [f64; 7] = [0.0, 0.003, 0.006, 0.009, 0.012, -0.003, -0.006];
+
 /// Travel over which every friction may build up: the joint's at its fastest in so many seconds.
 const BRISTLE_S: f64 = 1e-4;
 
@@ -30,6 +34,8 @@ pub(crate) enum Term {
     Bristle,
     /// How its Coulomb friction changes with the logarithm of the speed within which it turns over.
     Turnover,
+    /// How it changes with the time by which it leads the motion.
+    Lead,
     /// Armature of a joint; beyond the stated one, if one is stated.
     Armature { joint: usize },
     /// A body's deviation.
@@ -48,19 +54,43 @@ pub(crate) struct BaseColumn {
     pub(crate) column: Rc<Column>,
 }
 
+/// How Coulomb friction changes its direction with the motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reversal {
+    /// Speed within which it turns over.
+    pub(crate) turnover: f64,
+    /// How long before the motion it does.
+    pub(crate) lead_s: f64,
+}
+
+impl Reversal {
+    /// Its direction at the fine steps, smooth about rest.
+    fn sign(self, problem: &Problem, joint: usize) -> Vec<f64> {
+        let speed = self.speed(problem, joint);
+        speed.map(|dq| libm::tanh(dq / self.turnover)).collect()
+    }
+
+    /// The speed that it turns over with.
+    fn speed(self, problem: &Problem, joint: usize) -> impl Iterator<Item = f64> + '_ {
+        let motor = &problem.states.motor;
+        let both = motor.dq[joint].iter().zip(&motor.ddq[joint]);
+        both.map(move |(dq, ddq)| dq + self.lead_s * ddq)
+    }
+}
+
 /// The base model of a problem.
 #[derive(Debug, Clone)]
 pub(crate) struct Base {
     pub(crate) columns: Vec<BaseColumn>,
-    /// Speed within which each joint's Coulomb friction turns over.
-    pub(crate) turnover: Vec<f64>,
+    /// How each joint's Coulomb friction changes its direction.
+    pub(crate) reversals: Vec<Reversal>,
     /// Size of each joint's Coulomb friction by a first fit; 0 before there is one.
     pub(crate) coulomb: Vec<f64>,
 }
 
 impl Base {
-    /// The base model, Coulomb friction by what the torques show of it; `turnover`: where that is settled already.
-    pub(crate) fn new(problem: &Problem, turnover: Option<&[f64]>) -> Self {
+    /// The base model, Coulomb friction by what the torques show of it; `reversals`: where those are settled already.
+    pub(crate) fn new(problem: &Problem, reversals: Option<&[Reversal]>) -> Self {
         let mut columns = viscous(problem);
         columns.extend(armatures(problem));
         columns.extend(bodies(problem));
@@ -68,17 +98,17 @@ impl Base {
         columns.push(delay(problem, &problem.nominal_torque()));
         // of a body that no torque feels there is nothing to know
         columns.retain(|own| own.column.parts().1.iter().any(|value| *value != 0.0));
-        let turnover = match turnover {
+        let reversals = match reversals {
             Some(known) => known.to_vec(),
-            None => turnovers(problem, &columns),
+            None => settled_reversals(problem, &columns),
         };
         for joint in problem.channels.clone() {
-            columns.extend(coulomb(problem, joint, turnover[joint]));
+            columns.extend(coulomb(problem, joint, reversals[joint]));
         }
         let coulomb = vec![0.0; problem.arm.joints()];
         let mut base = Self {
             columns,
-            turnover,
+            reversals,
             coulomb,
         };
         base.with_friction_in_delay(problem);
@@ -142,13 +172,8 @@ impl Base {
 
     /// Coulomb friction's direction of a joint at the fine steps.
     pub(crate) fn sign(&self, problem: &Problem, joint: usize) -> Vec<f64> {
-        sign(&problem.states.motor.dq[joint], self.turnover[joint])
+        self.reversals[joint].sign(problem, joint)
     }
-}
-
-/// Direction of a motion, smooth about rest.
-pub(crate) fn sign(dq: &[f64], turnover: f64) -> Vec<f64> {
-    dq.iter().map(|dq| libm::tanh(dq / turnover)).collect()
 }
 
 fn system_of(columns: &[BaseColumn]) -> System {
@@ -233,24 +258,28 @@ pub(crate) fn beyond_sign(q: &[f64], sign: &[f64], travel: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Coulomb friction, how it changes with its turnover and how it builds up.
-fn coulomb(problem: &Problem, joint: usize, turnover: f64) -> Vec<BaseColumn> {
-    let dq = &problem.states.motor.dq[joint];
-    let slope = dq.iter().map(|dq| {
-        let x = dq / turnover;
-        -x / libm::cosh(x.clamp(-300.0, 300.0)).powi(2)
+/// Coulomb friction, how it changes with its turnover and its lead, and how it builds up.
+fn coulomb(problem: &Problem, joint: usize, reversal: Reversal) -> Vec<BaseColumn> {
+    let motor = &problem.states.motor;
+    // derivative of the direction by its argument
+    let steep = |speed: f64| {
+        let x = speed / reversal.turnover;
+        (x, libm::cosh(x.clamp(-300.0, 300.0)).powi(-2))
+    };
+    let by_turnover = reversal.speed(problem, joint).map(|speed| {
+        let (x, steep) = steep(speed);
+        -x * steep
     });
-    let fastest = dq.iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
-    let direction = sign(dq, turnover);
-    let bristle = beyond_sign(
-        &problem.states.motor.q[joint],
-        &direction,
-        BRISTLE_S * fastest,
-    );
+    let by_lead = reversal.speed(problem, joint).zip(&motor.ddq[joint]);
+    let by_lead = by_lead.map(|(speed, ddq)| steep(speed).1 * ddq / reversal.turnover);
+    let fastest = (motor.dq[joint].iter()).fold(0.0_f64, |most, dq| most.max(dq.abs()));
+    let direction = reversal.sign(problem, joint);
+    let bristle = beyond_sign(&motor.q[joint], &direction, BRISTLE_S * fastest);
     let signals = [
         (Term::Bristle, bristle),
         (Term::Coulomb { joint }, direction),
-        (Term::Turnover, slope.collect()),
+        (Term::Turnover, by_turnover.collect()),
+        (Term::Lead, by_lead.collect()),
     ];
     let column = |(term, signal): (Term, Vec<f64>)| {
         Some(BaseColumn {
@@ -282,17 +311,22 @@ pub(crate) fn slope(signal: &[f64], problem: &Problem) -> Vec<f64> {
         .collect()
 }
 
-/// The turnover of each joint's friction that explains most of what the other columns and the other joints' friction leave.
-fn turnovers(problem: &Problem, columns: &[BaseColumn]) -> Vec<f64> {
-    let solved = system_of(columns).solve(&problem.recorded(0.0), &[]);
+/// The reversal of each joint's friction that explains most of what the other columns and the other joints' friction leave: its turnover
+/// first, then its lead, then both again.
+fn settled_reversals(problem: &Problem, columns: &[BaseColumn]) -> Vec<Reversal> {
     let system = system_of(columns);
-    let mut turnover = vec![TURNOVER[TURNOVER.len() / 2]; problem.arm.joints()];
+    let solved = system.solve(&problem.recorded(0.0), &[]);
+    let middle = Reversal {
+        turnover: TURNOVER[TURNOVER.len() / 2],
+        lead_s: 0.0,
+    };
+    let mut reversals = vec![middle; problem.arm.joints()];
+    let of = |joint: usize, reversal: Reversal| {
+        let column = problem.of_joint(joint, &reversal.sign(problem, joint));
+        column.map(Rc::new)
+    };
     for round in 0..2 {
-        let of = |joint: usize, speed: f64| {
-            let column = problem.of_joint(joint, &sign(&problem.states.motor.dq[joint], speed));
-            column.map(Rc::new)
-        };
-        let known = turnover.clone();
+        let known = reversals.clone();
         for &joint in &problem.channels {
             let beside = problem
                 .channels
@@ -301,14 +335,22 @@ fn turnovers(problem: &Problem, columns: &[BaseColumn]) -> Vec<f64> {
             let beside: Vec<Rc<Column>> = beside
                 .filter_map(|other| of(*other, known[*other]))
                 .collect();
-            let gains = TURNOVER.map(|speed| {
+            let gain = |reversal: Reversal| {
                 let mut columns = beside.clone();
-                columns.extend(of(joint, speed));
+                columns.extend(of(joint, reversal));
                 solved.gain(&columns, &system.across(&columns)).nats
-            });
-            let most = (0..TURNOVER.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
-            turnover[joint] = TURNOVER[most.unwrap_or(0)];
+            };
+            let best = |all: &mut dyn Iterator<Item = Reversal>| {
+                let all = all.map(|own| (gain(own), own));
+                all.reduce(|a, b| if b.0 > a.0 { b } else { a })
+            };
+            let lead_s = known[joint].lead_s;
+            let turnovers = TURNOVER.map(|turnover| Reversal { turnover, lead_s });
+            if let Some((_, found)) = best(&mut turnovers.into_iter()) {
+                let leads = LEADS_S.map(|lead_s| Reversal { lead_s, ..found });
+                reversals[joint] = best(&mut leads.into_iter()).map_or(found, |own| own.1);
+            }
         }
     }
-    turnover
+    reversals
 }

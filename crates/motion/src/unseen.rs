@@ -101,7 +101,7 @@ pub(crate) fn on_second(
         },
     )?;
     problem.allow_for_rest(&base.coulomb);
-    let there = Base::new(&problem, Some(&base.turnover));
+    let there = Base::new(&problem, Some(&base.reversals));
     if there.columns.len() != base.columns.len() || problem.channels != own.channels {
         let message = "the second recording moves other joints, or lacks torques of some";
         return Err(MotionError::Sampling(message.to_owned()));

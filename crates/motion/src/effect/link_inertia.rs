@@ -12,6 +12,10 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(candidates),
 };
 
+/// Most that a mass is too small, as a share of it, and most that a centre of mass is off: beyond it is no longer this link's.
+const MOST_MASS: f64 = 5.0;
+const MOST_CENTRE_M: f64 = 0.5;
+
 /// For each body its mass, alone at its centre of mass, and its centre of mass.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let arm = &context.problem.arm;
@@ -28,10 +32,13 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             |columns, numbers| Candidate::new(EFFECT.name, Some(joint), columns, numbers);
         let share = if mass_kg > 0.0 { 1.0 / mass_kg } else { 0.0 };
         let mass = context.problem.of_body(body, &at(1.0, centre_m, share));
-        found.push(candidate(vec![mass], super::first("mass_kg")));
+        let mut of_mass = candidate(vec![mass], super::first("mass_kg"));
         if mass_kg <= 0.0 {
+            found.push(of_mass);
             continue;
         }
+        of_mass.within = [-mass_kg, MOST_MASS * mass_kg];
+        found.push(of_mass);
         let shifts = (0..3).map(|axis| {
             let mut shift = Vector3::zeros();
             shift[axis] = 0.01;
@@ -42,7 +49,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             let slope = std::array::from_fn(|k| (ahead[k] - behind[k]) / 0.02);
             context.problem.of_body(body, &slope)
         });
-        let of_centre = candidate(
+        let mut of_centre = candidate(
             shifts.collect(),
             Rc::new(|own| {
                 vec![
@@ -52,6 +59,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
                 ]
             }),
         );
+        of_centre.within = [-MOST_CENTRE_M, MOST_CENTRE_M];
         found.push(of_centre.of_kind(1));
     }
     found

@@ -49,6 +49,8 @@ pub(crate) struct Candidate<'c> {
     pub(crate) needs_last: bool,
     /// Whether coefficients are those of such an effect.
     pub(crate) is_sound: fn(&[f64]) -> bool,
+    /// Between what each of them has to be.
+    pub(crate) within: [f64; 2],
     pub(crate) finer: Finer<'c>,
 }
 
@@ -198,6 +200,7 @@ impl<'c> Candidate<'c> {
             of_noise: 0.0,
             needs_last: false,
             is_sound: |_| true,
+            within: [f64::NEG_INFINITY, f64::INFINITY],
             finer: Finer::Settled,
         }
     }
@@ -210,6 +213,12 @@ impl<'c> Candidate<'c> {
     /// Whether it is the one whose size is settled by shifting all torques.
     pub(crate) fn is_delay_of_all(&self) -> bool {
         self.effect == delay::ENCODER_LATENCY.name && self.joint.is_none()
+    }
+
+    /// Whether coefficients are possible for it.
+    pub(crate) fn is_possible(&self, coefficients: &[f64]) -> bool {
+        let [low, high] = self.within;
+        (self.is_sound)(coefficients) && coefficients.iter().all(|own| (low..=high).contains(own))
     }
 
     /// Sound only with a first coefficient above zero.

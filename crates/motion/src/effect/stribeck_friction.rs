@@ -18,7 +18,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
         let [low, high] = ends(context.speed(joint));
         let speeds = SPEEDS.map(|share| share * high.max(-low));
-        let slowest = TURNOVERS * context.base.turnover[joint];
+        let slowest = TURNOVERS * context.base.reversals[joint].turnover;
         let slow = speeds.into_iter().filter(|speed| *speed >= slowest);
         slow.filter_map(|speed| at(context, joint, speed)).collect()
     })
@@ -26,7 +26,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
 
 /// `s(dq) exp(-(dq / v)^2)` (Armstrong-Helouvry, Dupont and Canudas de Wit 1994, eq. 4).
 fn at(context: Context<'_>, joint: usize, speed: f64) -> Option<Candidate<'_>> {
-    if speed < TURNOVERS * context.base.turnover[joint] {
+    if speed < TURNOVERS * context.base.reversals[joint].turnover {
         return None;
     }
     let dq = context.speed(joint);

@@ -18,8 +18,9 @@ use crate::column::Column;
 use crate::effect::{Candidate, Context};
 use crate::problem::Problem;
 
-/// Most effects at once.
+/// Most effects at once, and most places of them: an armature may be off at every joint.
 const MOST: usize = 4;
+const MOST_PLACES: usize = 10;
 /// What an effect explains beyond its numbers, at least \[nats\].
 const LEAST_NATS: f64 = 16.0;
 /// A further effect explains this share of the whole, or that one of what is left.
@@ -87,15 +88,15 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         fitted: bare.clone(),
         early_s: None,
     };
-    while state.taken.len() < MOST {
+    while kinds(&state.taken) <= MOST && state.taken.len() < MOST_PLACES {
         if !state.taken.is_empty() && is_quiet(problem, &state.fitted) {
             break;
         }
         let least = LEAST_NATS.max((OF_WHOLE * before).min(OF_REST * state.fitted.excess));
-        let Some(next) = best(&frame, &pool, &state, least) else {
-            break;
-        };
-        state = next;
+        match best(&frame, &pool, &state, least) {
+            Some(next) if kinds(&next.taken) <= MOST => state = next,
+            _ => break,
+        }
     }
     while let Some(fewer) = without_needless(&frame, &state) {
         state = fewer;
@@ -136,6 +137,14 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         early_s: state.early_s.unwrap_or(0.0),
         tried: pool.places(),
     }
+}
+
+/// Different effects among them.
+fn kinds(taken: &[Candidate<'_>]) -> usize {
+    let mut names: Vec<&str> = taken.iter().map(|own| own.effect).collect();
+    names.sort_unstable();
+    names.dedup();
+    names.len()
 }
 
 /// Whether no channel's rest is larger than its noise: what would be no gap by itself needs no further effect.
@@ -231,7 +240,7 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<
     for own in &taken {
         let coefficients = &fitted.effects()[first..first + own.columns.len()];
         first += own.columns.len();
-        if !own.is_delay_of_all() && !(own.is_sound)(coefficients) {
+        if !own.is_delay_of_all() && !own.is_possible(coefficients) {
             return None;
         }
         let last = fitted.base_columns + first - 1;

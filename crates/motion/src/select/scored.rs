@@ -94,7 +94,7 @@ pub(crate) fn score<'c>(
     let across = fitted.system.across(&candidate.columns);
     let gain = fitted.solved.gain(&candidate.columns, &across);
     let is_empty = candidate.needs_last && gain.last_nats < LEAST_LAST_NATS;
-    if gain.rank == 0 || is_empty || !(candidate.is_sound)(&gain.coefficients) {
+    if gain.rank == 0 || is_empty || !candidate.is_possible(&gain.coefficients) {
         return None;
     }
     Some(Scored {
