@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "friction-asymmetry",
@@ -17,6 +17,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let viscous = context.speed(joint).iter().map(|own| own.abs()).collect();
         let numbers = |own: &[f64]| vec![("coulomb_nm", own[0]), ("viscous_nm_s_per_rad", own[1])];
         let found = context.of_signals(EFFECT.name, joint, &[coulomb, viscous], Rc::new(numbers));
+        let found = found.map(|own| own.about_to(FRICTION_LAW_SD));
         found.into_iter().collect()
     })
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, product};
+use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, product};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "friction-drift",
@@ -38,7 +38,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             .filter_map(of);
         courses
             .enumerate()
-            .map(|(kind, own)| own.of_kind(kind))
+            .map(|(kind, own)| own.of_kind(kind).about_to(FRICTION_LAW_SD))
             .collect()
     })
 }

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, Finer, first, product};
+use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, Finer, first, product};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "load-friction",
@@ -33,7 +33,7 @@ fn sizes(torque: &[f64]) -> Vec<f64> {
 fn of<'c>(context: Context<'c>, joint: usize, load: &[f64]) -> Option<Candidate<'c>> {
     let signal = product(&context.sign(joint), load.iter().copied());
     let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
-    found.map(Candidate::if_positive)
+    found.map(|own| own.if_positive().about_to(FRICTION_LAW_SD))
 }
 
 /// By the drive's torque as it was recorded, this friction included. The noise of that is in the rows too: a factor `c` takes

@@ -51,6 +51,10 @@ pub(crate) struct Candidate<'c> {
     pub(crate) is_sound: fn(&[f64]) -> bool,
     /// Between what each of them has to be.
     pub(crate) within: [f64; 2],
+    /// Standard deviation of its numbers for the law's own sake, as a share of them: no friction is a law to the last digit.
+    pub(crate) law_sd: f64,
+    /// Standard deviation of the number of its shape, where it is known beforehand.
+    pub(crate) shape_sd: Option<f64>,
     pub(crate) finer: Finer<'c>,
 }
 
@@ -71,6 +75,11 @@ pub(crate) enum Finer<'c> {
     /// The same, where it corrects the law a little: most of what it explains was explained before.
     Correction(MadeAbout<'c>),
 }
+
+/// How far the size of a friction is known beyond which of its many laws it follows.
+const FRICTION_LAW_SD: f64 = 0.05;
+/// The same of cogging: magnets and slots are no sines.
+const COGGING_LAW_SD: f64 = 0.02;
 
 /// What effects are worked out of.
 #[derive(Clone, Copy)]
@@ -201,6 +210,8 @@ impl<'c> Candidate<'c> {
             needs_last: false,
             is_sound: |_| true,
             within: [f64::NEG_INFINITY, f64::INFINITY],
+            law_sd: 0.0,
+            shape_sd: None,
             finer: Finer::Settled,
         }
     }
@@ -213,6 +224,12 @@ impl<'c> Candidate<'c> {
     /// Whether it is the one whose size is settled by shifting all torques.
     pub(crate) fn is_delay_of_all(&self) -> bool {
         self.effect == delay::ENCODER_LATENCY.name && self.joint.is_none()
+    }
+
+    /// With a law that is not to the last digit the arm's.
+    pub(crate) fn about_to(mut self, law_sd: f64) -> Self {
+        self.law_sd = law_sd;
+        self
     }
 
     /// Whether coefficients are possible for it.

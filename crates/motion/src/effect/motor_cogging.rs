@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, ends};
+use super::{COGGING_LAW_SD, Candidate, Candidates, Context, Effect, ends};
 use crate::problem::Problem;
 
 pub(super) const EFFECT: Effect = Effect {
@@ -78,6 +78,7 @@ fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candi
     let mut signals = sines(q, order).to_vec();
     signals.extend(sines(q, 2.0 * order));
     let found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(numbers))?;
+    let found = found.about_to(COGGING_LAW_SD);
     let again = Rc::new(move |order| at(context, joint, order, step));
     Some(found.shaped(("order", order), 1.0 + 0.7 * step / order, again))
 }

@@ -12,8 +12,8 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(|context| at(context, Vector3::zeros()).into_iter().collect()),
 };
 
-/// Mass and centre of a point behind the flange, linear about a centre in the flange's frame: its inertia about its own centre is
-/// left out, as small beside that about the flange.
+/// Mass and centre of what hangs behind the flange, linear about a centre in the flange's frame, and its inertia about that centre, the
+/// same about all axes.
 fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
     let bodies = &context.problem.arm.bodies;
     let flange = bodies.flange(0)?;
@@ -31,6 +31,8 @@ fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
         let slope = std::array::from_fn(|k| 0.5 * (ahead[k] - behind[k]));
         columns.push(context.problem.of_body(body, &slope));
     }
+    let of_inertia = Inertia::about_centre(0.0, &point, &Matrix3::identity()).parameters();
+    columns.push(context.problem.of_body(body, &of_inertia));
     let numbers = move |own: &[f64]| {
         let mass_kg = own[0];
         let moment = centre_m * mass_kg + Vector3::new(own[1], own[2], own[3]);

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, ends, first};
+use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first};
 use crate::base::beyond_sign;
 
 pub(super) const EFFECT: Effect = Effect {
@@ -46,6 +46,7 @@ fn at(context: Context<'_>, joint: usize, travel: f64) -> Option<Candidate<'_>> 
     Some(
         found
             .if_positive()
+            .about_to(FRICTION_LAW_SD)
             .shaped(("travel_rad", travel), 2.0, again),
     )
 }

@@ -2,30 +2,46 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Candidates, Context, Effect, Finer};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "torque-gain",
     candidates: Candidates::Given(candidates),
 };
 
-/// `e tau`: the logged torque is 1 + e times the true one; the gain of a device file is what of a reading is too much, e / (1 + e). By the nominal bodies' torque: the recorded one has noise, whose
-/// square is no gain, and the friction is in the log's scale already.
+/// Most of a reading that is too much; a torque that is not there at all, or of the wrong sign, is no scale of it.
+const MOST: f64 = 0.95;
+
+/// `e tau` by the nominal bodies' torque: the logged torque is 1 + e times the true one, and its gain as a device file has it what of a
+/// reading is too much, e / (1 + e). What bodies and friction are beside the nominal ones has the log's scale too: settled by the reading itself.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let nominal = context.problem.nominal_torque();
     context.at_joints(|joint| {
         let signal = nominal[joint].clone();
-        let found = context.of_signals(
-            EFFECT.name,
-            joint,
-            &[signal],
-            Rc::new(|own: &[f64]| vec![("gain", own[0] / (1.0 + own[0]))]),
-        );
-        let mut found: Vec<_> = found.into_iter().collect();
-        // a torque that is not there at all is no scale of it, nor is one of the wrong sign
-        found
-            .iter_mut()
-            .for_each(|own| own.is_sound = |own| own[0] > -0.95);
-        found
+        let numbers = |own: &[f64]| vec![("gain", own[0] / (1.0 + own[0]))];
+        let found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers));
+        let settled = found.map(|own| Candidate {
+            // bodies are off by 5 % themselves, which has the log's scale
+            law_sd: 0.5 * crate::plausible::MASS,
+            is_sound: |own| own[0] > -MOST,
+            finer: Finer::Correction(Rc::new(move |own| {
+                by_reading(context, joint, own[0] / (1.0 + own[0]))
+            })),
+            ..own
+        });
+        settled.into_iter().collect()
     })
+}
+
+/// `g tau` by the logged torque. The noise of that is in the rows too: a share g takes `(1 - (1 - g)^2) / 2` of a row's off.
+fn by_reading(context: Context<'_>, joint: usize, gain: f64) -> Option<Candidate<'_>> {
+    let signal = context.problem.recorded_torque(joint);
+    let numbers = |own: &[f64]| vec![("gain", own[0])];
+    let mut found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers))?;
+    let rows = context.problem.states.rows() as f64;
+    found.of_noise = rows * (gain * (1.0 - 0.5 * gain)).max(0.0);
+    found.is_sound = |own| own[0] < MOST;
+    found.about = vec![gain];
+    found.finer = Finer::Correction(Rc::new(move |own| by_reading(context, joint, own[0])));
+    Some(found)
 }

@@ -96,6 +96,8 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
         sum(1.0) > RIGHT_SIDE * sum(-1.0)
     };
     found.shape = vec![("limit_nm", end)];
+    // the median of those near the end
+    found.shape_sd = Some(0.5 * sd);
     (found.kind, found.is_of_recording) = (1, true);
     Some(found)
 }

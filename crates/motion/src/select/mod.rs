@@ -31,6 +31,8 @@ const IN_FULL: usize = 6;
 const NEAR: f64 = 0.5;
 /// Delays are settled to this share of a step.
 const DELAY_STEPS: f64 = 0.01;
+/// A log does not say when within a step its torques were read: a uniform distribution over it.
+const OF_STEP: f64 = 0.288_675_134_594_812_9;
 /// Longest delay that is tried \[s\].
 const LONGEST_S: f64 = 0.1;
 
@@ -108,18 +110,22 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         let columns = first..first + candidate.columns.len();
         first = columns.end;
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
-        let mut numbers = numbers(&state.fitted, columns, candidate, misfit);
+        let beside = rivals::rivals(&frame, &pool, &state, index, misfit);
+        let widened = (misfit, beside.shape_sd);
+        let mut numbers = numbers(&state.fitted, columns, candidate, widened);
+        for own in numbers.iter_mut().filter(|own| own.0 == "delay_s") {
+            own.2 = own.2.hypot(OF_STEP * problem.samples.step_s);
+        }
         if candidate.is_delay_of_all() {
             numbers
                 .iter_mut()
                 .for_each(|own| own.1 += state.early_s.unwrap_or(0.0));
         }
-        let (nats, rivals) = rivals::rivals(&frame, &pool, &state, index, misfit);
         picks.push(Pick {
             effect: candidate.effect,
             joint: candidate.joint,
-            nats,
-            rivals,
+            nats: beside.nats,
+            rivals: beside.rivals,
             numbers,
             coefficients,
             columns: candidate.columns.clone(),

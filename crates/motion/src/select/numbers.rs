@@ -5,12 +5,12 @@ use std::ops::Range;
 use super::Fitted;
 use crate::effect::Candidate;
 
-/// By the slopes of the numbers; `misfit` widens for what all effects leave. Numbers of a shape are as they were settled.
+/// By the slopes of the numbers; `misfit` widens for what all effects leave, `shape_sd` is of the logarithm of the shape's number.
 pub(super) fn numbers(
     fitted: &Fitted,
     columns: Range<usize>,
     candidate: &Candidate<'_>,
-    misfit: f64,
+    (misfit, shape_sd): (f64, f64),
 ) -> Vec<(&'static str, f64, f64)> {
     let at = fitted.effects()[columns.clone()].to_vec();
     let indices: Vec<usize> = columns.map(|column| fitted.base_columns + column).collect();
@@ -32,13 +32,15 @@ pub(super) fn numbers(
         };
         let slopes = nalgebra::DVector::from_fn(at.len(), |column, _| slope(column));
         let variance = (slopes.transpose() * &covariance * &slopes)[(0, 0)];
-        found.push((name, *value, (misfit * variance).max(0.0).sqrt()));
+        let sd = (misfit * variance).max(0.0).sqrt();
+        let size = if *name == "phase_rad" { 1.0 } else { *value };
+        found.push((name, *value, sd.hypot(candidate.law_sd * size)));
     }
     found.extend(
         candidate
             .shape
             .iter()
-            .map(|(name, value)| (*name, *value, 0.0)),
+            .map(|(name, value)| (*name, *value, (shape_sd * value).abs())),
     );
     found
 }

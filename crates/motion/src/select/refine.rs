@@ -26,7 +26,7 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
             for _ in 0..TIMES {
                 let nearer = about_of(&best, &about).and_then(|own| score(frame, fitted, &own));
                 match nearer {
-                    Some(nearer) if (best.nats - 1.0..most).contains(&nearer.nats) => {
+                    Some(nearer) if (gross(&best) - 1.0..most).contains(&gross(&nearer)) => {
                         best = nearer;
                     }
                     _ => break,
@@ -72,6 +72,11 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
             best
         }
     }
+}
+
+/// What a candidate explains, noise that its columns share with the rows included: it is no reason against the better law.
+fn gross(found: &Scored<'_>) -> f64 {
+    found.nats + found.candidate.of_noise
 }
 
 /// The candidate that is linear about where another one was found, by that one's own way of making it.
