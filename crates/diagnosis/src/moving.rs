@@ -227,6 +227,11 @@ fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),
         );
     }
+    if let Some(edge_hz) = examined.above_hz {
+        warnings.push(format!(
+            "the torques have a gap above {edge_hz} Hz that no effect explains: the spring was found in what is slower, well below its resonance"
+        ));
+    }
     if examined.jitter > 0.1 {
         warnings.push(format!(
             "time stamps are {:.0} % of a step off an even grid (rms): readings were put on one",

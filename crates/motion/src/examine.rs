@@ -25,6 +25,8 @@ const UNEXPLAINED: f64 = 0.02;
 /// And of each joint's root mean square, beyond twice its noise.
 const LEFT: f64 = 0.1;
 const QUIET: f64 = 2.0;
+/// Edges of the band in which a spring between motor and link is looked for once more \[Hz\].
+const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
 /// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
 const OF_POSTURE: f64 = 0.5;
 /// But a spring's, whose levers are not known, may leave this share of the gap.
@@ -61,6 +63,8 @@ pub struct Examined {
     pub free_armatures: Vec<(usize, f64)>,
     /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
     pub has_memory: bool,
+    /// What is faster than this was left out, and has no name: a spring was found in what is slower \[Hz\].
+    pub above_hz: Option<f64>,
     /// Root mean square deviation of the time stamps from an even grid, as a share of a step.
     pub jitter: f64,
     /// Time of each row \[s\].
@@ -219,28 +223,42 @@ pub fn examine(
     second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, MotionError> {
-    let first = examine_with(device, (recording, second), without, false)?;
+    let first = examine_with(device, (recording, second), without, (false, None))?;
     // what only looks like an effect still does beside a larger noise
     if !first.has_gap() || first.is_adequate() || first.is_of_another_law() {
         return Ok(first);
     }
     // a noise with a memory may be all of a gap that has no name
-    let again = examine_with(device, (recording, second), without, true)?;
-    Ok(match !again.has_gap() || again.is_adequate() {
-        true => again,
-        false => first,
-    })
+    let again = examine_with(device, (recording, second), without, (true, None))?;
+    if !again.has_gap() || again.is_adequate() {
+        return Ok(again);
+    }
+    // a spring between motor and link is known to first order alone, well below its resonance
+    for edge_hz in SPRING_EDGES_HZ
+        .into_iter()
+        .filter(|own| *own < first.edge_hz)
+    {
+        let slow = examine_with(device, (recording, second), without, (false, Some(edge_hz)))?;
+        let is_spring = |own: &Finding| own.effect == crate::effect::SPRING;
+        if slow.is_adequate() && slow.findings.iter().all(is_spring) {
+            return Ok(Examined {
+                above_hz: Some(edge_hz),
+                ..slow
+            });
+        }
+    }
+    Ok(first)
 }
 
 fn examine_with(
     device: &Device,
     (recording, second): (&Recording, Option<&Recording>),
     without: &[String],
-    has_memory: bool,
+    (has_memory, edge_hz): (bool, Option<f64>),
 ) -> Result<Examined, MotionError> {
     let arm = Arm::new(device)?;
     let reading = Reading {
-        edge_hz: None,
+        edge_hz,
         sets_right: !without.iter().any(|name| name == SAMPLING),
         has_memory,
     };
@@ -342,6 +360,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
         second: None,
         free_armatures: free.collect(),
         has_memory: problem.has_memory,
+        above_hz: None,
         jitter: problem.samples.jitter,
         time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }

@@ -127,6 +127,9 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::TORQUE_LATENCY,
 ];
 
+/// The effect that is known well below its resonance alone.
+pub(crate) const SPRING: &str = joint_compliance::EFFECT.name;
+
 /// Whether an effect's law is exact, and not one of many that describe the same thing: friction has many, a weight has one.
 pub(crate) fn is_exact(name: &str) -> bool {
     [
