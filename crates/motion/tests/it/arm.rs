@@ -58,6 +58,12 @@ pub(crate) struct Truth {
     pub(crate) stribeck_nm: f64,
     /// Friction more near an angle, first joint: in no catalogue \[N m\].
     pub(crate) dent_nm: f64,
+    /// Where the readings of the second joint's torque end, if they do \[N m\].
+    pub(crate) end_nm: Option<f64>,
+    /// What the first joint's torque is logged too large by \[N m\].
+    pub(crate) offset_nm: f64,
+    /// How long before the motion its friction turns over \[s\].
+    pub(crate) lead_s: f64,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
 }
@@ -100,6 +106,11 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
             let own = match truth.unrelated_nm > 0.0 {
                 true => truth.unrelated_nm * (3.0 * time + joint as f64).sin() * (0.7 * time).cos(),
                 false => torque[joint] * (1.0 + truth.gain * joint as f64),
+            };
+            let own = match (joint, truth.end_nm) {
+                (1, Some(end)) => own.clamp(-end, end),
+                (0, _) => own + truth.offset_nm,
+                _ => own,
             };
             log.torque_nm[joint]
                 .as_mut()
@@ -164,12 +175,14 @@ fn torque(
             + h * (2.0 * w1 * w2 + w2 * w2)
             + g1
             + 0.3 * factor[2] * a1
-            + friction(w1, 1.5 + more, 0.8)
+            + friction(w1 + truth.lead_s * a1, 1.5 + more, 0.8)
+            + 0.8 * (w1 - (w1 + truth.lead_s * a1))
             + push[0]
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
         push[1] + d12 * a1 + about * a2 - h * w1 * w1
             + g2
             + 0.1 * factor[3] * a2
-            + friction(w2, 0.6, 0.3),
+            + friction(w2 + truth.lead_s * a2, 0.6, 0.3)
+            + 0.3 * (w2 - (w2 + truth.lead_s * a2)),
     ]
 }

@@ -1,0 +1,105 @@
+//! Laws that are not quite those of the catalogue, and what a gap depends on.
+
+use haptical_motion::{Examined, Quantity, examine};
+
+use super::arm::{Truth, device, recording};
+
+fn examined(truth: Truth, seed: u64, without: &[&str]) -> Examined {
+    let without: Vec<String> = without.iter().map(|own| (*own).to_owned()).collect();
+    examine(&device(), &recording(truth, seed), None, &without).unwrap()
+}
+
+#[test]
+fn readings_that_end_are_named_with_their_end_though_they_do_for_a_third_of_the_log() {
+    for (seed, end_nm) in [(1, 3.0), (2, 3.5)] {
+        let truth = Truth {
+            end_nm: Some(end_nm),
+            ..Truth::default()
+        };
+        let found = examined(truth, seed, &[]);
+        assert!(found.is_adequate(), "seed {seed}: {:?}", found.findings);
+        let first = &found.findings[0];
+        assert_eq!((first.effect, first.joint), ("torque-saturation", Some(1)));
+        let (_, value, sd) = first.numbers[0];
+        assert!((value - end_nm).abs() < 2.0 * sd, "{value} +- {sd}");
+        assert!(sd < 0.1, "{sd}");
+    }
+}
+
+#[test]
+fn friction_that_turns_over_before_the_motion_is_no_gap() {
+    // MuJoCo's frictionloss as it is set
+    let truth = Truth {
+        lead_s: 0.009,
+        ..Truth::default()
+    };
+    for seed in [1, 2, 3] {
+        let found = examined(truth, seed, &[]);
+        assert!(!found.has_gap(), "seed {seed}: {:?}", found.findings);
+    }
+}
+
+#[test]
+fn an_offset_that_is_left_out_is_not_taken_for_a_spring() {
+    let truth = Truth {
+        offset_nm: 3.0,
+        ..Truth::default()
+    };
+    for seed in [1, 2, 3] {
+        let whole = examined(truth, seed, &[]);
+        assert_eq!(whole.findings[0].effect, "torque-offset", "seed {seed}");
+        let found = examined(truth, seed, &["torque-offset", "friction-asymmetry"]);
+        assert!(
+            found.has_gap() && !found.is_adequate(),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+    }
+}
+
+#[test]
+fn a_gap_is_said_to_follow_what_it_is_a_function_of() {
+    let shares = |truth: Truth, joint: usize| {
+        let found = examined(truth, 4, &[]);
+        let channel = found.channels.into_iter().find(|own| own.joint == joint);
+        let told = channel.unwrap().depends_on;
+        let of = |quantity| told.iter().find(|own| own.quantity == quantity);
+        [Quantity::Load, Quantity::Velocity, Quantity::Time].map(|own| of(own).unwrap().share)
+    };
+    let gain = Truth {
+        gain: 0.4,
+        ..Truth::default()
+    };
+    let [load, _, time] = shares(gain, 1);
+    assert!(load > 0.8 && load > time + 0.2, "{load} {time}");
+    let stribeck = Truth {
+        stribeck_nm: 1.5,
+        ..Truth::default()
+    };
+    let [load, velocity, time] = shares(stribeck, 0);
+    assert!(velocity > 0.8 && velocity > load + 0.2, "{velocity} {load}");
+    assert!(velocity > time + 0.2, "{velocity} {time}");
+}
+
+#[test]
+fn intervals_hold_the_gain_of_a_torque_and_the_place_of_cogging() {
+    for seed in 1..=4 {
+        let truth = Truth {
+            gain: 0.4,
+            ..Truth::default()
+        };
+        let found = examined(truth, seed, &[]);
+        let (_, gain, sd) = found.findings[0].numbers[0];
+        // of a reading 0.4 / 1.4 are too much
+        assert!((gain - 0.4 / 1.4).abs() < 3.0 * sd, "{gain} +- {sd}");
+        let truth = Truth {
+            cogging_nm: 1.0,
+            ..Truth::default()
+        };
+        let found = examined(truth, seed, &[]);
+        let numbers = &found.findings[0].numbers;
+        let (_, order, sd) = numbers.iter().find(|own| own.0 == "order").unwrap();
+        assert!(*sd > 0.0 && *sd < 0.3, "{sd}");
+        assert!((order - 30.0).abs() < 3.0 * sd, "{order} +- {sd}");
+    }
+}
