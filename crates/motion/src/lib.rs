@@ -9,6 +9,7 @@ mod column;
 mod effect;
 mod error;
 mod examine;
+mod identify;
 mod loads;
 mod local_polynomial;
 mod low_pass;
@@ -26,5 +27,9 @@ mod unseen;
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};
+pub use identify::{
+    BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
+    Residual, identify_dynamics, stacked_percent, with_dynamics,
+};
 pub use loads::link_torques;
 pub use unseen::{PARTS, Unseen};

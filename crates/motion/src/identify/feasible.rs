@@ -1,0 +1,337 @@
+//! The set of masses, centres and inertias that some bodies can have, nearest to the nominal one, that has the base parameters.
+//!
+//! The pseudo-inertia of a body is `P = L U U^T L^T` (Wensing, Kim and Slotine 2018; Rucker and Wensing 2022), `L L^T` the nominal one
+//! and U lower triangular with an exponential diagonal: every vector of ten numbers is a body, and 0 is the nominal one.
+
+use haptical_dynamics::Inertia;
+use haptical_dynamics::nalgebra::{Matrix3, Matrix4};
+use nalgebra::{DMatrix, DVector};
+
+use crate::MotionError;
+use crate::arm::PARAMETERS;
+
+/// Standard deviation of the logarithm of a body's size that is known where its numbers are given, and where they are assumed.
+pub(crate) const GIVEN_SD: f64 = 0.5;
+pub(crate) const ASSUMED_SD: f64 = 1.0;
+/// Least second moment about the centre of a nominal body, as a share of their sum: a body that is flatter is thickened.
+const FLATTEST: f64 = 1e-3;
+/// Places below the diagonal of U, behind its diagonal.
+const BELOW: [(usize, usize); 6] = [(1, 0), (2, 0), (2, 1), (3, 0), (3, 1), (3, 2)];
+/// Steps of Gauss and Newton, and when they end: the change of a coordinate.
+const STEPS: usize = 60;
+const SETTLED: f64 = 1e-9;
+
+/// A nominal body about which ten coordinates turn.
+#[derive(Debug, Clone)]
+pub(crate) struct Shape {
+    root: Matrix4<f64>,
+    /// Standard deviation of a diagonal coordinate.
+    sd: f64,
+}
+
+impl Shape {
+    /// Of a nominal body with a mass; a flat one is thickened.
+    pub(crate) fn new(nominal: &Inertia, sd: f64) -> Option<Self> {
+        let centre_m = nominal.centre_of_mass_m()?;
+        let about = nominal.about_centre_kgm2();
+        let second = Matrix3::from_diagonal_element(0.5 * about.trace()) - about;
+        let eigen = ((second + second.transpose()) * 0.5).symmetric_eigen();
+        let sum: f64 = eigen.eigenvalues.iter().map(|own| own.max(0.0)).sum();
+        let least = (FLATTEST * sum).max(nominal.mass_kg * 1e-8);
+        let values = eigen.eigenvalues.map(|own| own.max(least));
+        let second =
+            eigen.eigenvectors * Matrix3::from_diagonal(&values) * eigen.eigenvectors.transpose();
+        let about = Matrix3::from_diagonal_element(second.trace()) - second;
+        let sound = Inertia::about_centre(nominal.mass_kg, &centre_m, &about);
+        let root = sound.pseudo_inertia().cholesky()?.l();
+        Some(Self { root, sd })
+    }
+
+    fn triangle(coordinates: &[f64]) -> Matrix4<f64> {
+        let mut own = Matrix4::zeros();
+        (0..4).for_each(|k| own[(k, k)] = coordinates[k].exp());
+        for (value, place) in coordinates[4..].iter().zip(BELOW) {
+            own[place] = *value;
+        }
+        own
+    }
+
+    /// The ten inertial parameters of a body.
+    pub(crate) fn parameters(&self, coordinates: &[f64]) -> [f64; PARAMETERS] {
+        let half = self.root * Self::triangle(coordinates);
+        parameters_of(&(half * half.transpose()))
+    }
+
+    /// How they change with the coordinates, one row a coordinate.
+    pub(crate) fn slopes(&self, coordinates: &[f64]) -> [[f64; PARAMETERS]; PARAMETERS] {
+        let own = Self::triangle(coordinates);
+        let place = |k: usize| if k < 4 { (k, k) } else { BELOW[k - 4] };
+        std::array::from_fn(|k| {
+            let mut change = Matrix4::zeros();
+            change[place(k)] = if k < 4 { coordinates[k].exp() } else { 1.0 };
+            let product = self.root * change * own.transpose() * self.root.transpose();
+            parameters_of(&(product + product.transpose()))
+        })
+    }
+
+    /// Standard deviation of a coordinate: those below the diagonal count half in the distance between bodies.
+    fn coordinate_sd(&self, k: usize) -> f64 {
+        match k < 4 {
+            true => self.sd,
+            false => self.sd * std::f64::consts::SQRT_2,
+        }
+    }
+
+    /// Standard deviations that the inertial parameters have by what is known beforehand.
+    pub(crate) fn known_sd(&self) -> [f64; PARAMETERS] {
+        let slopes = self.slopes(&[0.0; PARAMETERS]);
+        std::array::from_fn(|entry| {
+            let squares =
+                (0..PARAMETERS).map(|k| (self.coordinate_sd(k) * slopes[k][entry]).powi(2));
+            squares.sum::<f64>().sqrt()
+        })
+    }
+}
+
+/// The ten numbers of a pseudo-inertia.
+fn parameters_of(own: &Matrix4<f64>) -> [f64; PARAMETERS] {
+    let trace = own[(0, 0)] + own[(1, 1)] + own[(2, 2)];
+    [
+        own[(3, 3)],
+        own[(0, 3)],
+        own[(1, 3)],
+        own[(2, 3)],
+        trace - own[(0, 0)],
+        trace - own[(1, 1)],
+        trace - own[(2, 2)],
+        -own[(0, 1)],
+        -own[(0, 2)],
+        -own[(1, 2)],
+    ]
+}
+
+/// What a number is to the search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    /// A body's inertial parameter.
+    Body { shape: usize, entry: usize },
+    /// A number of its own: its deviation is no less than this, and known with this standard deviation where it is.
+    Own { least: f64, known_sd: Option<f64> },
+}
+
+/// A feasible set.
+#[derive(Debug, Clone)]
+pub(crate) struct Feasible {
+    /// Deviations of all numbers from the nominal ones.
+    pub(crate) values: Vec<f64>,
+    /// Standard deviations, by the rows and what is known beforehand.
+    pub(crate) sd: Vec<f64>,
+}
+
+/// Coordinates of the search: ten of each shape, then one of each number of its own.
+struct Search<'a> {
+    shapes: &'a [Shape],
+    nominal: &'a [[f64; PARAMETERS]],
+    kinds: &'a [Kind],
+    own: Vec<usize>,
+    /// `root * map`: what squares are by deviations of all numbers.
+    rows: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+/// The feasible set nearest to the nominal one that has the base parameters `map x = values`, whose squares are those of `root`.
+///
+/// # Errors
+/// [`MotionError::Fit`] where no step is found.
+pub(crate) fn nearest(
+    (shapes, nominal): (&[Shape], &[[f64; PARAMETERS]]),
+    kinds: &[Kind],
+    map: &DMatrix<f64>,
+    (root, values): (&DMatrix<f64>, &DVector<f64>),
+) -> Result<Feasible, MotionError> {
+    let own = (0..kinds.len()).filter(|k| matches!(kinds[*k], Kind::Own { .. }));
+    let search = Search {
+        shapes,
+        nominal,
+        kinds,
+        own: own.collect(),
+        rows: root * map,
+        right: root * values,
+    };
+    let mut held = vec![false; search.count()];
+    let mut at = DVector::zeros(search.count());
+    loop {
+        at = search.descend(at, &held)?;
+        let below: Vec<usize> = (0..search.own.len())
+            .filter(|k| match kinds[search.own[*k]] {
+                Kind::Own { least, .. } => at[PARAMETERS * shapes.len() + k] < least,
+                Kind::Body { .. } => false,
+            })
+            .collect();
+        if below.is_empty() {
+            break;
+        }
+        // a number that would be below its least is there
+        for k in below {
+            let place = PARAMETERS * shapes.len() + k;
+            if let Kind::Own { least, .. } = kinds[search.own[k]] {
+                at[place] = least;
+                held[place] = true;
+            }
+        }
+    }
+    search.finished(&at, &held)
+}
+
+impl Search<'_> {
+    fn count(&self) -> usize {
+        PARAMETERS * self.shapes.len() + self.own.len()
+    }
+
+    fn coordinates<'c>(&self, at: &'c DVector<f64>, shape: usize) -> &'c [f64] {
+        &at.as_slice()[PARAMETERS * shape..][..PARAMETERS]
+    }
+
+    /// Deviations of all numbers, and how they change with the coordinates.
+    fn deviations(&self, at: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
+        let mut values = DVector::zeros(self.kinds.len());
+        let mut slopes = DMatrix::zeros(self.kinds.len(), self.count());
+        let all: Vec<_> = (0..self.shapes.len())
+            .map(|k| {
+                let own = self.coordinates(at, k);
+                (self.shapes[k].parameters(own), self.shapes[k].slopes(own))
+            })
+            .collect();
+        for (number, kind) in self.kinds.iter().enumerate() {
+            if let Kind::Body { shape, entry } = *kind {
+                let (parameters, changes) = &all[shape];
+                values[number] = parameters[entry] - self.nominal[shape][entry];
+                for k in 0..PARAMETERS {
+                    slopes[(number, PARAMETERS * shape + k)] = changes[k][entry];
+                }
+            }
+        }
+        for (k, number) in self.own.iter().enumerate() {
+            let place = PARAMETERS * self.shapes.len() + k;
+            values[*number] = at[place];
+            slopes[(*number, place)] = 1.0;
+        }
+        (values, slopes)
+    }
+
+    /// Inverse standard deviation of what is known of a coordinate.
+    fn known(&self, place: usize) -> f64 {
+        let bodies = PARAMETERS * self.shapes.len();
+        if place < bodies {
+            let shape = &self.shapes[place / PARAMETERS];
+            return 1.0 / shape.coordinate_sd(place % PARAMETERS);
+        }
+        match self.kinds[self.own[place - bodies]] {
+            Kind::Own { known_sd, .. } => known_sd.map_or(0.0, |sd| 1.0 / sd),
+            Kind::Body { .. } => 0.0,
+        }
+    }
+
+    fn cost(&self, at: &DVector<f64>) -> f64 {
+        let (values, _) = self.deviations(at);
+        let known: f64 = (0..at.len()).map(|k| (self.known(k) * at[k]).powi(2)).sum();
+        (&self.rows * values - &self.right).norm_squared() + known
+    }
+
+    /// Normal matrix and slope of the cost at coordinates.
+    fn normal(&self, at: &DVector<f64>, held: &[bool]) -> (DMatrix<f64>, DVector<f64>) {
+        let (values, slopes) = self.deviations(at);
+        let jacobian = &self.rows * slopes;
+        let rest = &self.rows * values - &self.right;
+        let mut normal = jacobian.transpose() * &jacobian;
+        let mut slope = jacobian.transpose() * rest;
+        for k in 0..at.len() {
+            let known = self.known(k).powi(2);
+            normal[(k, k)] += known;
+            slope[k] += known * at[k];
+        }
+        for k in (0..at.len()).filter(|k| held[*k]) {
+            normal.row_mut(k).fill(0.0);
+            normal.column_mut(k).fill(0.0);
+            normal[(k, k)] = 1.0;
+            slope[k] = 0.0;
+        }
+        (normal, slope)
+    }
+
+    /// Gauss and Newton, damped (Marquardt 1963).
+    fn descend(&self, start: DVector<f64>, held: &[bool]) -> Result<DVector<f64>, MotionError> {
+        let mut at = start;
+        let mut cost = self.cost(&at);
+        let mut damping = 1e-6;
+        for _ in 0..STEPS {
+            let (normal, slope) = self.normal(&at, held);
+            let mut step = None;
+            while damping < 1e12 {
+                let mut damped = normal.clone();
+                (0..at.len()).for_each(|k| damped[(k, k)] *= 1.0 + damping);
+                let tried = solved(&damped, &slope).map(|own| (&at - &own, own));
+                let tried = tried.map(|(next, own)| (self.cost(&next), next, own));
+                if let Some(found) = tried.filter(|own| own.0 <= cost) {
+                    damping = (damping * 0.1).max(1e-12);
+                    step = Some(found);
+                    break;
+                }
+                damping *= 10.0;
+            }
+            let Some((less, next, moved)) = step else {
+                break;
+            };
+            let bodies = &moved.as_slice()[..PARAMETERS * self.shapes.len()];
+            let largest = bodies.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+            let is_settled = largest < SETTLED && cost - less <= SETTLED * (1.0 + cost);
+            (at, cost) = (next, less);
+            if is_settled {
+                break;
+            }
+        }
+        match cost.is_finite() {
+            true => Ok(at),
+            false => Err(MotionError::Fit("no feasible bodies were found".to_owned())),
+        }
+    }
+
+    fn finished(&self, at: &DVector<f64>, held: &[bool]) -> Result<Feasible, MotionError> {
+        let (values, mut slopes) = self.deviations(at);
+        let (normal, _) = self.normal(at, held);
+        for k in (0..at.len()).filter(|k| held[*k]) {
+            slopes.column_mut(k).fill(0.0);
+        }
+        let scale: Vec<f64> = (0..at.len())
+            .map(|k| normal[(k, k)].sqrt().max(1e-300))
+            .collect();
+        let scaled = DMatrix::from_fn(at.len(), at.len(), |a, b| {
+            normal[(a, b)] / (scale[a] * scale[b])
+        });
+        let inverse = scaled
+            .cholesky()
+            .ok_or_else(|| MotionError::Fit("no interval of the bodies was found".to_owned()))?
+            .inverse();
+        let sd = |number: usize| {
+            let own = DVector::from_fn(at.len(), |k, _| slopes[(number, k)] / scale[k]);
+            (&inverse * &own).dot(&own).max(0.0).sqrt()
+        };
+        Ok(Feasible {
+            sd: (0..self.kinds.len()).map(sd).collect(),
+            values: values.as_slice().to_vec(),
+        })
+    }
+}
+
+/// A symmetric system, scaled to a unit diagonal.
+fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
+    let count = right.len();
+    let scale: Vec<f64> = (0..count)
+        .map(|k| matrix[(k, k)].sqrt().max(1e-300))
+        .collect();
+    let scaled = DMatrix::from_fn(count, count, |a, b| matrix[(a, b)] / (scale[a] * scale[b]));
+    let right = DVector::from_fn(count, |k, _| right[k] / scale[k]);
+    let mut found = scaled.cholesky()?.solve(&right);
+    (0..count).for_each(|k| found[k] /= scale[k]);
+    Some(found)
+}
