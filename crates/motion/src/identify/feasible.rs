@@ -335,3 +335,102 @@ fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     (0..count).for_each(|k| found[k] /= scale[k]);
     Some(found)
 }
+
+#[cfg(test)]
+mod tests {
+    use haptical_dynamics::nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn nominal() -> Inertia {
+        let about = Matrix3::new(0.03, 0.002, 0.0, 0.002, 0.05, 0.001, 0.0, 0.001, 0.04);
+        Inertia::about_centre(2.5, &Vector3::new(0.1, -0.05, 0.2), &about)
+    }
+
+    fn is_positive(parameters: [f64; PARAMETERS]) -> bool {
+        let body = Inertia::from_parameters(parameters);
+        body.mass_kg > 0.0 && body.pseudo_inertia().cholesky().is_some()
+    }
+
+    proptest! {
+        #[test]
+        fn every_vector_of_coordinates_is_a_body(at in prop::array::uniform10(-1.5..1.5_f64)) {
+            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            prop_assert!(is_positive(shape.parameters(&at)));
+        }
+
+        #[test]
+        fn slopes_are_those_of_finite_differences(at in prop::array::uniform10(-0.8..0.8_f64)) {
+            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            let slopes = shape.slopes(&at);
+            for k in 0..PARAMETERS {
+                let moved = |by: f64| {
+                    let mut at = at;
+                    at[k] += by;
+                    shape.parameters(&at)
+                };
+                let (ahead, behind) = (moved(1e-6), moved(-1e-6));
+                for entry in 0..PARAMETERS {
+                    let wanted = (ahead[entry] - behind[entry]) / 2e-6;
+                    prop_assert!((slopes[k][entry] - wanted).abs() < 1e-6 * (1.0 + wanted.abs()));
+                }
+            }
+        }
+
+        /// Whatever is asked for, in whatever combinations: negative masses and inertias too.
+        #[test]
+        fn what_is_found_is_a_body_and_no_further_than_asked(
+            wanted in prop::array::uniform4(-5.0..5.0_f64),
+            mix in prop::collection::vec(-1.0..1.0_f64, 40),
+        ) {
+            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            let nominal = nominal().parameters();
+            let map = DMatrix::from_fn(4, PARAMETERS, |row, column| mix[PARAMETERS * row + column]);
+            let kinds: Vec<Kind> = (0..PARAMETERS).map(|entry| Kind::Body { shape: 0, entry }).collect();
+            let root = DMatrix::identity(4, 4) * 100.0;
+            let wanted = DVector::from_column_slice(&wanted);
+            let found = nearest((&[shape], &[nominal]), &kinds, &map, (&root, &wanted)).unwrap();
+            let values: [f64; PARAMETERS] = std::array::from_fn(|k| nominal[k] + found.values[k]);
+            prop_assert!(is_positive(values), "{values:?}");
+            let left = &map * DVector::from_vec(found.values) - &wanted;
+            prop_assert!(left.norm() <= wanted.norm() * (1.0 + 1e-9));
+        }
+    }
+
+    #[test]
+    fn nothing_asked_for_is_the_nominal_body() {
+        let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+        for (found, wanted) in shape
+            .parameters(&[0.0; 10])
+            .iter()
+            .zip(nominal().parameters())
+        {
+            assert!((found - wanted).abs() < 1e-14, "{found}, {wanted}");
+        }
+    }
+
+    #[test]
+    fn what_a_body_can_have_is_realised_and_an_armature_is_not_negative() {
+        let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+        let nominal = nominal().parameters();
+        let mut kinds: Vec<Kind> = (0..PARAMETERS)
+            .map(|entry| Kind::Body { shape: 0, entry })
+            .collect();
+        kinds.push(Kind::Own {
+            least: -0.1,
+            known_sd: Some(0.1),
+        });
+        // mass, and the inertia about z with the armature: of the latter far less than the armature has
+        let map = DMatrix::from_fn(2, 11, |row, column| match (row, column) {
+            (0, 0) | (1, 6 | 10) => 1.0,
+            _ => 0.0,
+        });
+        let root = DMatrix::identity(2, 2) * 1e5;
+        let wanted = DVector::from_column_slice(&[0.4, -0.12]);
+        let found = nearest((&[shape], &[nominal]), &kinds, &map, (&root, &wanted)).unwrap();
+        assert!((found.values[0] - 0.4).abs() < 1e-6, "{:?}", found.values);
+        assert!((found.values[6] + found.values[10] + 0.12).abs() < 1e-6);
+        assert!(found.values[10] >= -0.1);
+    }
+}

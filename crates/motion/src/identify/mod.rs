@@ -44,6 +44,10 @@ pub use result::{
 const LOOSE: f64 = 1e3;
 /// Share of a torque that the noise of the positions may make up within the band.
 const NOISE_SHARE: f64 = 0.01;
+/// Share of a standard deviation from which a bias is worth the larger intervals of instruments.
+const BIAS_MATTERS: f64 = 0.25;
+/// Instruments by which the median number is this many times less certain than by least squares say too little.
+const WIDER: f64 = 3.0;
 /// Standard deviation of an armature that is known beforehand, as a share of the stated one.
 const ARMATURE_SD: f64 = 1.0;
 
@@ -92,22 +96,14 @@ pub fn identify_dynamics(
     let rows = problem.states.rows();
     let base = Combinations::new(&numbers, &columns, &target, rows)?;
     let plain = least_squares(&base, &columns, &target, rows)?;
-    let mut warnings = Vec::new();
-    let with = with_instruments(&known, &problem, &base, (&columns, &target));
     let position_sd = position_sds(&problem);
-    let bias = match &with {
-        Some(_) => None,
-        None => of_noise(&known, &base, plain.values.as_slice(), &position_sd).ok(),
-    };
-    let (estimate, instruments) = match with {
-        Some((estimate, instruments)) => (estimate, Some(instruments)),
-        None => {
-            warnings.push(biased(&problem, (&numbers, &base), &plain, bias.as_deref()));
-            (plain, None)
-        }
-    };
+    let bias = of_noise(&known, &base, plain.values.as_slice(), &position_sd).ok();
+    let with = with_instruments(&known, &problem, &base, (&columns, &target));
+    let chosen = Chosen::new(plain, bias, with);
+    let (estimate, bias) = (&chosen.estimate, chosen.bias.as_deref());
+    let warnings = chosen.warning(&problem, (&numbers, &base));
     let shapes = shapes(&arm, &is_held)?;
-    let feasible = feasible(&problem, (&numbers, &base), &estimate, &shapes)?;
+    let feasible = feasible(&problem, (&numbers, &base), estimate, &shapes)?;
     let mut by_base = vec![0.0; numbers.len()];
     for (value, column) in estimate.values.iter().zip(base.kept()) {
         by_base[*column] = *value;
@@ -132,22 +128,22 @@ pub fn identify_dynamics(
     Ok(Dynamics {
         joints: answer.joints(),
         bodies: answer.bodies(&is_held),
-        base: answer.base(device, (&base, &estimate), bias.as_deref()),
+        base: answer.base(device, (&base, estimate), bias),
         unseen: base
             .rank
             .zero
             .iter()
             .map(|own| numbers[*own].name(&problem))
             .collect(),
-        delay_s: answer.delay(&base, &estimate),
+        delay_s: answer.delay(&base, estimate),
         residuals: by.residuals(&mut problem.clone()),
         validated,
-        instruments,
+        instruments: chosen.instruments,
         position_sd,
         edge_hz,
         rows,
         inflation: estimate.inflation,
-        warnings,
+        warnings: warnings.into_iter().collect(),
     })
 }
 
@@ -288,26 +284,79 @@ fn feasible(
     )
 }
 
-/// What is said where nothing keeps the noise of the positions out.
-fn biased(
-    problem: &Problem,
-    (numbers, base): (&[Number], &Combinations),
-    plain: &Estimate,
-    bias: Option<&[f64]>,
-) -> String {
-    let without = "the bias of noisy positions is not excluded: the log neither repeats its motion nor has commands";
-    let Some(bias) = bias else {
-        return format!("{without}; its size could not be estimated");
-    };
-    let share = |k: usize| bias[k].abs() / plain.sd[k];
-    let largest = (0..bias.len()).max_by(|a, b| share(*a).total_cmp(&share(*b)));
-    match largest {
-        Some(k) => format!(
-            "{without}; by the encoders' noise it is at most {:.2} standard deviations ({})",
-            share(k),
-            numbers[base.kept()[k]].name(problem)
-        ),
-        None => without.to_owned(),
+/// Standard deviations by instruments over those by least squares: the median.
+fn wider(with: &Estimate, plain: &Estimate) -> f64 {
+    let mut ratios: Vec<f64> = (with.sd.iter().zip(&plain.sd))
+        .map(|(with, plain)| with / plain)
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios
+        .get(ratios.len() / 2)
+        .copied()
+        .unwrap_or(f64::INFINITY)
+}
+
+/// Least squares, or instruments where the noise of the positions matters and they say enough.
+struct Chosen {
+    estimate: Estimate,
+    instruments: Option<Instruments>,
+    /// What the noise is taken to have changed; none with instruments.
+    bias: Option<Vec<f64>>,
+    /// Why there are no instruments.
+    why: &'static str,
+}
+
+impl Chosen {
+    fn new(plain: Estimate, bias: Option<Vec<f64>>, with: Option<(Estimate, Instruments)>) -> Self {
+        let share = |(bias, sd): (&f64, &f64)| bias.abs() / sd;
+        let matters = bias.as_ref().is_none_or(|own| {
+            let mut shares = own.iter().zip(&plain.sd).map(share);
+            shares.any(|own| own > BIAS_MATTERS)
+        });
+        let why = match &with {
+            None => "the log neither repeats its motion nor has commands",
+            Some(_) if !matters => "it is too small for instruments to help",
+            Some((own, _)) if wider(own, &plain) > WIDER => {
+                "the motion repeats itself, or follows its commands, too loosely to keep it out"
+            }
+            Some(_) => "",
+        };
+        match with {
+            Some((estimate, instruments)) if why.is_empty() => Self {
+                estimate,
+                instruments: Some(instruments),
+                bias: None,
+                why,
+            },
+            _ => Self {
+                estimate: plain,
+                instruments: None,
+                bias,
+                why,
+            },
+        }
+    }
+
+    /// What is said where nothing keeps the noise of the positions out.
+    fn warning(
+        &self,
+        problem: &Problem,
+        (numbers, base): (&[Number], &Combinations),
+    ) -> Option<String> {
+        if self.instruments.is_some() {
+            return None;
+        }
+        let without = format!("the bias of noisy positions is not excluded: {}", self.why);
+        let Some(bias) = &self.bias else {
+            return Some(format!("{without}; its size could not be estimated"));
+        };
+        let share = |k: usize| bias[k].abs() / self.estimate.sd[k];
+        let largest = (0..bias.len()).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
+        Some(format!(
+            "{without}; by the encoders' noise it is about {:.2} standard deviations at most (of {})",
+            share(largest),
+            numbers[base.kept()[largest]].name(problem)
+        ))
     }
 }
 

@@ -58,6 +58,12 @@ pub(crate) struct Truth {
     pub(crate) stribeck_nm: f64,
     /// Friction more near an angle, first joint: in no catalogue \[N m\].
     pub(crate) dent_nm: f64,
+    /// Noise of the positions \[rad\].
+    pub(crate) position_sd: f64,
+    /// What the first joint's torque reads without any \[N m\].
+    pub(crate) offset_nm: f64,
+    /// Rows beyond 20 s, in which the motion begins again.
+    pub(crate) further_rows: usize,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
 }
@@ -68,8 +74,13 @@ pub(crate) fn device() -> Device {
 
 /// 20 s at 200 Hz.
 pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
+    with_factors(truth, seed).0
+}
+
+/// The same with what the true arm's first mass, second mass and armatures are multiples of.
+pub(crate) fn with_factors(truth: Truth, seed: u64) -> (Recording, [f64; 4]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let rows = 4000;
+    let rows = 4000 + truth.further_rows;
     let mut courses = [[(0.0, 0.0); 6]; 2];
     for course in &mut courses {
         for wave in course {
@@ -80,6 +91,18 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
         }
     }
     let factor: Vec<f64> = (0..4).map(|_| random.random_range(0.94..1.06)).collect();
+    let factor: [f64; 4] = std::array::from_fn(|k| factor[k]);
+    (
+        log_of(truth, &mut random, (rows, &courses, &factor)),
+        factor,
+    )
+}
+
+fn log_of(
+    truth: Truth,
+    random: &mut ChaCha8Rng,
+    (rows, courses, factor): (usize, &[[(f64, f64); 6]; 2], &[f64; 4]),
+) -> Recording {
     let mut log = Recording {
         line: (2..).take(rows).collect(),
         time_s: Some((0..rows).map(|row| 0.005 * row as f64).collect()),
@@ -90,13 +113,17 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
     };
     for row in 0..rows {
         let time = 0.005 * row as f64;
-        let logged = motion(&courses, time - truth.late_s);
-        let now = motion(&courses, time);
-        let torque = torque(&truth, &factor, time, now);
+        let logged = motion(courses, time - truth.late_s);
+        let now = motion(courses, time);
+        let torque = torque(&truth, factor, time, now);
         for joint in 0..2 {
             let count = 2.0 * std::f64::consts::PI / 400_000.0;
             log.joint[joint].push((logged[joint][0] / count).round() * count);
-            let noise: f64 = StandardNormal.sample(&mut random);
+            if truth.position_sd > 0.0 {
+                let noise: f64 = StandardNormal.sample(random);
+                *log.joint[joint].last_mut().unwrap() += truth.position_sd * noise;
+            }
+            let noise: f64 = StandardNormal.sample(random);
             let own = match truth.unrelated_nm > 0.0 {
                 true => truth.unrelated_nm * (3.0 * time + joint as f64).sin() * (0.7 * time).cos(),
                 false => torque[joint] * (1.0 + truth.gain * joint as f64),
@@ -104,7 +131,7 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
             log.torque_nm[joint]
                 .as_mut()
                 .unwrap()
-                .push(own + 0.1 * noise);
+                .push(own + 0.1 * noise + truth.offset_nm * (1 - joint) as f64);
         }
     }
     log

@@ -6,3 +6,4 @@
 
 mod arm;
 mod found;
+mod identified;
