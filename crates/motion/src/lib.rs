@@ -29,7 +29,7 @@ pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};
 pub use identify::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
-    Residual, identify_dynamics, stacked_percent, with_dynamics,
+    NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,
 };
 pub use loads::link_torques;
 pub use unseen::{PARTS, Unseen};

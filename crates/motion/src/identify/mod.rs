@@ -2,7 +2,9 @@
 //!
 //! docs/equations.md, Identification of a moving arm.
 
+mod answer;
 mod bias;
+mod chosen;
 mod combinations;
 mod device;
 mod estimate;
@@ -13,25 +15,26 @@ mod instruments;
 mod numbers;
 mod predict;
 mod result;
+mod shape;
 
-use std::rc::Rc;
-
-use haptical_model::{Device, JointType, Recording};
-use nalgebra::DVector;
+use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
-use crate::column::Column;
 use crate::problem::{Problem, Reading};
 
+use answer::Answer;
 use bias::{Known, of_noise, position_sds};
+use chosen::{Chosen, with_instruments};
 use combinations::Combinations;
-use estimate::{Estimate, instrumented, least_squares};
-use feasible::{ASSUMED_SD, Feasible, GIVEN_SD, Kind, Shape, nearest};
-use fit::{Settled, settle};
+use estimate::{Estimate, least_squares};
+use feasible::{Feasible, Kind, nearest};
+use fit::settle;
 use numbers::{Number, numbers};
 use predict::Numbers;
+use shape::{ASSUMED_SD, GIVEN_SD, Shape};
 
+pub use bias::NOISE_SEED;
 pub use device::with_dynamics;
 pub use friction::FrictionLaw;
 pub use instruments::Instruments;
@@ -44,12 +47,9 @@ pub use result::{
 const LOOSE: f64 = 1e3;
 /// Share of a torque that the noise of the positions may make up within the band.
 const NOISE_SHARE: f64 = 0.01;
-/// Share of a standard deviation from which a bias is worth the larger intervals of instruments.
-const BIAS_MATTERS: f64 = 0.25;
-/// Instruments by which the median number is this many times less certain than by least squares say too little.
-const WIDER: f64 = 3.0;
+
 /// Standard deviation of an armature that is known beforehand, as a share of the stated one.
-const ARMATURE_SD: f64 = 1.0;
+pub(crate) const ARMATURE_SD: f64 = 1.0;
 
 /// Identifies the dynamics of a device from a recording; `validate`: one that is predicted and not fitted; `edge_hz`: the band, where
 /// it is not for the log to say.
@@ -187,33 +187,6 @@ fn shapes(arm: &Arm, is_held: &[bool]) -> Result<Vec<(usize, Shape)>, MotionErro
     bodies.map(shape).collect()
 }
 
-/// The fit with instruments, where there are some that span the motion.
-fn with_instruments(
-    known: &Known<'_>,
-    problem: &Problem,
-    base: &Combinations,
-    (columns, target): (&[Rc<Column>], &[f64]),
-) -> Option<(Estimate, Instruments)> {
-    let (twin, instruments) = instruments::twin(known.recording, &problem.samples)?;
-    let twin = known.problem(&twin).ok()?;
-    if twin.states.rows() != problem.states.rows() {
-        return None;
-    }
-    let pick = |own: &[Rc<Column>]| -> Vec<Rc<Column>> {
-        base.kept()
-            .iter()
-            .map(|column| Rc::clone(&own[*column]))
-            .collect()
-    };
-    let mut of_twin = known.columns(&twin);
-    // the slope of the torques in time is no regressor of positions
-    let delay = known.numbers.iter().position(|own| *own == Number::Delay)?;
-    of_twin[delay] = Rc::clone(&columns[delay]);
-    let rows = problem.states.rows();
-    let found = instrumented(&pick(columns), &pick(&of_twin), target, rows).ok()?;
-    Some((found, instruments))
-}
-
 /// The feasible set that has the base parameters.
 fn feasible(
     problem: &Problem,
@@ -282,206 +255,4 @@ fn feasible(
         &base.map,
         (&root, &estimate.values),
     )
-}
-
-/// Standard deviations by instruments over those by least squares: the median.
-fn wider(with: &Estimate, plain: &Estimate) -> f64 {
-    let mut ratios: Vec<f64> = (with.sd.iter().zip(&plain.sd))
-        .map(|(with, plain)| with / plain)
-        .collect();
-    ratios.sort_by(f64::total_cmp);
-    ratios
-        .get(ratios.len() / 2)
-        .copied()
-        .unwrap_or(f64::INFINITY)
-}
-
-/// Least squares, or instruments where the noise of the positions matters and they say enough.
-struct Chosen {
-    estimate: Estimate,
-    instruments: Option<Instruments>,
-    /// What the noise is taken to have changed; none with instruments.
-    bias: Option<Vec<f64>>,
-    /// Why there are no instruments.
-    why: &'static str,
-}
-
-impl Chosen {
-    fn new(plain: Estimate, bias: Option<Vec<f64>>, with: Option<(Estimate, Instruments)>) -> Self {
-        let share = |(bias, sd): (&f64, &f64)| bias.abs() / sd;
-        let matters = bias.as_ref().is_none_or(|own| {
-            let mut shares = own.iter().zip(&plain.sd).map(share);
-            shares.any(|own| own > BIAS_MATTERS)
-        });
-        let why = match &with {
-            None => "the log neither repeats its motion nor has commands",
-            Some(_) if !matters => "it is too small for instruments to help",
-            Some((own, _)) if wider(own, &plain) > WIDER => {
-                "the motion repeats itself, or follows its commands, too loosely to keep it out"
-            }
-            Some(_) => "",
-        };
-        match with {
-            Some((estimate, instruments)) if why.is_empty() => Self {
-                estimate,
-                instruments: Some(instruments),
-                bias: None,
-                why,
-            },
-            _ => Self {
-                estimate: plain,
-                instruments: None,
-                bias,
-                why,
-            },
-        }
-    }
-
-    /// What is said where nothing keeps the noise of the positions out.
-    fn warning(
-        &self,
-        problem: &Problem,
-        (numbers, base): (&[Number], &Combinations),
-    ) -> Option<String> {
-        if self.instruments.is_some() {
-            return None;
-        }
-        let without = format!("the bias of noisy positions is not excluded: {}", self.why);
-        let Some(bias) = &self.bias else {
-            return Some(format!("{without}; its size could not be estimated"));
-        };
-        let share = |k: usize| bias[k].abs() / self.estimate.sd[k];
-        let largest = (0..bias.len()).max_by(|a, b| share(*a).total_cmp(&share(*b)))?;
-        Some(format!(
-            "{without}; by the encoders' noise it is about {:.2} standard deviations at most (of {})",
-            share(largest),
-            numbers[base.kept()[largest]].name(problem)
-        ))
-    }
-}
-
-/// From coordinates of the fit to an answer.
-struct Answer<'a> {
-    problem: &'a Problem,
-    numbers: &'a [Number],
-    settled: &'a Settled,
-    feasible: &'a Feasible,
-    shapes: &'a [(usize, Shape)],
-}
-
-impl Answer<'_> {
-    fn of(&self, number: Number) -> Estimated {
-        let place = self.numbers.iter().position(|own| *own == number);
-        place.map_or(
-            Estimated {
-                value: 0.0,
-                sd: 0.0,
-            },
-            |place| Estimated {
-                value: number.nominal(self.problem) + self.feasible.values[place],
-                sd: self.feasible.sd[place],
-            },
-        )
-    }
-
-    fn joints(&self) -> Vec<JointDynamics> {
-        let of = |joint: &usize| {
-            let joint = *joint;
-            JointDynamics {
-                joint,
-                law: self.settled.friction[joint],
-                coulomb: self.of(Number::Coulomb { joint }),
-                viscous: self.of(Number::Viscous { joint }),
-                armature: self.of(Number::Armature { joint }),
-                offset: self.of(Number::Offset { joint }),
-            }
-        };
-        self.problem.channels.iter().map(of).collect()
-    }
-
-    fn bodies(&self, is_held: &[bool]) -> Vec<BodyDynamics> {
-        let masses = self.problem.arm.bodies.masses().iter().enumerate();
-        let of = |(body, own): (usize, &haptical_model::RowMass)| {
-            let entry = |entry| self.of(Number::Body { body, entry });
-            let numbers: [Estimated; PARAMETERS] = std::array::from_fn(entry);
-            BodyDynamics {
-                row: own.row,
-                inertia: match is_held[body] {
-                    true => own.inertia,
-                    false => {
-                        haptical_dynamics::Inertia::from_parameters(numbers.map(|own| own.value))
-                    }
-                },
-                nominal: own.inertia,
-                sd: numbers.map(|own| own.sd),
-                is_assumed: !own.has_mass,
-                is_held: is_held[body],
-            }
-        };
-        masses.map(of).collect()
-    }
-
-    fn base(
-        &self,
-        device: &Device,
-        (base, estimate): (&Combinations, &Estimate),
-        bias: Option<&[f64]>,
-    ) -> Vec<BaseParameter> {
-        let types: Vec<JointType> = device.joints.iter().map(|own| own.joint_type).collect();
-        let nominal: Vec<f64> = (self.numbers.iter())
-            .map(|own| own.nominal(self.problem))
-            .collect();
-        let nominal = &base.map * DVector::from_vec(nominal);
-        let known: Vec<Option<f64>> = self.numbers.iter().map(|own| self.known_sd(*own)).collect();
-        let of = |(row, kept): (usize, &usize)| {
-            let kept = *kept;
-            let others =
-                (0..self.numbers.len()).filter(|k| *k != kept && base.map[(row, *k)] != 0.0);
-            let terms: Vec<usize> = [kept].into_iter().chain(others).collect();
-            let square = |k: &usize| Some((base.map[(row, *k)] * known[*k]?).powi(2));
-            let square: Option<f64> = terms.iter().map(square).sum();
-            BaseParameter {
-                terms: (terms.iter())
-                    .map(|k| (self.numbers[*k].name(self.problem), base.map[(row, *k)]))
-                    .collect(),
-                unit: self.numbers[kept].unit(&types),
-                estimated: Estimated {
-                    value: nominal[row] + estimate.values[row],
-                    sd: estimate.sd[row],
-                },
-                nominal: nominal[row],
-                known_sd: square.map(f64::sqrt),
-                bias: bias.map(|own| own[row]),
-            }
-        };
-        let all = base.kept().iter().enumerate();
-        all.filter(|(_, kept)| self.numbers[**kept] != Number::Delay)
-            .map(of)
-            .collect()
-    }
-
-    /// Standard deviation of a body's number that is known beforehand, or of an armature's.
-    fn known_sd(&self, number: Number) -> Option<f64> {
-        match number {
-            Number::Body { body, entry } => {
-                let shape = self.shapes.iter().find(|own| own.0 == body);
-                shape.map(|own| own.1.known_sd()[entry])
-            }
-            Number::Armature { joint } => {
-                let stated = self.problem.arm.armature[joint].unwrap_or(0.0);
-                Some(ARMATURE_SD * stated)
-            }
-            _ => None,
-        }
-    }
-
-    fn delay(&self, base: &Combinations, estimate: &Estimate) -> Estimated {
-        let place = |own: &usize| self.numbers[*own] == Number::Delay;
-        let place = base.kept().iter().position(place);
-        Estimated {
-            // torques that are early are logged before their positions
-            value: 0.0 - self.settled.early_s - place.map_or(0.0, |k| estimate.values[k]),
-            sd: place.map_or(0.0, |k| estimate.sd[k]),
-        }
-    }
 }

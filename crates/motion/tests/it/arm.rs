@@ -72,6 +72,9 @@ pub(crate) fn device() -> Device {
     Device::from_toml(NOMINAL, "two_links.toml").unwrap().device
 }
 
+/// Sizes and phases of six waves of each joint.
+type Courses = [[(f64, f64); 6]; 2];
+
 /// 20 s at 200 Hz.
 pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
     with_factors(truth, seed).0
@@ -101,7 +104,7 @@ pub(crate) fn with_factors(truth: Truth, seed: u64) -> (Recording, [f64; 4]) {
 fn log_of(
     truth: Truth,
     random: &mut ChaCha8Rng,
-    (rows, courses, factor): (usize, &[[(f64, f64); 6]; 2], &[f64; 4]),
+    (rows, courses, factor): (usize, &Courses, &[f64; 4]),
 ) -> Recording {
     let mut log = Recording {
         line: (2..).take(rows).collect(),
@@ -138,7 +141,7 @@ fn log_of(
 }
 
 /// Position, velocity and acceleration of both joints.
-fn motion(courses: &[[(f64, f64); 6]; 2], time: f64) -> [[f64; 3]; 2] {
+fn motion(courses: &Courses, time: f64) -> [[f64; 3]; 2] {
     courses.map(|course| {
         let mut own = [0.0; 3];
         for (k, (size, phase)) in course.iter().enumerate() {

@@ -17,7 +17,7 @@ fn identified(truth: Truth, seed: u64) -> (Dynamics, [f64; 4]) {
 
 fn base(found: &Dynamics, name: &str) -> Estimated {
     let own = found.base.iter().find(|own| own.terms[0].0 == name);
-    own.unwrap_or_else(|| panic!("no {name}")).estimated
+    own.unwrap().estimated
 }
 
 /// How many standard deviations an estimate is off.

@@ -16,6 +16,7 @@ use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
 use crate::write::effects::Effects;
 use crate::write::inertials::{put, urdf_element, weighed};
+use crate::write::patched::Edit;
 use crate::write::urdf::dynamics;
 use haptical_model::Segments;
 
@@ -129,7 +130,7 @@ fn drives(
     file: &str,
     read: &ReadChain,
     device: &Device,
-) -> Result<(Vec<(Range<usize>, String)>, Vec<String>), UrdfError> {
+) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
     let (links, mut said) = weighed(read, device, file)?;
     let document = document(text, file)?;
     let at = |place: usize| {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use haptical_effects::device::attached;
 use haptical_model::{Device as Model, Recording};
-use haptical_motion::{Dynamics, MotionError, with_dynamics};
+use haptical_motion::{Dynamics, MotionError, NOISE_SEED, with_dynamics};
 
 pub use self::result::{
     BodyEntry, CombinationEntry, IdentifiedDynamics, JointEntry, NumberEntry, StackedEntry,
@@ -102,7 +102,8 @@ pub fn identify_dynamics_as(
     flags.push(format!("--with={DYNAMICS}"));
     flags.extend(band_hz.map(|edge| format!("--band-hz={edge}")));
     flags.extend(device.equipment().chain_flags());
-    let record = Record::new(version, "identify", flags, inputs);
+    let mut record = Record::new(version, "identify", flags, inputs);
+    record.seeds.insert("noise added to positions", NOISE_SEED);
     let mut warnings = device.warnings.clone();
     warnings.extend_from_slice(&log.warnings);
     warnings.extend(validate.iter().flat_map(|own| own.warnings.clone()));
