@@ -46,12 +46,18 @@ pub(crate) enum Command {
     #[command(after_help = "\
 Example:
   haptical identify --device device.toml --log log.csv.gz --out result
+  haptical identify --device arm.urdf --log motion.csv --validate other.csv --with dynamics --out result
 
 Writes result/identified.toml (a device file again), result/identified.json,
 result/identify.html (tables and figures) and result/report.html, an index of the
 results in the folder: all or none of them. A fit that is worse than the device file on
 rows that it did not see is written to result/rejected.toml, and identified.toml holds
 the device with new joint offsets, or as it was, whichever is better.
+
+With `--with dynamics` the log has times, positions and torques of a moving arm, and identified.toml
+other masses, centres, inertias, armatures, friction, torque offsets and delay: the feasible set that is
+nearest to the device's own and has the sums that the motion fixes. `haptical export` writes them into
+URDF and MJCF.
 
 Files of an earlier `haptical identify` are overwritten, and one that is not written again is
 removed; a file of these names that none wrote, or that was changed since, is refused before
@@ -148,9 +154,16 @@ pub(crate) struct IdentifyArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=100), conflicts_with = "held_out")]
     pub(crate) folds: Option<u64>,
     /// Fit this effect too, together with geometry and drives: a law of `haptical diagnose --list`, at one joint or at every
-    /// joint that can have it; or the causes of a gap.json. Repeatable
-    #[arg(long, value_name = "EFFECT[@JOINT]|GAP.JSON")]
+    /// joint that can have it; or the causes of a gap.json. Repeatable. The word `dynamics` alone: inertias, friction,
+    /// armatures, offsets and one delay from torques, in the place of geometry and drives
+    #[arg(long, value_name = "EFFECT[@JOINT]|GAP.JSON|dynamics")]
     pub(crate) with: Vec<String>,
+    /// With `--with dynamics`: a log that is predicted and not fitted
+    #[arg(long, value_name = "FILE")]
+    pub(crate) validate: Option<PathBuf>,
+    /// With `--with dynamics`: edge of the low pass of torques and model, in the place of the one that the log's noise asks for
+    #[arg(long, value_name = "HERTZ", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) band_hz: Option<f64>,
     #[command(flatten)]
     pub(crate) hold: HoldOptions,
     /// Degree of the polynomial of a parallelogram: a number, or `evidence` for the degree up to

@@ -185,11 +185,10 @@ fn compliance_warning(device: &Device) -> Option<String> {
     ))
 }
 
-/// What an export without effects leaves out.
+/// What an export without effects but friction, its `dynamics`, leaves out.
 fn effects_warning(device: &Device) -> Option<String> {
-    let labels: Vec<String> = device
-        .effects
-        .iter()
+    let labels: Vec<String> = (device.effects.iter())
+        .filter(|effect| effect.name != "joint-friction")
         .map(|effect| format!("`{}`", effect.label()))
         .collect();
     (!labels.is_empty()).then(|| {

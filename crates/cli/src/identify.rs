@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use haptical::files::{Overwrite, ResultKind};
-use haptical::identify_as;
+use haptical::{DYNAMICS, identify_as, identify_dynamics_as};
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
@@ -32,6 +32,7 @@ impl ResultCommand for IdentifyArguments {
             ("device", Some(&self.device)),
             ("log", Some(&self.log)),
             ("rig", self.device_options.rig.as_ref()),
+            ("validate", self.validate.as_ref()),
         ])
         .into_iter()
         .chain(self.causes().map(|path| ("with", path)))
@@ -47,6 +48,17 @@ impl ResultCommand for IdentifyArguments {
         let device = inputs.device(self.equipment())?;
         let log = inputs.log(&device)?;
         let (joints, rows) = (device.model.joints.len(), log.recording.len());
+        if self.is_of_dynamics()? {
+            progress.say(format!("identifying {joints} joints from {rows} rows"));
+            let validate = inputs.optional_log("validate", &device)?;
+            let found =
+                identify_dynamics_as(version, &device, &log, validate.as_ref(), self.band_hz)?;
+            return Ok(MadeResult {
+                files: found.files()?,
+                warnings: found.warnings().to_vec(),
+                summary: found.to_string(),
+            });
+        }
         progress.say(format!("calibrating {joints} joints from {rows} rows"));
         let mut request = self.request();
         request.with_causes = inputs.optional("with").cloned();
@@ -56,5 +68,27 @@ impl ResultCommand for IdentifyArguments {
             warnings: found.warnings().to_vec(),
             summary: found.to_string(),
         })
+    }
+}
+
+impl IdentifyArguments {
+    /// Whether the dynamics alone are asked for.
+    fn is_of_dynamics(&self) -> Result<bool, Failure> {
+        let refuse = |what: &str, next: &str| Err(Failure::command_line("arguments", what, next));
+        let is_asked = self.with.iter().any(|word| word == DYNAMICS);
+        if is_asked && self.with.len() > 1 {
+            return refuse(
+                "--with dynamics is given with other effects",
+                "give `--with dynamics` alone; `haptical diagnose` names effects beside the dynamics",
+            );
+        }
+        let is_extra = self.validate.is_some() || self.band_hz.is_some();
+        if is_extra && !is_asked {
+            return refuse(
+                "--validate and --band-hz belong to `--with dynamics`",
+                "leave them out: --held-out and --folds keep rows of the log out of other fits",
+            );
+        }
+        Ok(is_asked)
     }
 }

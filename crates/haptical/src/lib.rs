@@ -46,9 +46,10 @@ pub use forward::{
     Drift, Drive, Forward, ForwardDevice, HORIZONS_S, JointDrift, KEPT_HORIZON_S, forward,
 };
 pub use identify::{
-    EffectEntry, EffectNumber, Found, IdentifiabilityEntry, Identified, Identify, LossEntry,
-    NoiseEntry, NotIdentified, ParameterEntry, RankEntry, RejectedEntry, TransmissionEntry,
-    identify, identify_as,
+    BodyEntry, CombinationEntry, DYNAMICS, EffectEntry, EffectNumber, Found, FoundDynamics,
+    IdentifiabilityEntry, Identified, IdentifiedDynamics, Identify, JointEntry, LossEntry,
+    NoiseEntry, NotIdentified, NumberEntry, ParameterEntry, RankEntry, RejectedEntry, StackedEntry,
+    TorqueEntry, TransmissionEntry, identify, identify_as, identify_dynamics, identify_dynamics_as,
 };
 pub use log::Log;
 pub use plan::{

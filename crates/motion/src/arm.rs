@@ -23,6 +23,9 @@ pub(crate) struct Arm {
     pub(crate) bodies: RigidBodies,
     /// Stated armature of each joint \[kg m^2\].
     pub(crate) armature: Vec<Option<f64>>,
+    /// What each joint's torque reads without any, and how long it is logged before its position \[s\].
+    pub(crate) offset: Vec<f64>,
+    pub(crate) early_s: Vec<f64>,
 }
 
 impl Arm {
@@ -34,6 +37,12 @@ impl Arm {
         Ok(Self {
             bodies: RigidBodies::plausible(device)?,
             armature: device.joints.iter().map(|own| own.armature_kgm2).collect(),
+            offset: (device.joints.iter())
+                .map(|own| own.torque_offset_nm.unwrap_or(0.0))
+                .collect(),
+            early_s: (device.joints.iter())
+                .map(|own| -own.torque_delay_s.unwrap_or(0.0))
+                .collect(),
         })
     }
 

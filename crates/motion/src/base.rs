@@ -54,6 +54,11 @@ pub(crate) struct BaseColumn {
     pub(crate) column: Rc<Column>,
 }
 
+/// Direction of a motion, smooth about rest.
+pub(crate) fn sign(dq: &[f64], turnover: f64) -> Vec<f64> {
+    dq.iter().map(|dq| libm::tanh(dq / turnover)).collect()
+}
+
 /// How Coulomb friction changes its direction with the motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reversal {
@@ -66,8 +71,8 @@ pub(crate) struct Reversal {
 impl Reversal {
     /// Its direction at the fine steps, smooth about rest.
     fn sign(self, problem: &Problem, joint: usize) -> Vec<f64> {
-        let speed = self.speed(problem, joint);
-        speed.map(|dq| libm::tanh(dq / self.turnover)).collect()
+        let speed: Vec<f64> = self.speed(problem, joint).collect();
+        sign(&speed, self.turnover)
     }
 
     /// The speed that it turns over with.

@@ -19,7 +19,16 @@ pub enum MotionError {
     /// Nothing moves.
     #[error("no joint moves: torques at rest say nothing of inertia and friction")]
     Standstill,
+    /// A fit has no solution.
+    #[error("the fit of the dynamics failed: {0}")]
+    Fit(String),
     /// The device cannot be evaluated.
     #[error(transparent)]
     Model(#[from] ModelError),
+}
+
+impl From<haptical_linalg::LinalgError> for MotionError {
+    fn from(error: haptical_linalg::LinalgError) -> Self {
+        Self::Fit(error.to_string())
+    }
 }

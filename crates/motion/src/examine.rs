@@ -261,6 +261,7 @@ fn examine_with(
         edge_hz,
         sets_right: !without.iter().any(|name| name == SAMPLING),
         has_memory,
+        noise_share: 0.0,
     };
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
     let base = Base::weighted(&mut problem);

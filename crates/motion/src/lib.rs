@@ -10,6 +10,7 @@ mod dependence;
 mod effect;
 mod error;
 mod examine;
+mod identify;
 mod loads;
 mod local_polynomial;
 mod low_pass;
@@ -28,5 +29,9 @@ pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};
+pub use identify::{
+    BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
+    NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,
+};
 pub use loads::link_torques;
 pub use unseen::{PARTS, Unseen};

@@ -1,5 +1,6 @@
 //! A recording's torques as whitened rows, with what rigid bodies say of them.
 
+use haptical_linalg::dot;
 use haptical_model::Recording;
 
 use crate::MotionError;
@@ -33,6 +34,9 @@ pub(crate) struct Reading {
     pub(crate) sets_right: bool,
     /// The noise of torques may have a memory.
     pub(crate) has_memory: bool,
+    /// Share of a torque's root mean square that the noise of the positions may be, where it is above that of the torque: the band is
+    /// narrowed until then.
+    pub(crate) noise_share: f64,
 }
 
 /// The rows of a recording.
@@ -70,6 +74,7 @@ impl Problem {
             edge_hz,
             sets_right,
             has_memory,
+            noise_share,
         } = reading;
         let samples = Samples::new(recording, sets_right)?;
         if samples.rate_hz() < LEAST_RATE_HZ {
@@ -97,11 +102,17 @@ impl Problem {
         };
         let mut chosen = None;
         for edge in edges {
-            let Some(states) = States::new(&samples, edge) else {
+            let states = States::new(&samples, edge);
+            let Some(states) = states.filter(|own| own.rows() >= LEAST_ROWS) else {
                 continue;
             };
             let [positions, torques] = noises(&arm, &samples, &states, (&channels, has_memory))?;
-            let is_fine = (positions.iter().zip(&torques)).all(|(own, torque)| own <= torque);
+            let allowed = |channel: usize| {
+                let own = states.torque(&samples, channels[channel], 0.0);
+                torques[channel].max(noise_share * (dot(&own, &own) / own.len() as f64).sqrt())
+            };
+            let mut own = positions.iter().enumerate();
+            let is_fine = own.all(|(channel, own)| *own <= allowed(channel));
             let sd: Vec<f64> = (positions.iter().zip(&torques))
                 .map(|(own, torque)| own.hypot(*torque))
                 .collect();
@@ -110,11 +121,9 @@ impl Problem {
                 break;
             }
         }
-        let (states, row_sd) = chosen
-            .filter(|(states, _)| states.rows() >= LEAST_ROWS)
-            .ok_or_else(|| {
-                MotionError::Sampling("no piece of the log without a gap is long enough".to_owned())
-            })?;
+        let (states, row_sd) = chosen.ok_or_else(|| {
+            MotionError::Sampling("no piece of the log without a gap is long enough".to_owned())
+        })?;
         let fastest = states
             .motor
             .dq
@@ -165,6 +174,17 @@ impl Problem {
                 self.inertial.iter_mut().for_each(|own| own[at] *= change);
             }
         }
+    }
+
+    /// Weights all rows of a channel by one standard deviation.
+    pub(crate) fn reweigh(&mut self, row_sd: &[f64]) {
+        let rows = self.states.rows();
+        for at in 0..self.channel_rows() {
+            let change = 1.0 / (row_sd[at / rows] * self.weights[at]);
+            self.weights[at] *= change;
+            self.inertial.iter_mut().for_each(|own| own[at] *= change);
+        }
+        self.row_sd = row_sd.to_vec();
     }
 
     /// Weight of a row, all channels counted through.
@@ -221,13 +241,11 @@ impl Problem {
         let mut all = Vec::with_capacity(self.channel_rows());
         for (channel, &joint) in self.channels.iter().enumerate() {
             let weights = &self.weights[channel * self.states.rows()..];
+            let early_s = early_s + self.arm.early_s[joint];
             let torque = self.states.torque(&self.samples, joint, early_s);
-            all.extend(
-                torque
-                    .iter()
-                    .zip(weights)
-                    .map(|(value, weight)| weight * value),
-            );
+            let offset = self.arm.offset[joint];
+            let own = torque.iter().zip(weights);
+            all.extend(own.map(|(value, weight)| weight * (value - offset)));
         }
         self.of_joints(&self.nominal_torque())
             .add_to(&mut all, -1.0);
@@ -277,7 +295,7 @@ impl Problem {
                 .bodies
                 .regressor(&at[0], &at[1], &at[2], &mut work, &mut regressor)?;
             for (joint, own) in regressor.chunks_exact(columns).enumerate() {
-                self.rigid[joint][step] = haptical_linalg::dot(own, &nominal);
+                self.rigid[joint][step] = dot(own, &nominal);
             }
             while first < rows && {
                 let (from, weights) = states.window(first);

@@ -9,6 +9,11 @@ use crate::sampling::Sampling;
 const BREAK: f64 = 0.6;
 /// Steps over which readings are filled in, of a log of which rows are missing.
 const FILLED: f64 = 4.6;
+/// The same of a log whose stamps are so uneven that most of its rows are in no piece of this length otherwise \[s\], and its
+/// shortest step.
+const LONG_S: f64 = 1.0;
+const FILLED_S: f64 = 0.02;
+const SHORTEST: f64 = 0.1;
 /// Stamps that lie within this share of a step beside an even grid are taken as even.
 const EVEN: f64 = 0.05;
 /// Fewest samples of a piece.
@@ -73,11 +78,18 @@ impl Samples {
         };
         let mut pieces = Vec::new();
         let (mut deviation, mut count) = (0.0, 0);
-        for rows in stretches(
+        let mut all = stretches(
             recording,
             time_s,
             [(1.0 - BREAK) * step_s, longest * step_s],
-        ) {
+        );
+        let long = all.iter().map(std::ops::Range::len);
+        let long = long.filter(|rows| *rows as f64 * step_s > LONG_S);
+        if 2 * long.sum::<usize>() < recording.len() {
+            let steps_s = [SHORTEST * step_s, (FILLED * step_s).max(FILLED_S)];
+            all = stretches(recording, time_s, steps_s);
+        }
+        for rows in all {
             let (piece, square) = piece(recording, time_s, step_s, rows.clone());
             deviation += square * piece.length as f64;
             count += piece.length;

@@ -98,6 +98,7 @@ pub(crate) fn on_second(
             edge_hz: Some(own.states.pass.edge_hz),
             sets_right: true,
             has_memory: own.has_memory,
+            noise_share: 0.0,
         },
     )?;
     problem.allow_for_rest(&base.coulomb);

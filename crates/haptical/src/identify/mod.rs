@@ -1,5 +1,6 @@
 //! Identification: a device and a log in; values, intervals, reasons, files and the table of residuals out.
 
+mod dynamics;
 mod effects;
 pub(crate) mod intervals;
 mod page;
@@ -18,6 +19,10 @@ use haptical_calibration::{
 };
 use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
 
+pub use self::dynamics::{
+    BodyEntry, CombinationEntry, DYNAMICS, FoundDynamics, IdentifiedDynamics, JointEntry,
+    NumberEntry, StackedEntry, TorqueEntry, identify_dynamics, identify_dynamics_as,
+};
 pub use self::effects::{EffectEntry, EffectNumber};
 use self::effects::{EffectFitError, calibrate_with_effects};
 use self::result::identified;

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use haptical::diagnosis::Verdict;
-use haptical::{Device, Diagnose, Log, diagnose};
+use haptical::{Device, Diagnose, Log, diagnose, identify_dynamics};
 
 /// The set, what may be named first, and the joint. Of `07-backlash-second` the answer is `unknown`, and is not asked here.
 const SETS: [(&str, &[&str], Option<usize>); 9] = [
@@ -61,5 +61,29 @@ fn what_moves_an_arm_is_named() {
                 );
             }
         }
+    }
+}
+
+/// What is identified from one log of a sound arm is no gap on another.
+#[test]
+fn a_sound_arm_that_was_identified_has_no_gap() {
+    let sets = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/moving-sets");
+    if !sets.exists() {
+        println!("skipped: no {}", sets.display());
+        return;
+    }
+    for model in ["arm_a.urdf", "arm_a.xml"] {
+        let device = Device::load(sets.join(model)).unwrap();
+        let read = |name: &str| Log::read(sets.join("01-clean").join(name), &device).unwrap();
+        let (log, second) = (read("log.csv.gz"), read("log2.csv.gz"));
+        let found = identify_dynamics(&device, &log, Some(&second), None).unwrap();
+        let unseen = found.result.stacked_percent_validate.unwrap();
+        assert!(unseen.after < 2.5 && unseen.before > 40.0, "{unseen:?}");
+        let request = Diagnose {
+            model: Some(&found.device),
+            ..Diagnose::default()
+        };
+        let told = diagnose(&device, &second, &request).unwrap().diagnosis;
+        assert_eq!(told.verdict, Verdict::NoGap, "{model}: {:?}", told.causes);
     }
 }

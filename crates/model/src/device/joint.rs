@@ -120,6 +120,10 @@ pub struct Joint {
     pub armature_kgm2: Option<f64>,
     /// Largest torque of the drive, seen at the joint \[N m\], \[N\]; none where nobody says.
     pub torque_limit_nm: Option<f64>,
+    /// What the torque reads where the drive gives none \[N m\], \[N\]; none where nobody says.
+    pub torque_offset_nm: Option<f64>,
+    /// How much later the torque is logged than the position of the same moment \[s\]; none where nobody says.
+    pub torque_delay_s: Option<f64>,
     /// Lengths of the parallelogram's bars \[m\].
     pub parallelogram_lengths_m: Option<[f64; 4]>,
     /// Error of the transmission.
@@ -146,6 +150,8 @@ impl Default for Joint {
             torque_scale_sd: TORQUE_SCALE_SD,
             armature_kgm2: None,
             torque_limit_nm: None,
+            torque_offset_nm: None,
+            torque_delay_s: None,
             parallelogram_lengths_m: None,
             transmission_error: TransmissionError::default(),
         }

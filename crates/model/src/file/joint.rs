@@ -107,6 +107,8 @@ pub(crate) fn read_joint(
             .unwrap_or(TORQUE_SCALE_SD),
         armature_kgm2: read_armature(section, joint_type)?,
         torque_limit_nm: read_torque_limit(section, joint_type)?,
+        torque_offset_nm: read_torque_offset(section, joint_type)?,
+        torque_delay_s: section.number("torque_delay_s")?,
         parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
         transmission_error: TransmissionError::default(),
     };
@@ -140,6 +142,14 @@ fn read_torque_limit(section: &Section<'_, '_>, joint_type: JointType) -> Result
         JointType::Revolute => None,
     };
     Ok(own.or(section.positive("torque_limit_nm")?))
+}
+
+fn read_torque_offset(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
+    let own = match joint_type {
+        JointType::Prismatic => section.number("torque_offset_n")?,
+        JointType::Revolute => None,
+    };
+    Ok(own.or(section.number("torque_offset_nm")?))
 }
 
 fn read_transmission_error(section: &Section<'_, '_>) -> Result<TransmissionError> {

@@ -1,8 +1,10 @@
 //! A device's chain as joints along z with constant transforms between them, whatever its convention.
 
+use haptical_dynamics::Inertia;
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_kinematics::{Chain, Convention, Link, Motion, Pose};
 
+use crate::device::Body;
 use crate::rigid::{about_z, then, turn};
 use crate::{Device, Drive, JointType, ModelError};
 
@@ -176,6 +178,52 @@ fn of_device(device: &Device) -> Result<Segments, ModelError> {
     };
     let handles = (0..device.hands.len().max(1)).map(handle).collect();
     Ok(Segments { rows, handles })
+}
+
+impl Device {
+    /// Gives a moving row another mass, centre and inertia, which are those of [`crate::RowMass`]: in the frame behind the row's
+    /// motion.
+    ///
+    /// ```
+    /// use haptical_model::{Device, RigidBodies};
+    /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+    /// let mut device = Device::load(path.as_ref())?.device;
+    /// let mut inertia = RigidBodies::plausible(&device)?.masses()[2].inertia;
+    /// inertia.mass_kg += 1.0;
+    /// device.set_row_inertia(3, &inertia)?;
+    /// let again = RigidBodies::plausible(&device)?.masses()[2].inertia;
+    /// assert!((again.mass_kg - inertia.mass_kg).abs() < 1e-15);
+    /// assert!((again.first_moment_kgm - inertia.first_moment_kgm).norm() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ModelError::NoDrive`] for a row that does not move.
+    pub fn set_row_inertia(&mut self, row: usize, inertia: &Inertia) -> Result<(), ModelError> {
+        let missing = || ModelError::NoDrive {
+            device: self.name.clone(),
+            row,
+        };
+        let link = self
+            .links
+            .get(row)
+            .filter(|_| row > 0)
+            .ok_or_else(missing)?;
+        let back = about_z(-link.theta_rad);
+        let centre_m = back * inertia.centre_of_mass_m().unwrap_or_default();
+        let own = back * inertia.about_centre_kgm2() * back.transpose();
+        let body = Body {
+            mass_kg: inertia.mass_kg,
+            centre_of_mass_m: centre_m.into(),
+            inertia_kgm2: Some(
+                [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| own[place]),
+            ),
+        };
+        let rows = self.links.len();
+        self.bodies.resize(rows, None);
+        self.bodies[row] = Some(body);
+        Ok(())
+    }
 }
 
 /// An inertia xx, yy, zz, xy, xz, yz in the frame behind the motion: as its centre, it is given behind Rz(theta), and a

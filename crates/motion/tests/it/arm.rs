@@ -60,10 +60,14 @@ pub(crate) struct Truth {
     pub(crate) dent_nm: f64,
     /// Where the readings of the second joint's torque end, if they do \[N m\].
     pub(crate) end_nm: Option<f64>,
-    /// What the first joint's torque is logged too large by \[N m\].
-    pub(crate) offset_nm: f64,
     /// How long before the motion its friction turns over \[s\].
     pub(crate) lead_s: f64,
+    /// Noise of the positions \[rad\].
+    pub(crate) position_sd: f64,
+    /// What the first joint's torque reads without any \[N m\].
+    pub(crate) offset_nm: f64,
+    /// Rows beyond 20 s, in which the motion begins again.
+    pub(crate) further_rows: usize,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
 }
@@ -72,10 +76,18 @@ pub(crate) fn device() -> Device {
     Device::from_toml(NOMINAL, "two_links.toml").unwrap().device
 }
 
+/// Sizes and phases of six waves of each joint.
+type Courses = [[(f64, f64); 6]; 2];
+
 /// 20 s at 200 Hz.
 pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
+    with_factors(truth, seed).0
+}
+
+/// The same with what the true arm's first mass, second mass and armatures are multiples of.
+pub(crate) fn with_factors(truth: Truth, seed: u64) -> (Recording, [f64; 4]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let rows = 4000;
+    let rows = 4000 + truth.further_rows;
     let mut courses = [[(0.0, 0.0); 6]; 2];
     for course in &mut courses {
         for wave in course {
@@ -86,6 +98,18 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
         }
     }
     let factor: Vec<f64> = (0..4).map(|_| random.random_range(0.94..1.06)).collect();
+    let factor: [f64; 4] = std::array::from_fn(|k| factor[k]);
+    (
+        log_of(truth, &mut random, (rows, &courses, &factor)),
+        factor,
+    )
+}
+
+fn log_of(
+    truth: Truth,
+    random: &mut ChaCha8Rng,
+    (rows, courses, factor): (usize, &Courses, &[f64; 4]),
+) -> Recording {
     let mut log = Recording {
         line: (2..).take(rows).collect(),
         time_s: Some((0..rows).map(|row| 0.005 * row as f64).collect()),
@@ -96,33 +120,36 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
     };
     for row in 0..rows {
         let time = 0.005 * row as f64;
-        let logged = motion(&courses, time - truth.late_s);
-        let now = motion(&courses, time);
-        let torque = torque(&truth, &factor, time, now);
+        let logged = motion(courses, time - truth.late_s);
+        let now = motion(courses, time);
+        let torque = torque(&truth, factor, time, now);
         for joint in 0..2 {
             let count = 2.0 * std::f64::consts::PI / 400_000.0;
             log.joint[joint].push((logged[joint][0] / count).round() * count);
-            let noise: f64 = StandardNormal.sample(&mut random);
+            if truth.position_sd > 0.0 {
+                let noise: f64 = StandardNormal.sample(random);
+                *log.joint[joint].last_mut().unwrap() += truth.position_sd * noise;
+            }
+            let noise: f64 = StandardNormal.sample(random);
             let own = match truth.unrelated_nm > 0.0 {
                 true => truth.unrelated_nm * (3.0 * time + joint as f64).sin() * (0.7 * time).cos(),
                 false => torque[joint] * (1.0 + truth.gain * joint as f64),
             };
             let own = match (joint, truth.end_nm) {
                 (1, Some(end)) => own.clamp(-end, end),
-                (0, _) => own + truth.offset_nm,
                 _ => own,
             };
             log.torque_nm[joint]
                 .as_mut()
                 .unwrap()
-                .push(own + 0.1 * noise);
+                .push(own + 0.1 * noise + truth.offset_nm * (1 - joint) as f64);
         }
     }
     log
 }
 
 /// Position, velocity and acceleration of both joints.
-fn motion(courses: &[[(f64, f64); 6]; 2], time: f64) -> [[f64; 3]; 2] {
+fn motion(courses: &Courses, time: f64) -> [[f64; 3]; 2] {
     courses.map(|course| {
         let mut own = [0.0; 3];
         for (k, (size, phase)) in course.iter().enumerate() {

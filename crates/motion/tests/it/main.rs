@@ -6,4 +6,5 @@
 
 mod arm;
 mod found;
+mod identified;
 mod laws;

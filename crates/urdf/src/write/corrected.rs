@@ -1,4 +1,4 @@
-//! A URDF with the calibrated geometry in place: only origins change, the rest of the text stays.
+//! A URDF with the calibrated geometry, masses and friction in place: the rest of the text stays.
 
 use std::ops::Range;
 
@@ -11,8 +11,13 @@ use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
+use crate::robot::xml::document;
 use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
+use crate::write::effects::Effects;
+use crate::write::inertials::{put, urdf_element, weighed};
+use crate::write::patched::Edit;
+use crate::write::urdf::dynamics;
 use haptical_model::Segments;
 
 /// A corrected URDF.
@@ -35,8 +40,9 @@ pub struct CorrectedUrdf {
 const SAME: f64 = 1e-6;
 
 /// The text of a URDF with the origins of the chain's joints, and of the last fixed joint behind them,
-/// replaced so that its forward kinematics is that of `device`, of every chain where it has several. Comments, meshes and all other elements
-/// stay as they are.
+/// replaced so that its forward kinematics is that of `device`, of every chain where it has several; with `<inertial>` of links whose
+/// masses the device has otherwise, and `<dynamics>` where it knows a joint's friction. Comments, meshes and all other elements stay
+/// as they are.
 ///
 /// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
 /// fixed joint is behind the last moving one, a link and a fixed joint for the handle are added; so they are for
@@ -75,6 +81,7 @@ pub fn corrected_urdf(
 ) -> Result<CorrectedUrdf, UrdfError> {
     let read = ReadChain::of_urdf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "URDF"))?;
+    let (drives, said) = drives(text, file, &read, device)?;
     let ReadChain {
         robot,
         paths,
@@ -84,12 +91,13 @@ pub fn corrected_urdf(
     if has_transmission_errors(device) {
         warnings.push(TRANSMISSIONS.to_owned());
     }
+    warnings.extend(said);
     let link = |index: usize| robot.links[index].name.clone();
     let mut base = link(paths[0].base);
     let mut tips: Vec<String> = paths.iter().map(|path| link(path.tip)).collect();
     // the path has joints, so the robot has a closing tag
     let end = robot.end.unwrap_or(text.len());
-    let mut edits = Vec::new();
+    let mut edits = drives;
     let mut add = |link: &mut String, what: &str, place: &str, origin: &Pose| {
         let (addition, name) = added_link(&robot, link, what, origin);
         warnings.push(format!(
@@ -114,6 +122,49 @@ pub fn corrected_urdf(
         further_tips: tips.collect(),
         warnings,
     })
+}
+
+/// Masses and friction that the file has otherwise, and what a URDF cannot hold of them.
+fn drives(
+    text: &str,
+    file: &str,
+    read: &ReadChain,
+    device: &Device,
+) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
+    let (links, mut said) = weighed(read, device, file)?;
+    let document = document(text, file)?;
+    let at = |place: usize| {
+        let mut all = document.descendants();
+        all.find(|own| own.is_element() && own.range().start == place)
+    };
+    let mut edits = Vec::new();
+    for own in &links {
+        let element = urdf_element(&own.inertia);
+        edits.extend(at(own.place).map(|node| put(text, node, "inertial", &element)));
+    }
+    let effects = Effects::new(device);
+    for (joint, friction) in effects.friction.iter().enumerate() {
+        let driver = read
+            .rows
+            .drivers
+            .get(joint)
+            .map(|own| &read.robot.joints[*own]);
+        let element = dynamics(*friction);
+        let node = driver
+            .and_then(|own| at(own.place))
+            .filter(|_| !element.is_empty());
+        edits.extend(node.map(|node| put(text, node, "dynamics", element.trim())));
+    }
+    let of_drives = |own: &haptical_model::Joint| {
+        let is_told = |number: Option<f64>| number.is_some_and(|own| own != 0.0);
+        is_told(own.armature_kgm2) || is_told(own.torque_offset_nm) || is_told(own.torque_delay_s)
+    };
+    if device.joints.iter().any(of_drives) {
+        said.push(
+            "a URDF has no place for armatures, torque offsets and delays: an MJCF has one for armatures".to_owned(),
+        );
+    }
+    Ok((edits, said))
 }
 
 /// What a device asks of the description that it came from, and for which path; `file` and its kind name it in refusals.

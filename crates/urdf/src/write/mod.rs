@@ -3,6 +3,7 @@
 pub(crate) mod added_joints;
 pub(crate) mod corrected;
 pub(crate) mod effects;
+pub(crate) mod inertials;
 pub(crate) mod keyframes;
 pub(crate) mod mjcf;
 pub(crate) mod patched;

@@ -17,6 +17,7 @@ use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
 use crate::write::effects::Effects;
+use crate::write::inertials::{mjcf_element, put, weighed};
 use crate::write::mjcf::snippet;
 use haptical_model::rigid::{inverse, then};
 
@@ -78,6 +79,7 @@ pub fn corrected_mjcf(
 ) -> Result<CorrectedMjcf, UrdfError> {
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
+    let (weighed, unweighed) = weighed(&read, device, file)?;
     let ReadChain {
         robot,
         paths,
@@ -130,6 +132,22 @@ pub fn corrected_mjcf(
                 (wanted - behind).max(0.0)
             });
         edits.extend(patch.drive(&effects, joint, own, armature));
+    }
+    warnings.extend(unweighed);
+    for own in &weighed {
+        let element = mjcf_element(&own.inertia);
+        edits.extend(
+            patch
+                .element(own.place)
+                .map(|node| put(text, node, "inertial", &element)),
+        );
+    }
+    if device
+        .joints
+        .iter()
+        .any(|own| own.torque_offset_nm.or(own.torque_delay_s).is_some())
+    {
+        warnings.push("an MJCF has no place for torque offsets and delays of torques".to_owned());
     }
     warnings.extend(effects.said.iter().cloned());
     let drivers: Vec<&RobotJoint> = (rows.drivers.iter())

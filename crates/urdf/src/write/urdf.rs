@@ -174,7 +174,7 @@ fn inertial(body: &RowBody) -> String {
 }
 
 /// What a joint's friction is in a URDF.
-fn dynamics(friction: Friction) -> String {
+pub(crate) fn dynamics(friction: Friction) -> String {
     if friction == Friction::default() {
         return String::new();
     }

@@ -12,6 +12,7 @@ mod branches;
 mod corrected;
 mod described;
 mod hands;
+mod inertials;
 mod mjcf_patch;
 mod mjcf_read;
 mod motion;

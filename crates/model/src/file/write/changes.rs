@@ -4,6 +4,7 @@ use haptical_kinematics::Link;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
 use crate::file::reader::Source;
+use crate::file::write::whole::{body_items, drive_numbers, number};
 use crate::parameter::LINK_KEYS;
 use crate::{Device, DeviceFileError, Parameter, TransmissionError};
 
@@ -20,7 +21,7 @@ const ERROR_KEYS: [&str; 8] = [
 ];
 
 impl Device {
-    /// The text of the device file `original` with this device's link values and transmission errors
+    /// The text of the device file `original` with this device's link values, masses, drives and transmission errors
     /// in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
     /// already, which is kept). Reading the text gives the same numbers, bit by bit.
     ///
@@ -49,11 +50,23 @@ impl Device {
         {
             set_link(row, now, was);
         }
+        let bodies = self.bodies.iter().zip(&before.bodies);
+        for (row, (now, was)) in rows(&mut document, "link").into_iter().zip(bodies) {
+            if let Some(body) = now.filter(|_| now != was) {
+                set_items(row, body_items(&body));
+            }
+        }
         if !before.links.is_empty() && !document.contains_key("nominal") {
             document.insert("nominal", Item::Table(nominal(&before.links)));
         }
         for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
             set_error(row, &joint.transmission_error, joint.unit());
+        }
+        let joints = self.joints.iter().zip(&before.joints);
+        for (row, (now, was)) in rows(&mut document, "joint").into_iter().zip(joints) {
+            let pairs = drive_numbers(now).into_iter().zip(drive_numbers(was));
+            let changed = pairs.filter(|(now, was)| now != was);
+            set_items(row, changed.map(|((key, now), _)| (key, number(now))));
         }
         crate::file::write::surroundings::write_changes(&mut document, self, &before);
         Ok(document.to_string())
@@ -94,6 +107,21 @@ pub(crate) fn set(row: &mut dyn TableLike, key: &str, new: impl Into<Value>) {
         }
         None => {
             row.insert(key, Item::Value(new));
+        }
+    }
+}
+
+/// Sets values; a key without one is taken away.
+fn set_items(
+    row: &mut dyn TableLike,
+    items: impl IntoIterator<Item = (&'static str, Option<Item>)>,
+) {
+    for (key, item) in items {
+        match item.and_then(|own| own.into_value().ok()) {
+            Some(new) => set(row, key, new),
+            None => {
+                row.remove(key);
+            }
         }
     }
 }

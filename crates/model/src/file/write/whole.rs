@@ -11,7 +11,7 @@ use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
-use crate::{Device, DeviceEffect, DeviceFileError, Hand, JointType};
+use crate::{Body, Device, DeviceEffect, DeviceFileError, Hand, JointType};
 
 impl Device {
     /// A device file (TOML) that holds everything this device does. Reading it gives the same device, bit
@@ -117,14 +117,24 @@ impl Device {
             insert_drive(&mut table, drive);
         }
         if let Some(Some(body)) = self.bodies.get(row) {
-            insert(&mut table, "mass_kg", number(body.mass_kg));
-            insert(&mut table, "centre_of_mass_m", list(&body.centre_of_mass_m));
-            if let Some(inertia) = &body.inertia_kgm2 {
-                insert(&mut table, "inertia_kgm2", list(inertia));
+            for (key, item) in body_items(body) {
+                insert(&mut table, key, item);
             }
         }
         table
     }
+}
+
+/// What a row carries, by its keys.
+pub(crate) fn body_items(body: &Body) -> [(&'static str, Option<Item>); 3] {
+    [
+        ("mass_kg", number(body.mass_kg)),
+        ("centre_of_mass_m", list(&body.centre_of_mass_m)),
+        (
+            "inertia_kgm2",
+            body.inertia_kgm2.as_ref().and_then(|own| list(own)),
+        ),
+    ]
 }
 
 /// A table of what there is.
@@ -214,17 +224,28 @@ fn joint_table(joint: &Joint) -> Table {
     ] {
         insert(&mut joint_table, key, number(of_joint));
     }
-    let [armature, limit] = match joint.joint_type {
-        JointType::Revolute => ["armature_kgm2", "torque_limit_nm"],
-        JointType::Prismatic => ["armature_kg", "torque_limit_n"],
-    };
-    insert(&mut joint_table, armature, number(joint.armature_kgm2));
-    insert(&mut joint_table, limit, number(joint.torque_limit_nm));
+    for (key, of_drive) in drive_numbers(joint) {
+        insert(&mut joint_table, key, number(of_drive));
+    }
     if let Some(lengths_m) = &joint.parallelogram_lengths_m {
         insert(&mut joint_table, "parallelogram_lengths_m", list(lengths_m));
     }
     set_error(&mut joint_table, &joint.transmission_error, joint.unit());
     joint_table
+}
+
+/// What is known of a joint's drive, by the keys of its unit.
+pub(crate) fn drive_numbers(joint: &Joint) -> [(&'static str, Option<f64>); 4] {
+    let [armature, limit, offset] = match joint.joint_type {
+        JointType::Revolute => ["armature_kgm2", "torque_limit_nm", "torque_offset_nm"],
+        JointType::Prismatic => ["armature_kg", "torque_limit_n", "torque_offset_n"],
+    };
+    [
+        (armature, joint.armature_kgm2),
+        (limit, joint.torque_limit_nm),
+        (offset, joint.torque_offset_nm),
+        ("torque_delay_s", joint.torque_delay_s),
+    ]
 }
 
 fn cable_table(cable: &Cable) -> Table {

@@ -1,0 +1,159 @@
+//! An identification of the dynamics in a few lines for a terminal.
+
+use haptical_report::{Cell, Table};
+
+use super::result::{IdentifiedDynamics, NumberEntry};
+use crate::error::Error;
+
+/// Sums that are listed; identified.json has all.
+const LISTED: usize = 10;
+
+/// The summary.
+pub(super) fn write(
+    text: &mut impl std::fmt::Write,
+    result: &IdentifiedDynamics,
+) -> std::fmt::Result {
+    writeln!(text, "{} rows: {}", result.rows, result.answer)?;
+    writeln!(
+        text,
+        "Band: up to {} Hz; {} rows a joint behind the low pass; noise of positions kept out by: {}\n",
+        result.band_hz,
+        result.band_rows,
+        noise(result)
+    )?;
+    for table in [torques(result), joints(result), bodies(result)] {
+        // tables of as many cells as heads are never refused
+        let table = table.map_err(|_| std::fmt::Error)?;
+        writeln!(text, "{}\n", table.to_terminal())?;
+    }
+    let delay = &result.torque_delay_s;
+    writeln!(
+        text,
+        "Torques are logged {:.2} ms after their positions [{:.2}, {:.2}].",
+        1e3 * delay.value,
+        1e3 * delay.ci95[0],
+        1e3 * delay.ci95[1]
+    )?;
+    writeln!(
+        text,
+        "{} sums of numbers are fixed by the motion (identified.json); each body above is the nearest to the device's own that \
+         has them.",
+        result.combinations.len()
+    )?;
+    if !result.not_determined.is_empty() {
+        writeln!(
+            text,
+            "\nNot determined by this motion, kept near the device's own:"
+        )?;
+        for sum in result.not_determined.iter().take(LISTED) {
+            writeln!(text, "  {sum}")?;
+        }
+        let more = result.not_determined.len().saturating_sub(LISTED);
+        if more > 0 {
+            writeln!(text, "  and {more} more, see identified.json")?;
+        }
+    }
+    if !result.unseen.is_empty() {
+        writeln!(text, "\nNo torque depends on: {}", result.unseen.join(", "))?;
+    }
+    Ok(())
+}
+
+pub(super) fn noise(result: &IdentifiedDynamics) -> String {
+    match (result.instruments, result.period_s) {
+        ("repetition", Some(period_s)) => {
+            format!("the motion's repetition after {period_s:.3} s")
+        }
+        ("commands", _) => "the commands".to_owned(),
+        _ => "nothing".to_owned(),
+    }
+}
+
+/// Torques that are left, joint by joint.
+pub(super) fn torques(result: &IdentifiedDynamics) -> Result<Table, Error> {
+    let columns = "torque | unit | measured | before [%] | after [%] | base parameters [%] | not fitted: before [%] | after [%]";
+    let title = "Torques not explained, ||tau - model|| / ||tau||";
+    let mut table = Table::with_heads(title.to_owned(), columns);
+    let unseen = result.torques_validate.as_deref().unwrap_or_default();
+    for own in &result.torques {
+        let other = unseen.iter().find(|other| other.channel == own.channel);
+        let percent = |value: Option<f64>| value.map_or(Cell::Missing, |own| Cell::number(own, 1));
+        table.push(vec![
+            own.channel.as_str().into(),
+            own.unit.into(),
+            Cell::number(own.rms, 3),
+            Cell::number(own.percent.before, 1),
+            Cell::number(own.percent.after, 1),
+            Cell::number(own.percent.base, 1),
+            percent(other.map(|own| own.percent.before)),
+            percent(other.map(|own| own.percent.after)),
+        ])?;
+    }
+    let (own, other) = (result.stacked_percent, result.stacked_percent_validate);
+    let percent = |value: Option<f64>| value.map_or(Cell::Missing, |own| Cell::number(own, 1));
+    table.push(vec![
+        "all".into(),
+        "".into(),
+        Cell::Missing,
+        Cell::number(own.before, 1),
+        Cell::number(own.after, 1),
+        Cell::number(own.base, 1),
+        percent(other.map(|own| own.before)),
+        percent(other.map(|own| own.after)),
+    ])?;
+    Ok(table)
+}
+
+/// Friction, armature and offset.
+pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
+    let columns = "joint | Coulomb | viscous | turns over | armature | offset";
+    let title = "Joints, with half the width of 95 % intervals; SI units, rad or m";
+    let mut table = Table::with_heads(title.to_owned(), columns);
+    for own in &result.joints {
+        let transition = own.transition.iter().next();
+        let transition = transition.map_or_else(String::new, |(name, size)| {
+            let what = if name.starts_with("speed") {
+                "speed"
+            } else {
+                "travel"
+            };
+            format!("{what} {size}")
+        });
+        table.push(vec![
+            format!("{}", own.joint).into(),
+            in_words(&own.coulomb).into(),
+            in_words(&own.viscous).into(),
+            transition.into(),
+            in_words(&own.armature).into(),
+            in_words(&own.offset).into(),
+        ])?;
+    }
+    Ok(table)
+}
+
+/// Masses and centres.
+pub(super) fn bodies(result: &IdentifiedDynamics) -> Result<Table, Error> {
+    let columns = "row | mass before [kg] | mass [kg] | centre of mass [m]";
+    let mut table = Table::with_heads("Bodies".to_owned(), columns);
+    for own in &result.bodies {
+        let [x, y, z] = own.centre_of_mass_m;
+        table.push(vec![
+            format!("{}", own.row).into(),
+            own.nominal_mass_kg
+                .map_or(Cell::Missing, |own| Cell::number(own, 3)),
+            in_words(&own.mass_kg).into(),
+            format!("{x:.4}, {y:.4}, {z:.4}").into(),
+        ])?;
+    }
+    Ok(table)
+}
+
+/// A number with half the width of its interval, to the digits that this leaves.
+pub(super) fn in_words(own: &NumberEntry) -> String {
+    let half = 0.5 * (own.ci95[1] - own.ci95[0]);
+    let decimals = match half > 0.0 {
+        true => (1.0 - half.log10().floor()).clamp(0.0, 9.0) as usize,
+        false => 4,
+    };
+    format!("{:.decimals$} ± {half:.decimals$}", own.value)
+}

@@ -1,0 +1,96 @@
+//! How far the noise of the positions bends least squares: noise of the same size is added once more (simulation extrapolation, Cook
+//! and Stefanski 1994, its first step).
+
+use std::rc::Rc;
+
+use haptical_model::Recording;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+use crate::MotionError;
+use crate::arm::Arm;
+use crate::column::Column;
+use crate::identify::combinations::Combinations;
+use crate::identify::estimate::least_squares;
+use crate::identify::fit::Settled;
+use crate::identify::numbers::{Number, columns};
+use crate::local_polynomial::LocalPolynomial;
+use crate::noise::Noise;
+use crate::problem::{Problem, Reading};
+
+/// Draws of the noise: their mean is taken.
+const DRAWS: u64 = 3;
+/// Seed of the first; the others follow it.
+pub const NOISE_SEED: u64 = 1;
+
+/// Standard deviation of a reading of each joint's position.
+pub(crate) fn position_sds(problem: &Problem) -> Vec<f64> {
+    let step_s = problem.samples.step_s;
+    let local = LocalPolynomial::new(step_s, 2.0 * problem.states.pass.edge_hz);
+    let of = |joint: usize| {
+        let pieces = problem.samples.pieces.iter();
+        Noise::of(pieces.map(|own| own.motor[joint].as_slice()), &local, false).sd
+    };
+    (0..problem.arm.joints()).map(of).collect()
+}
+
+/// What is settled of a fit, and the recording that it is of.
+pub(crate) struct Known<'a> {
+    pub(crate) arm: &'a Arm,
+    pub(crate) recording: &'a Recording,
+    pub(crate) reading: Reading,
+    pub(crate) numbers: &'a [Number],
+    pub(crate) settled: &'a Settled,
+}
+
+impl Known<'_> {
+    /// A recording of the same torques with other positions, as a problem of the same rows, weights and laws.
+    pub(crate) fn problem(&self, recording: &Recording) -> Result<Problem, MotionError> {
+        let mut problem = Problem::new(self.arm.clone(), recording, self.reading)?;
+        problem.reweigh(&self.settled.row_sd);
+        Ok(problem)
+    }
+
+    /// Its columns.
+    pub(crate) fn columns(&self, problem: &Problem) -> Vec<Rc<Column>> {
+        let Settled {
+            friction, early_s, ..
+        } = self.settled;
+        columns(problem, self.numbers, friction, *early_s)
+    }
+}
+
+/// Change of each base parameter by noise of the size of the positions' own, which is about what that noise has changed already.
+pub(crate) fn of_noise(
+    known: &Known<'_>,
+    base: &Combinations,
+    values: &[f64],
+    sds: &[f64],
+) -> Result<Vec<f64>, MotionError> {
+    let mut sum = vec![0.0; values.len()];
+    for draw in 0..DRAWS {
+        let mut random = ChaCha8Rng::seed_from_u64(NOISE_SEED + draw);
+        let mut noisy = known.recording.clone();
+        for (column, sd) in noisy.joint.iter_mut().zip(sds) {
+            for value in column {
+                let normal: f64 = StandardNormal.sample(&mut random);
+                *value += sd * normal;
+            }
+        }
+        let problem = known.problem(&noisy)?;
+        let all = known.columns(&problem);
+        let target = problem.recorded(known.settled.early_s);
+        let rows = problem.states.rows();
+        let again = Combinations::new(known.numbers, &all, &target, rows)?;
+        // the same combinations: those are of the bodies, not of the noise
+        let again = match again.kept() == base.kept() {
+            true => least_squares(&again, &all, &target, rows)?,
+            false => return Err(MotionError::Fit("noise changes what is fixed".to_owned())),
+        };
+        for (sum, (value, before)) in sum.iter_mut().zip(again.values.iter().zip(values)) {
+            *sum += (value - before) / DRAWS as f64;
+        }
+    }
+    Ok(sum)
+}

@@ -1,0 +1,103 @@
+//! Which way a joint's Coulomb friction turns over: with its speed, or with a travel that it remembers.
+
+use std::rc::Rc;
+
+use crate::base::{beyond_sign, sign};
+use crate::column::Column;
+use crate::identify::numbers::Number;
+use crate::problem::Problem;
+use crate::system::System;
+
+/// Speeds within which friction turns over that are tried \[rad/s\], \[m/s\].
+const SPEEDS: [f64; 11] = [
+    0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12, 0.2,
+];
+/// Travels over which it builds up that are tried \[rad\], \[m\]: the shortest is an encoder's count, the longest a soft seal.
+const TRAVELS: [f64; 10] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
+/// Rounds in which each joint's law is chosen beside those of the others.
+const ROUNDS: usize = 2;
+/// A law with a memory is taken where it explains this much more \[nats\] per row of a joint: both laws are of three numbers, and
+/// the one without a memory is what simulators have.
+const BETTER: f64 = 0.005;
+
+/// What Coulomb friction is a multiple of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FrictionLaw {
+    /// `tanh(omega / speed)` \[rad/s\], \[m/s\].
+    Speed(f64),
+    /// Dahl's state over a travel: `dz = (sign(omega) - z) |omega| / travel dt` (Dahl 1968) \[rad\], \[m\].
+    Travel(f64),
+}
+
+impl FrictionLaw {
+    /// Side on which the friction is at the fine steps, -1 to 1.
+    pub(crate) fn side(self, problem: &Problem, joint: usize) -> Vec<f64> {
+        let motor = &problem.states.motor;
+        match self {
+            Self::Speed(speed) => sign(&motor.dq[joint], speed),
+            Self::Travel(travel) => {
+                let q = &motor.q[joint];
+                beyond_sign(q, &vec![0.0; q.len()], travel)
+            }
+        }
+    }
+}
+
+/// Laws that every joint starts with.
+pub(crate) fn first(problem: &Problem) -> Vec<FrictionLaw> {
+    vec![FrictionLaw::Speed(SPEEDS[SPEEDS.len() / 2]); problem.arm.joints()]
+}
+
+/// The law of each joint that explains most of a target beside all other numbers.
+pub(crate) fn choose(
+    problem: &Problem,
+    numbers: &[Number],
+    columns: &[Rc<Column>],
+    target: &[f64],
+) -> Vec<FrictionLaw> {
+    let is_coulomb = |number: &Number| matches!(number, Number::Coulomb { .. });
+    let others: Vec<Rc<Column>> = (numbers.iter().zip(columns))
+        .filter(|(number, _)| !is_coulomb(number))
+        .map(|(_, column)| Rc::clone(column))
+        .collect();
+    let system = System::new(&others, &vec![None; others.len()]);
+    let solved = system.solve(target, &[]);
+    let laws: Vec<FrictionLaw> = (SPEEDS.map(FrictionLaw::Speed).into_iter())
+        .chain(TRAVELS.map(FrictionLaw::Travel))
+        .collect();
+    let of_joint = |joint: usize| -> Vec<(Rc<Column>, Vec<f64>)> {
+        let columns = laws.iter().filter_map(|law| {
+            let own = Rc::new(problem.of_joint(joint, &law.side(problem, joint))?);
+            let across = system.across(std::slice::from_ref(&own)).pop()?;
+            Some((own, across))
+        });
+        columns.collect()
+    };
+    let tried: Vec<Vec<(Rc<Column>, Vec<f64>)>> = problem
+        .channels
+        .iter()
+        .map(|joint| of_joint(*joint))
+        .collect();
+    let mut chosen = vec![SPEEDS.len() / 2; problem.channels.len()];
+    let margin = BETTER * problem.states.rows() as f64;
+    for round in 0..ROUNDS {
+        for channel in 0..problem.channels.len() {
+            let beside = (0..tried.len()).filter(|other| round > 0 && *other != channel);
+            let beside: Vec<_> = beside.map(|other| &tried[other][chosen[other]]).collect();
+            let gain = |law: usize| {
+                let all = beside.iter().copied().chain([&tried[channel][law]]);
+                let (columns, across): (Vec<_>, Vec<_>) = all.cloned().unzip();
+                let bonus = if law < SPEEDS.len() { margin } else { 0.0 };
+                solved.gain(&columns, &across).nats + bonus
+            };
+            let gains: Vec<f64> = (0..tried[channel].len()).map(gain).collect();
+            let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
+            chosen[channel] = best.unwrap_or(chosen[channel]);
+        }
+    }
+    let mut found = first(problem);
+    for (joint, law) in problem.channels.iter().zip(chosen) {
+        found[*joint] = laws[law];
+    }
+    found
+}

@@ -1,0 +1,258 @@
+//! Inertias, friction, armatures, offsets and the delay of an arm from a log of its positions and torques.
+//!
+//! docs/equations.md, Identification of a moving arm.
+
+mod answer;
+mod bias;
+mod chosen;
+mod combinations;
+mod device;
+mod estimate;
+mod feasible;
+mod fit;
+mod friction;
+mod instruments;
+mod numbers;
+mod predict;
+mod result;
+mod shape;
+
+use haptical_model::{Device, Recording};
+
+use crate::MotionError;
+use crate::arm::{Arm, PARAMETERS};
+use crate::problem::{Problem, Reading};
+
+use answer::Answer;
+use bias::{Known, of_noise, position_sds};
+use chosen::{Chosen, with_instruments};
+use combinations::Combinations;
+use estimate::{Estimate, least_squares};
+use feasible::{Feasible, Kind, nearest};
+use fit::settle;
+use numbers::{Number, numbers};
+use predict::Numbers;
+use shape::{ASSUMED_SD, GIVEN_SD, Shape};
+
+pub use bias::NOISE_SEED;
+pub use device::with_dynamics;
+pub use friction::FrictionLaw;
+pub use instruments::Instruments;
+pub use predict::Residual;
+pub use result::{
+    BaseParameter, BodyDynamics, Dynamics, Estimated, JointDynamics, stacked_percent,
+};
+
+/// Standard deviation of friction and offsets that is known beforehand, in torques' root mean squares: nothing.
+const LOOSE: f64 = 1e3;
+/// Share of a torque that the noise of the positions may make up within the band.
+const NOISE_SHARE: f64 = 0.01;
+
+/// Standard deviation of an armature that is known beforehand, as a share of the stated one.
+pub(crate) const ARMATURE_SD: f64 = 1.0;
+
+/// Identifies the dynamics of a device from a recording; `validate`: one that is predicted and not fitted; `edge_hz`: the band, where
+/// it is not for the log to say.
+///
+/// # Errors
+/// [`MotionError`] for a device without rows, and for a recording without torques, time or motion, or too slow or too short.
+pub fn identify_dynamics(
+    device: &Device,
+    recording: &Recording,
+    validate: Option<&Recording>,
+    edge_hz: Option<f64>,
+) -> Result<Dynamics, MotionError> {
+    // offsets and delay are found anew
+    let arm = Arm {
+        offset: vec![0.0; device.joints.len()],
+        early_s: vec![0.0; device.joints.len()],
+        ..Arm::new(device)?
+    };
+    check(&arm, recording)?;
+    let reading = Reading {
+        edge_hz,
+        sets_right: true,
+        has_memory: false,
+        noise_share: NOISE_SHARE,
+    };
+    let mut problem = Problem::new(arm.clone(), recording, reading)?;
+    let edge_hz = problem.states.pass.edge_hz;
+    let reading = Reading {
+        edge_hz: Some(edge_hz),
+        ..reading
+    };
+    let is_held = held(device, &arm);
+    let numbers = numbers(&problem, &is_held);
+    let settled = settle(&mut problem, &numbers);
+    let known = Known {
+        arm: &arm,
+        recording,
+        reading,
+        numbers: &numbers,
+        settled: &settled,
+    };
+    let columns = known.columns(&problem);
+    let target = problem.recorded(settled.early_s);
+    let rows = problem.states.rows();
+    let base = Combinations::new(&numbers, &columns, &target, rows)?;
+    let plain = least_squares(&base, &columns, &target, rows)?;
+    let position_sd = position_sds(&problem);
+    let bias = of_noise(&known, &base, plain.values.as_slice(), &position_sd).ok();
+    let with = with_instruments(&known, &problem, &base, (&columns, &target));
+    let chosen = Chosen::new(plain, bias, with);
+    let (estimate, bias) = (&chosen.estimate, chosen.bias.as_deref());
+    let warnings = chosen.warning(&problem, (&numbers, &base));
+    let shapes = shapes(&arm, &is_held)?;
+    let feasible = feasible(&problem, (&numbers, &base), estimate, &shapes)?;
+    let mut by_base = vec![0.0; numbers.len()];
+    for (value, column) in estimate.values.iter().zip(base.kept()) {
+        by_base[*column] = *value;
+    }
+    let by = Numbers {
+        numbers: &numbers,
+        settled: &settled,
+        feasible: &feasible.values,
+        base: &by_base,
+    };
+    let validated = validate.map(|own| {
+        let found = by.on(&arm, own, reading);
+        found.map_err(|error| error.to_string())
+    });
+    let answer = Answer {
+        problem: &problem,
+        numbers: &numbers,
+        settled: &settled,
+        feasible: &feasible,
+        shapes: &shapes,
+    };
+    Ok(Dynamics {
+        joints: answer.joints(),
+        bodies: answer.bodies(&is_held),
+        base: answer.base(device, (&base, estimate), bias),
+        unseen: base
+            .rank
+            .zero
+            .iter()
+            .map(|own| numbers[*own].name(&problem))
+            .collect(),
+        delay_s: answer.delay(&base, estimate),
+        residuals: by.residuals(&mut problem.clone()),
+        validated,
+        instruments: chosen.instruments,
+        position_sd,
+        edge_hz,
+        rows,
+        inflation: estimate.inflation,
+        warnings: warnings.into_iter().collect(),
+    })
+}
+
+/// What a recording of joints of this arm must have.
+fn check(arm: &Arm, recording: &Recording) -> Result<(), MotionError> {
+    let (joints, columns) = (arm.joints(), recording.joint.len());
+    if columns != joints {
+        return Err(MotionError::Missing {
+            what: format!("a column of each of the {joints} joints (the log has {columns})"),
+            why: "every joint moves the links behind it",
+        });
+    }
+    Ok(())
+}
+
+/// Bodies that the file says weigh nothing.
+fn held(device: &Device, arm: &Arm) -> Vec<bool> {
+    let masses = arm.bodies.masses().iter();
+    masses
+        .map(|own| {
+            let body = device.bodies.get(own.row).copied().flatten();
+            body.is_some_and(|body| body.mass_kg <= 0.0)
+        })
+        .collect()
+}
+
+/// Shapes of the bodies that have a mass, each with its body.
+fn shapes(arm: &Arm, is_held: &[bool]) -> Result<Vec<(usize, Shape)>, MotionError> {
+    let bodies = (0..arm.body_count()).filter(|body| !is_held[*body]);
+    let shape = |body: usize| {
+        let own = &arm.bodies.masses()[body];
+        let sd = match own.has_mass && own.has_inertia {
+            true => GIVEN_SD,
+            false => ASSUMED_SD,
+        };
+        let shape = Shape::new(&own.inertia, sd).ok_or_else(|| {
+            MotionError::Fit(format!("row {} has no mass that a body can have", own.row))
+        })?;
+        Ok((body, shape))
+    };
+    bodies.map(shape).collect()
+}
+
+/// The feasible set that has the base parameters.
+fn feasible(
+    problem: &Problem,
+    (numbers, base): (&[Number], &Combinations),
+    estimate: &Estimate,
+    shapes: &[(usize, Shape)],
+) -> Result<Feasible, MotionError> {
+    let arm = &problem.arm;
+    let largest = |column: &[f64]| {
+        column
+            .iter()
+            .fold(1e-6_f64, |most, own| most.max(own.abs()))
+    };
+    let torque = |joint: usize| {
+        let own = problem.states.torque(&problem.samples, joint, 0.0);
+        (haptical_linalg::dot(&own, &own) / own.len() as f64)
+            .sqrt()
+            .max(1e-9)
+    };
+    let motor = &problem.states.motor;
+    let kind = |number: &Number| match *number {
+        Number::Body { body, entry } => Kind::Body {
+            shape: shapes.iter().position(|own| own.0 == body).unwrap_or(0),
+            entry,
+        },
+        Number::Armature { joint } => {
+            let stated = arm.armature[joint].unwrap_or(0.0);
+            let scale = torque(joint) / largest(&motor.ddq[joint]);
+            Kind::Own {
+                least: -stated,
+                known_sd: Some(if stated > 0.0 {
+                    ARMATURE_SD * stated
+                } else {
+                    scale
+                }),
+            }
+        }
+        Number::Viscous { joint } => Kind::Own {
+            least: 0.0,
+            known_sd: Some(LOOSE * torque(joint) / largest(&motor.dq[joint])),
+        },
+        Number::Coulomb { joint } => Kind::Own {
+            least: 0.0,
+            known_sd: Some(LOOSE * torque(joint)),
+        },
+        Number::Offset { joint } => Kind::Own {
+            least: f64::NEG_INFINITY,
+            known_sd: Some(LOOSE * torque(joint)),
+        },
+        Number::Delay => Kind::Own {
+            least: f64::NEG_INFINITY,
+            known_sd: Some(LOOSE * problem.samples.step_s),
+        },
+    };
+    let kinds: Vec<Kind> = numbers.iter().map(kind).collect();
+    let nominal: Vec<[f64; PARAMETERS]> = shapes
+        .iter()
+        .map(|own| arm.bodies.masses()[own.0].inertia.parameters())
+        .collect();
+    let shapes: Vec<Shape> = shapes.iter().map(|own| own.1.clone()).collect();
+    // rows with a memory say less than so many independent ones
+    let root = &estimate.root / estimate.inflation.sqrt();
+    nearest(
+        (&shapes, &nominal),
+        &kinds,
+        &base.map,
+        (&root, &estimate.values),
+    )
+}
