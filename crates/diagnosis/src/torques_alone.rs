@@ -3,6 +3,7 @@
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
 use haptical_model::{Device, Recording};
+use haptical_motion::why_not;
 
 use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
@@ -51,8 +52,11 @@ pub(crate) fn diagnose(
         Some(moving) => moving,
         None => examine_both(&context, options.validation, &options.without)?,
     };
+    let slow = (!is_moving).then(|| why_not(model, recording)).flatten();
     if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
-        return Err(DiagnosisError::Torques { why: why.clone() });
+        return Err(DiagnosisError::Torques {
+            why: slow.unwrap_or_else(|| why.clone()),
+        });
     }
     let verdict = verdict::by_torques(&force);
     let place = in_torques(&force).filter(|_| verdict != Verdict::NoGap);
@@ -66,6 +70,12 @@ pub(crate) fn diagnose(
     let mut warnings: Vec<String> = force.warnings.clone();
     let not_tested = force.not_tested.iter();
     warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
+    warnings.extend(slow.map(|why| {
+        format!(
+            "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of \
+             inertia, armature, delay or the masses of links"
+        )
+    }));
     let mut predictions = Vec::new();
     let mut held_out = match causes.iter().any(|cause| cause.held_out.is_some()) {
         true => format!(
@@ -127,7 +137,11 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
-        corrected: of_drives(device, verdict, (&causes, context.reference_degc)),
+        corrected: of_drives(
+            device,
+            verdict,
+            (&causes, &force.changes, context.reference_degc),
+        ),
         predictions,
         gap,
         place,

@@ -19,6 +19,14 @@ pub enum MotionError {
     /// Nothing moves.
     #[error("no joint moves: torques at rest say nothing of inertia and friction")]
     Standstill,
+    /// No torque changes.
+    #[error("every torque column has one value throughout: nothing was measured there")]
+    Constant,
+    /// The torques are noise.
+    #[error(
+        "the torques are noise alone: none is larger than what its readings scatter by, and so is what the links ask for"
+    )]
+    Noise,
     /// The device cannot be evaluated.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -16,6 +16,8 @@ use crate::thresholds::torque::{
     UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
 
+/// Rows farther apart than this say nothing of speeds \[s\].
+pub(crate) const SLOWEST_S: f64 = 2.0;
 /// Share of the force's square below which its changes are none.
 const CONSTANT: f64 = 1e-6;
 
@@ -73,6 +75,11 @@ impl<'a> Recorded<'a> {
         let recording = context.recording;
         needed(context)?;
         let step_s = context.step_s();
+        if step_s > SLOWEST_S {
+            return Err(format!(
+                "a row comes {step_s:.3} s after the one before it, which is too slow for speeds: is t_s in milliseconds, and not in seconds?"
+            ));
+        }
         let joints = 0..device.joints.len();
         let motion: Option<Vec<LocalMotion>> =
             joints.map(|joint| context.drive_motion(joint)).collect();

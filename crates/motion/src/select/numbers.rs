@@ -32,6 +32,10 @@ pub(super) fn numbers(
         };
         let slopes = nalgebra::DVector::from_fn(at.len(), |column, _| slope(column));
         let variance = (slopes.transpose() * &covariance * &slopes)[(0, 0)];
+        if variance == 0.0 {
+            // no torque feels it
+            continue;
+        }
         found.push((name, *value, (misfit * variance).max(0.0).sqrt()));
     }
     found.extend(

@@ -11,8 +11,10 @@ use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
+use crate::robot::xml::{Element, document};
 use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
+use crate::write::masses::{self, new_inertials};
 use haptical_model::Segments;
 
 /// A corrected URDF.
@@ -35,7 +37,8 @@ pub struct CorrectedUrdf {
 const SAME: f64 = 1e-6;
 
 /// The text of a URDF with the origins of the chain's joints, and of the last fixed joint behind them,
-/// replaced so that its forward kinematics is that of `device`, of every chain where it has several. Comments, meshes and all other elements
+/// replaced so that its forward kinematics is that of `device`, of every chain where it has several; and with the `inertial` of links
+/// that carry something else in it. Comments, meshes and all other elements
 /// stay as they are.
 ///
 /// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
@@ -75,14 +78,23 @@ pub fn corrected_urdf(
 ) -> Result<CorrectedUrdf, UrdfError> {
     let read = ReadChain::of_urdf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "URDF"))?;
+    let (inertials, said) = new_inertials(&read, device, file);
     let ReadChain {
         robot,
         paths,
         mut warnings,
         ..
     } = read;
+    warnings.extend(said);
     if has_transmission_errors(device) {
         warnings.push(TRANSMISSIONS.to_owned());
+    }
+    if device
+        .joints
+        .iter()
+        .any(|joint| joint.armature_kgm2.is_some())
+    {
+        warnings.push(ARMATURES.to_owned());
     }
     let link = |index: usize| robot.links[index].name.clone();
     let mut base = link(paths[0].base);
@@ -104,6 +116,14 @@ pub fn corrected_urdf(
             Correction::Base(origin) => add(&mut base, "base", "before the first", &origin),
             Correction::Tip(origin) => add(&mut tips[path], "handle", "behind the last", &origin),
         });
+    }
+    let document = document(text, file)?;
+    for (index, inertial) in inertials {
+        let place = robot.links[index].place;
+        let mut elements = document.descendants().filter(Element::is_element);
+        if let Some(node) = elements.find(|own| own.range().start == place) {
+            edits.push(masses::edit(text, node, &inertial, false));
+        }
     }
     let mut tips = tips.into_iter();
     let tip = tips.next().unwrap_or_default();
@@ -147,6 +167,10 @@ pub(crate) fn all_corrections(
 /// Said where a device has transmission errors.
 pub(crate) const TRANSMISSIONS: &str = "a robot description has no transmission errors: feed it joint \
      values that are corrected for them (`haptical export --format rust` or `c-header`)";
+
+/// Said where a device has armatures.
+const ARMATURES: &str = "a URDF has no place for armatures, which the device has (armature_kgm2): export an MJCF, or give them to the \
+     simulator by hand";
 
 /// Whether any joint's value differs from its reading.
 pub(crate) fn has_transmission_errors(device: &Device) -> bool {
@@ -230,7 +254,7 @@ fn edit(text: &str, joint: &RobotJoint, origin: &Pose) -> (Range<usize>, String)
 }
 
 /// Blanks with which a joint's own elements begin, so that a new one is like the others.
-fn indent_at(text: &str, place: usize) -> &str {
+pub(crate) fn indent_at(text: &str, place: usize) -> &str {
     let rest = text.get(place..).unwrap_or_default();
     let blank = rest.len() - rest.trim_start().len();
     &rest[..blank]

@@ -4,6 +4,7 @@ pub(crate) mod added_joints;
 pub(crate) mod corrected;
 pub(crate) mod effects;
 pub(crate) mod keyframes;
+pub(crate) mod masses;
 pub(crate) mod mjcf;
 pub(crate) mod patched;
 pub(crate) mod urdf;

@@ -17,6 +17,7 @@ use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
 use crate::write::effects::Effects;
+use crate::write::masses::{self, new_inertials};
 use crate::write::mjcf::snippet;
 use haptical_model::rigid::{inverse, then};
 
@@ -38,11 +39,11 @@ pub struct CorrectedMjcf {
 /// Below this a place is the one that the file has: rounding of two ways to it, in m and as an entry of a rotation.
 const SAME: f64 = 1e-12;
 
-pub(super) type Edit = (Range<usize>, String);
+pub(crate) type Edit = (Range<usize>, String);
 
 /// The text of an MJCF with `pos` and `quat` of the chain's bodies, and of the site or fixed body at its end, replaced so
 /// that its forward kinematics is that of `device`, of every chain where it has several; and with `frictionloss` and `damping`
-/// of joints whose friction the device knows, and `armature` where the device has another one. All other bytes stay as they are; an attribute whose value is right is not
+/// of joints whose friction the device knows, and `armature` where the device has another one, and `inertial` of bodies that carry something else. All other bytes stay as they are; an attribute whose value is right is not
 /// touched.
 ///
 /// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
@@ -78,6 +79,7 @@ pub fn corrected_mjcf(
 ) -> Result<CorrectedMjcf, UrdfError> {
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
+    let (inertials, said) = new_inertials(&read, device, file);
     let ReadChain {
         robot,
         paths,
@@ -93,10 +95,25 @@ pub fn corrected_mjcf(
         robot: &robot,
         elements: document.descendants().filter(Element::is_element).collect(),
     };
+    warnings.extend(said);
     let link = |index: usize| robot.links[index].name.clone();
     let mut base = link(paths[0].base);
     let mut tips: Vec<String> = paths.iter().map(|path| link(path.tip)).collect();
     let mut edits = Vec::new();
+    for (index, inertial) in &inertials {
+        let own = &robot.links[*index];
+        // a link between two joints of one body has no element of its own
+        let node = patch.element(own.place).filter(|node| {
+            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == own.name)
+        });
+        match node {
+            Some(node) => edits.push(masses::edit(text, node, inertial, true)),
+            None => warnings.push(format!(
+                "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
+                own.name
+            )),
+        }
+    }
     for (path, correction) in corrections {
         let (name, index, what, origin) = match correction {
             Correction::Joint(joint, origin) => {

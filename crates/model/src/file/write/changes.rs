@@ -20,8 +20,8 @@ const ERROR_KEYS: [&str; 8] = [
 ];
 
 impl Device {
-    /// The text of the device file `original` with this device's link values and transmission errors
-    /// in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
+    /// The text of the device file `original` with this device's link values, transmission errors, masses, armatures and
+    /// gravity in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
     /// already, which is kept). Reading the text gives the same numbers, bit by bit.
     ///
     /// # Errors
@@ -55,6 +55,7 @@ impl Device {
         for (row, joint) in rows(&mut document, "joint").into_iter().zip(&self.joints) {
             set_error(row, &joint.transmission_error, joint.unit());
         }
+        crate::file::write::masses::write_masses(&mut document, self, &before);
         crate::file::write::surroundings::write_changes(&mut document, self, &before);
         Ok(document.to_string())
     }
