@@ -75,11 +75,6 @@ impl<'a> Recorded<'a> {
         let recording = context.recording;
         needed(context)?;
         let step_s = context.step_s();
-        if step_s > SLOWEST_S {
-            return Err(format!(
-                "a row comes {step_s:.3} s after the one before it, which is too slow for speeds: is t_s in milliseconds, and not in seconds?"
-            ));
-        }
         let joints = 0..device.joints.len();
         let motion: Option<Vec<LocalMotion>> =
             joints.map(|joint| context.drive_motion(joint)).collect();
@@ -375,6 +370,10 @@ fn needed(context: &Context<'_>) -> Result<(), String> {
     }
     match &context.motion {
         None => Err("no column t_s".to_owned()),
+        Some(_) if context.step_s() > SLOWEST_S => Err(format!(
+            "a row comes {:.3} s after the one before it, which is too slow for speeds: is t_s in milliseconds, and not in seconds?",
+            context.step_s()
+        )),
         Some(_) => Ok(()),
     }
 }
