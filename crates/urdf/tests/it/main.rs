@@ -12,6 +12,7 @@ mod branches;
 mod corrected;
 mod described;
 mod hands;
+mod masses;
 mod mjcf_patch;
 mod mjcf_read;
 mod motion;
