@@ -32,8 +32,16 @@ pub(super) fn numbers(
         };
         let slopes = nalgebra::DVector::from_fn(at.len(), |column, _| slope(column));
         let variance = (slopes.transpose() * &covariance * &slopes)[(0, 0)];
-        if variance == 0.0 {
-            // no torque feels it
+        // a number of columns that no torque feels is not known
+        let is_unfelt = || {
+            (0..at.len()).any(|column| {
+                let mut other = at.clone();
+                other[column] += 1.0;
+                covariance[(column, column)] == 0.0
+                    && (candidate.numbers)(&other)[index].1 != *value
+            })
+        };
+        if variance == 0.0 && is_unfelt() {
             continue;
         }
         found.push((name, *value, (misfit * variance).max(0.0).sqrt()));
