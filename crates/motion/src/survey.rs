@@ -130,7 +130,7 @@ pub(crate) fn too_slow(rate_hz: f64) -> MotionError {
 /// The recording with turns that its encoders wrapped undone, and for each joint (from 0) where they were, how many; none where
 /// there are none.
 ///
-/// A joint that turns does not go half a turn from one row to the next where rows are [`LEAST_RATE_HZ`] apart or nearer: such a step
+/// A joint that turns does not go half a turn from one row to the next where rows are 0.05 s apart or nearer: such a step
 /// is one of an encoder that begins anew at a whole turn.
 pub fn unwrapped(
     device: &Device,
