@@ -5,6 +5,7 @@ use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
+use haptical_motion::{unwrapped, usual_step_s};
 
 use crate::answer::assemble::answer;
 use crate::answer::{Diagnosis, Verdict};
@@ -13,6 +14,7 @@ use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
 use crate::force::answer::ForceAnswer;
+use crate::force::recorded::SLOWEST_S;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
 use crate::moving::{of_moving_arm, with_link_torques};
@@ -37,7 +39,21 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
+    // of a log of torques: an encoder that begins anew at a whole turn
+    let straight = |recording: &Recording| match recording.torque_nm.iter().flatten().next() {
+        Some(_) => unwrapped(device, recording),
+        None => None,
+    };
+    let (first, second) = (straight(recording), options.validation.and_then(straight));
+    let turns = [&first, &second].into_iter().flatten();
+    let turns: Vec<String> = turns.flat_map(|own| of_turns(device, &own.1)).collect();
+    let recording = first.as_ref().map_or(recording, |own| &own.0);
+    let options = &Options {
+        validation: second.as_ref().map(|own| &own.0).or(options.validation),
+        ..options.clone()
+    };
     let mut found = diagnose_all(device, recording, options)?;
+    found.warnings.extend(turns);
     let every = recording.len().div_ceil(MOST_ROWS).max(1);
     for step in &mut found.steps {
         // it happened after the row before of those that were looked at
@@ -59,6 +75,19 @@ pub fn diagnose(
         rigid.surroundings.compliance.clear();
     }
     within_laws(found, &own, (&rigid, recording), options.loss)
+}
+
+/// What is said of turns that were undone.
+fn of_turns(device: &Device, turns: &[(usize, usize)]) -> Vec<String> {
+    let of_joint = |(joint, count): &(usize, usize)| {
+        format!(
+            "theta{number}_{unit} jumps by a whole turn at {count} rows: the turns were undone, as those of an encoder that begins anew; \
+             the log itself stays as it is",
+            number = joint + 1,
+            unit = device.joints[*joint].unit()
+        )
+    };
+    turns.iter().map(of_joint).collect()
 }
 
 /// Joints that yield, as effects.
@@ -117,10 +146,13 @@ fn diagnose_all(
         let Err(DiagnosisError::Torques { why }) = &found else {
             return found;
         };
-        if !servo_alone::has_commands(device, recording) {
+        let is_slow = usual_step_s(recording).is_some_and(|step_s| step_s > SLOWEST_S);
+        if is_slow || !servo_alone::has_commands(device, recording) {
             return found;
         }
-        let mut answer = servo_alone::diagnose(device, recording, &effects, options)?;
+        let Ok(mut answer) = servo_alone::diagnose(device, recording, &effects, options) else {
+            return found;
+        };
         let warning = format!("the torques were not tested: {why}");
         answer.warnings.insert(0, warning);
         return Ok(answer);

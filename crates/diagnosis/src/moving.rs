@@ -1,13 +1,16 @@
 //! The torques of a moving arm, as `haptical-motion` examines them, in the words of a diagnosis.
 
+mod warnings;
+
 use haptical_calibration::Channel;
-use haptical_effects::device::is_law;
 use haptical_effects::force::in_motion::SAMPLING;
 use haptical_model::{Device, JointType, Recording};
 use haptical_motion::{
-    Dependence, Examined, Finding, PARTS, Quantity, Unseen, examine, is_moving_arm, link_torques,
+    Dependence, Examined, Finding, MotionError, PARTS, Quantity, Unseen, examine, is_moving_arm,
+    link_torques,
 };
 
+use self::warnings::warnings;
 use crate::answer::floor::Floor;
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
 use crate::force::answer::{Course, Followed, ForceAnswer};
@@ -23,11 +26,6 @@ const NOT_TOLD_APART: f64 = 4.605;
 /// A quantity is told where functions of it explain this share of a gap, and that one of what the best does.
 const TOLD: f64 = 0.2;
 const OF_MOST: f64 = 0.6;
-
-/// A torque whose slope over the nominal one is below this has the other sign.
-const WRONG_SIGN: f64 = -0.3;
-/// Outside this the unit is another one.
-const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
 
 /// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
 pub(crate) fn of_moving_arm(
@@ -50,7 +48,18 @@ pub(crate) fn of_moving_arm(
         }
     };
     let second_bare = second.map(bare);
-    let examined = examine(device, &bare(recording), second_bare.as_ref(), without).ok()?;
+    let examined = match examine(device, &bare(recording), second_bare.as_ref(), without) {
+        Ok(examined) => examined,
+        // at rest, and of a device that cannot be evaluated, there are other ways of looking at torques
+        Err(MotionError::Standstill | MotionError::Model(_)) => return None,
+        Err(why) => {
+            let answer = ForceAnswer {
+                not_tested: Some(why.to_string()),
+                ..ForceAnswer::default()
+            };
+            return Some((answer, None));
+        }
+    };
     let answer = answer(device, &examined);
     let seen = second.is_some().then(|| on_second(device, &examined));
     Some((answer, seen))
@@ -137,6 +146,14 @@ fn answer(device: &Device, examined: &Examined) -> ForceAnswer {
         closed_unseen_share: None,
         numbers: examined.numbers,
         tested: examined.tried,
+        changes: match is_adequate {
+            true => examined
+                .findings
+                .iter()
+                .filter_map(|own| own.change)
+                .collect(),
+            false => Vec::new(),
+        },
         warnings: warnings(device, examined),
     }
 }
@@ -147,98 +164,6 @@ fn untestable(_: &Examined) -> Vec<(&'static str, String)> {
     let others = names().filter(|name| !of_motion.contains(name) && *name != SAMPLING.name);
     let why = "the equations of motion stand in its place: friction is free, and nobody is taken to hold the arm";
     others.map(|name| (name, why.to_owned())).collect()
-}
-
-fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if let Some(why) = &examined.second {
-        warnings.push(format!(
-            "the torques of the second recording were not predicted: {why}"
-        ));
-    }
-    for (joint, inertia) in &examined.free_armatures {
-        warnings.push(format!(
-            "the device file has no armature of joint {}: it was fitted, {inertia:.4} kg m^2, and is no cause",
-            joint + 1
-        ));
-    }
-    if examined
-        .findings
-        .iter()
-        .any(|own| own.effect == SAMPLING.name)
-        && !examined.is_adequate()
-    {
-        warnings.push(
-            "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
-        );
-    }
-    let is_kept = |found: &Finding| {
-        let has = |name: &str| found.numbers.iter().any(|own| own.0 == name);
-        let is_whole = |spec: &haptical_effects::Spec| {
-            spec.parameters.len() == found.numbers.len()
-                && spec.parameters.iter().all(|own| has(own.name))
-        };
-        let mut specs = haptical_effects::specs().filter(|spec| spec.name == found.effect);
-        specs.any(|spec| spec.hook.is_on_drives() && is_law(spec).is_ok() && is_whole(spec))
-    };
-    let adequate = examined.findings.iter().filter(|_| examined.is_adequate());
-    for found in adequate.filter(|own| !is_kept(own)) {
-        warnings.push(format!(
-            "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
-            found.effect
-        ));
-    }
-    for own in examined.channels.iter().filter(|own| own.has_gap()) {
-        let Some(slope) = own.slope else {
-            continue;
-        };
-        let column = format!(
-            "{}_{}",
-            channel(own.joint),
-            if unit(device, own.joint) == "N" {
-                "n"
-            } else {
-                "nm"
-            }
-        );
-        if slope < WRONG_SIGN {
-            warnings.push(format!(
-                "{column} moves against the torque that the links ask for (slope {slope:.2}): is its sign, or that of the joint, the other way?"
-            ));
-        } else if !WRONG_UNIT.contains(&slope.abs()) {
-            warnings.push(format!(
-                "{column} is {slope:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?"
-            ));
-        }
-    }
-    for own in examined
-        .channels
-        .iter()
-        .filter(|own| examined.is_adequate() && own.has_rest())
-    {
-        warnings.push(format!(
-            "{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
-            channel(own.joint),
-            own.rms_after / own.noise
-        ));
-    }
-    if examined.has_memory {
-        warnings.push(
-            "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),
-        );
-    }
-    if let Some(edge_hz) = examined.above_hz {
-        warnings.push(format!(
-            "the torques have a gap above {edge_hz} Hz that no effect explains: the spring was found in what is slower, well below its resonance"
-        ));
-    }
-    if examined.jitter > 0.1 {
-        warnings.push(format!(
-            "time stamps are {:.0} % of a step off an even grid (rms): readings were put on one",
-            100.0 * examined.jitter
-        ));
-    }
-    warnings
 }
 
 fn floor(joint: usize, noise: f64, rows: f64) -> Floor {

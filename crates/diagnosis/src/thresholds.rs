@@ -569,8 +569,9 @@ pub(crate) mod payload {
     pub(crate) const LAW_OF_FREE: f64 = 0.7;
     /// Most that such a function may still gain beside the law, over the law's gain: friction has no single law.
     pub(crate) const LEFT_TO_FREE: f64 = 0.3;
-    /// Distances of a mass on a link from its joint's axis, over the longest row of the chain. Choice.
-    pub(crate) const LEVER: [f64; 2] = [0.1, 1.0];
+    /// Distances of a mass on a link from its joint's axis, over the longest row of the chain: a tail or a bar for a counterweight is longer
+    /// than the row. Choice.
+    pub(crate) const LEVER: [f64; 2] = [0.1, 1.5];
 }
 
 /// Curves in the place of a cause that is not known.

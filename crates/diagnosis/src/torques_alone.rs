@@ -3,10 +3,13 @@
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
 use haptical_model::{Device, Recording};
+use haptical_motion::why_not;
 
 use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
-use crate::answer::{Diagnosis, Gap, Provenance, Trace, Untestable, Verdict, Whiteness};
+use crate::answer::{
+    CauseAnswer, Diagnosis, Gap, Provenance, Trace, Untestable, Verdict, Whiteness,
+};
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
@@ -51,8 +54,11 @@ pub(crate) fn diagnose(
         Some(moving) => moving,
         None => examine_both(&context, options.validation, &options.without)?,
     };
+    let slow = (!is_moving).then(|| why_not(model, recording)).flatten();
     if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
-        return Err(DiagnosisError::Torques { why: why.clone() });
+        return Err(DiagnosisError::Torques {
+            why: slow.unwrap_or_else(|| why.clone()),
+        });
     }
     let verdict = verdict::by_torques(&force);
     let place = in_torques(&force).filter(|_| verdict != Verdict::NoGap);
@@ -66,18 +72,9 @@ pub(crate) fn diagnose(
     let mut warnings: Vec<String> = force.warnings.clone();
     let not_tested = force.not_tested.iter();
     warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
+    warnings.extend(slow.map(|why| said_of_slow(&why)));
     let mut predictions = Vec::new();
-    let mut held_out = match causes.iter().any(|cause| cause.held_out.is_some()) {
-        true => format!(
-            "{} in turn, {rows}",
-            if is_moving {
-                "a fifth of the log"
-            } else {
-                "a tenth of each run"
-            }
-        ),
-        false => String::new(),
-    };
+    let mut held_out = held_out_rows(&causes, is_moving, rows);
     if let Some(seen) = seen {
         if let Some(first) = causes.first_mut() {
             let mut channels = seen.held_out.iter();
@@ -127,12 +124,36 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
-        corrected: of_drives(device, verdict, (&causes, context.reference_degc)),
+        corrected: of_drives(
+            device,
+            verdict,
+            (&causes, &force.changes, context.reference_degc),
+        ),
         predictions,
         gap,
         place,
         causes,
     })
+}
+
+/// Which rows of the log were held out; nothing where none were.
+fn held_out_rows(causes: &[CauseAnswer], is_moving: bool, rows: &str) -> String {
+    if causes.iter().all(|cause| cause.held_out.is_none()) {
+        return String::new();
+    }
+    let part = match is_moving {
+        true => "a fifth of the log",
+        false => "a tenth of each run",
+    };
+    format!("{part} in turn, {rows}")
+}
+
+/// What is said of a log that the equations of motion are not asked of.
+fn said_of_slow(why: &str) -> String {
+    format!(
+        "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
+         armature, delay or the masses of links"
+    )
 }
 
 /// Why effects on positions are not tested.

@@ -22,6 +22,14 @@ pub enum MotionError {
     /// A fit has no solution.
     #[error("the fit of the dynamics failed: {0}")]
     Fit(String),
+    /// No torque changes.
+    #[error("every torque column has one value throughout: nothing was measured there")]
+    Constant,
+    /// The torques are noise.
+    #[error(
+        "the torques are noise alone: none is larger than what its readings scatter by, and so is what the links ask for"
+    )]
+    Noise,
     /// The device cannot be evaluated.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -6,10 +6,13 @@ use haptical_model::{Device, Recording};
 use crate::MotionError;
 use crate::arm::Arm;
 use crate::base::{Base, Term};
+use crate::change::Change;
 use crate::dependence::{Dependence, dependences, share_of_posture};
 use crate::effect::is_exact;
-use crate::problem::{Problem, Reading};
+use crate::problem::{Problem, Reading, is_still};
+use crate::scale::{Doubt, Scale, doubts};
 use crate::select::{Rival, Selection, select};
+use crate::survey::usable;
 use crate::unseen::{Unseen, on_second, within};
 
 /// A channel's rest is a gap beyond this multiple of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
@@ -18,8 +21,6 @@ const GAP: f64 = 1.21;
 const GAP_SDS: f64 = 4.0;
 /// The fault of a log that repeats rows or lacks some.
 const SAMPLING: &str = "sampling";
-/// A joint is loaded where the mean square of what its links ask for is this many times that of the noise.
-const LOADED: f64 = 25.0;
 /// Share of what the base model leaves beyond noise that effects may leave.
 const UNEXPLAINED: f64 = 0.02;
 /// And of each joint's root mean square, beyond twice its noise.
@@ -67,6 +68,16 @@ pub struct Examined {
     pub above_hz: Option<f64>,
     /// Root mean square deviation of the time stamps from an even grid, as a share of a step.
     pub jitter: f64,
+    /// Whether positions are smoother on an even grid than at their stamps, which were left aside then.
+    pub is_stamped_late: bool,
+    /// What is wrong with the torques, so that nothing gets a name.
+    pub doubts: Vec<Doubt>,
+    /// Joints (from 0) whose torque has one value throughout, with it: nothing is said of them.
+    pub constant: Vec<(usize, f64)>,
+    /// Fastest motion of each joint \[rad/s\], \[m/s\].
+    pub fastest: Vec<f64>,
+    /// Joints (from 0) that stand still: of their torques the load alone was looked at.
+    pub still: Vec<usize>,
     /// Time of each row \[s\].
     pub time_s: Vec<f64>,
 }
@@ -82,9 +93,8 @@ pub struct ChannelFit {
     pub rms_after: f64,
     /// Noise of a row.
     pub noise: f64,
-    /// Slope of the recorded torque over that of the nominal bodies, which is near 1 where sign and unit are right and the arm
-    /// is loaded; none where that is hardly more than noise.
-    pub slope: Option<f64>,
+    /// How the recorded torque goes with that of the nominal bodies.
+    pub scale: Scale,
     /// What the base model leaves, row by row, in the torque's unit.
     pub before: Vec<f64>,
     /// With all effects.
@@ -102,6 +112,8 @@ pub struct Finding {
     pub effect: &'static str,
     /// Joint, from 0.
     pub joint: Option<usize>,
+    /// What it changes of a device's numbers, where it does.
+    pub change: Option<Change>,
     /// What it explains \[nats\].
     pub nats: f64,
     /// Numbers with their standard deviations.
@@ -124,9 +136,9 @@ pub struct NearRival {
 }
 
 impl Examined {
-    /// Whether a channel shows more than noise.
+    /// Whether a channel shows more than noise, or is in doubt.
     pub fn has_gap(&self) -> bool {
-        self.channels.iter().any(ChannelFit::has_gap)
+        self.channels.iter().any(ChannelFit::has_gap) || !self.doubts.is_empty()
     }
 
     /// Share of what the base model leaves beyond noise that the effects leave.
@@ -148,7 +160,10 @@ impl Examined {
     pub fn is_adequate(&self) -> bool {
         let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
         let is_explained = self.unexplained_share() <= UNEXPLAINED && self.kept().next().is_none();
-        !self.findings.is_empty() && (is_quiet || is_explained) && !self.is_of_another_law()
+        self.doubts.is_empty()
+            && !self.findings.is_empty()
+            && (is_quiet || is_explained)
+            && !self.is_of_another_law()
     }
 
     /// Whether weights, springs, offsets and factors alone were found, whose laws are exact, and a rest still follows the posture: then
@@ -194,22 +209,8 @@ pub(crate) fn is_beyond_noise(of_noise: f64, rows: usize) -> bool {
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
 /// torques in time, of a motion, without a hand's force.
 pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
-    let is_known = || haptical_model::RigidBodies::of_device(device).is_ok();
-    let has_torques = recording
-        .torque_nm
-        .iter()
-        .flatten()
-        .flatten()
-        .any(|own| own.is_finite());
-    if !has_torques || recording.time_s.is_none() || recording.force_n.is_some() || !is_known() {
-        return false;
-    }
-    let Ok(arm) = Arm::new(device) else {
-        return false;
-    };
-    crate::samples::Samples::new(recording, false)
-        .is_ok_and(|own| own.rate_hz() >= crate::problem::LEAST_RATE_HZ)
-        && arm.joints() == recording.joint.len()
+    let has_torques = (recording.torque_nm.iter().flatten().flatten()).any(|own| own.is_finite());
+    has_torques && recording.force_n.is_none() && usable(device, recording).is_ok()
 }
 
 /// Examines the torques of a motion, and what is found on a second recording, if there is one; `without`: names of effects that are left
@@ -225,7 +226,11 @@ pub fn examine(
 ) -> Result<Examined, MotionError> {
     let first = examine_with(device, (recording, second), without, (false, None))?;
     // what only looks like an effect still does beside a larger noise
-    if !first.has_gap() || first.is_adequate() || first.is_of_another_law() {
+    if !first.has_gap()
+        || first.is_adequate()
+        || first.is_of_another_law()
+        || !first.doubts.is_empty()
+    {
         return Ok(first);
     }
     // a noise with a memory may be all of a gap that has no name
@@ -265,6 +270,17 @@ fn examine_with(
     };
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
     let base = Base::weighted(&mut problem);
+    let of_channel =
+        |(channel, joint): (usize, &usize)| (*joint, Scale::of(&problem, &base, channel));
+    let scales: Vec<(usize, Scale)> = problem
+        .channels
+        .iter()
+        .enumerate()
+        .map(of_channel)
+        .collect();
+    if scales.iter().all(|(_, own)| own.is_noise()) && doubts(&scales).is_empty() {
+        return Err(MotionError::Noise);
+    }
     let selection = select(&problem, &base, without);
     let seen = second.map(|second| on_second(&arm, second, (&problem, &base, &selection)));
     let (unseen, why) = match seen {
@@ -275,11 +291,15 @@ fn examine_with(
     Ok(Examined {
         unseen,
         second: why,
-        ..examined(&problem, &base, &selection)
+        ..examined(&problem, &base, (&selection, &scales))
     })
 }
 
-fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
+fn examined(
+    problem: &Problem,
+    base: &Base,
+    (selection, scales): (&Selection, &[(usize, Scale)]),
+) -> Examined {
     let rows = problem.states.rows();
     let (before, after) = (&selection.bare.solved.rest, &selection.fitted.solved.rest);
     let channels = problem
@@ -301,7 +321,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
                 rms_before: rms(&before),
                 rms_after: rms(&after),
                 noise,
-                slope: slope(problem, channel),
+                scale: scales[channel].1,
                 before,
                 after,
                 depends_on: Vec::new(),
@@ -324,6 +344,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
     let findings = selection.picks.iter().map(|pick| Finding {
         effect: pick.effect,
         joint: pick.joint,
+        change: Change::of(&problem.arm, pick),
         nats: pick.nats,
         numbers: pick.numbers.clone(),
         rivals: pick.rivals.iter().map(rival).collect(),
@@ -331,6 +352,7 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
     let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
         effect: SAMPLING,
         joint: None,
+        change: None,
         // it is seen row by row, not by what it explains
         nats: selection.bare.excess.abs().max(1.0)
             + selection.picks.first().map_or(0.0, |own| own.nats),
@@ -348,6 +370,9 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
             _ => None,
         });
     let centres = problem.states.centre.iter();
+    let fastest = |dq: &Vec<f64>| dq.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
+    let fastest: Vec<f64> = problem.states.motor.dq.iter().map(fastest).collect();
+    let most = fastest.iter().copied().fold(0.0, f64::max);
     Examined {
         channels: channels.collect(),
         findings: findings.collect(),
@@ -363,24 +388,15 @@ fn examined(problem: &Problem, base: &Base, selection: &Selection) -> Examined {
         has_memory: problem.has_memory,
         above_hz: None,
         jitter: problem.samples.jitter,
+        is_stamped_late: problem.samples.is_stamped_late,
+        doubts: doubts(scales),
+        constant: (0..problem.arm.joints())
+            .filter_map(|joint| Some((joint, problem.samples.constant_torque(joint)??)))
+            .collect(),
+        still: (0..fastest.len())
+            .filter(|joint| is_still(fastest[*joint], most))
+            .collect(),
+        fastest,
         time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }
-}
-
-/// Slope of a channel's recorded torque over the nominal one, both about their means.
-fn slope(problem: &Problem, channel: usize) -> Option<f64> {
-    let joint = problem.channels[channel];
-    let recorded = problem.states.torque(&problem.samples, joint, 0.0);
-    let nominal = problem.states.filtered(&problem.nominal_torque()[joint]);
-    let mean = |own: &[f64]| own.iter().sum::<f64>() / own.len() as f64;
-    let (a, b) = (mean(&recorded), mean(&nominal));
-    let pairs = || {
-        recorded
-            .iter()
-            .zip(&nominal)
-            .map(|(own, other)| (own - a, other - b))
-    };
-    let square: f64 = pairs().map(|(_, other)| other * other).sum();
-    let is_loaded = square > LOADED * problem.row_sd[channel].powi(2) * nominal.len() as f64;
-    is_loaded.then(|| pairs().map(|(own, other)| own * other).sum::<f64>() / square)
 }

@@ -5,6 +5,7 @@
 
 mod arm;
 mod base;
+mod change;
 mod column;
 mod dependence;
 mod effect;
@@ -19,12 +20,15 @@ mod plausible;
 mod problem;
 mod samples;
 mod sampling;
+mod scale;
 mod select;
 mod states;
+mod survey;
 mod system;
 mod trimmed;
 mod unseen;
 
+pub use change::Change;
 pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
@@ -34,4 +38,6 @@ pub use identify::{
     NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,
 };
 pub use loads::link_torques;
+pub use scale::{Doubt, Scale};
+pub use survey::{Survey, SurveyedJoint, SurveyedTorque, survey, unwrapped, usual_step_s, why_not};
 pub use unseen::{PARTS, Unseen};

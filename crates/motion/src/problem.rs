@@ -78,20 +78,14 @@ impl Problem {
         } = reading;
         let samples = Samples::new(recording, sets_right)?;
         if samples.rate_hz() < LEAST_RATE_HZ {
-            return Err(MotionError::Sampling(format!(
-                "{:.3} rows a second are too few for accelerations: {LEAST_RATE_HZ} are needed",
-                samples.rate_hz()
-            )));
+            return Err(crate::survey::too_slow(samples.rate_hz()));
         }
         let channels: Vec<usize> = (0..arm.joints())
-            .filter(|&joint| {
-                let torques = samples
-                    .pieces
-                    .iter()
-                    .filter_map(|own| own.torque[joint].as_ref());
-                torques.flatten().any(|value| *value != 0.0)
-            })
+            .filter(|&joint| samples.constant_torque(joint) == Some(None))
             .collect();
+        if channels.is_empty() {
+            return Err(MotionError::Constant);
+        }
         let highest = OF_RATE * samples.rate_hz();
         let edges: Vec<f64> = match edge_hz {
             Some(edge_hz) => vec![edge_hz],
@@ -327,6 +321,11 @@ impl Problem {
         self.inertial = (0..columns).map(column).collect();
         Ok(())
     }
+}
+
+/// Whether a joint stands still beside another one that moves with `most`.
+pub(crate) fn is_still(fastest: f64, most: f64) -> bool {
+    fastest < STILL.max(STILL * most)
 }
 
 /// Noise of the readings of the channels' torques.

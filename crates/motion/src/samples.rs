@@ -16,6 +16,8 @@ const FILLED_S: f64 = 0.02;
 const SHORTEST: f64 = 0.1;
 /// Stamps that lie within this share of a step beside an even grid are taken as even.
 const EVEN: f64 = 0.05;
+/// Rows on each side of a step of an odd length that say whether rows are missing there.
+const BESIDE: usize = 6;
 /// Fewest samples of a piece.
 const LEAST: usize = 32;
 
@@ -45,6 +47,8 @@ pub(crate) struct Samples {
     pub(crate) sampling: Option<[f64; 2]>,
     /// Root mean square deviation of the stamps from an even grid, as a share of a step.
     pub(crate) jitter: f64,
+    /// Whether the positions are smoother on an even grid than at the stamps: rows were taken evenly, and stamped unevenly.
+    pub(crate) is_stamped_late: bool,
 }
 
 impl Samples {
@@ -78,20 +82,22 @@ impl Samples {
         };
         let mut pieces = Vec::new();
         let (mut deviation, mut count) = (0.0, 0);
-        let mut all = stretches(
-            recording,
-            time_s,
-            [(1.0 - BREAK) * step_s, longest * step_s],
-        );
+        let steps_s = [(1.0 - BREAK) * step_s, longest * step_s];
+        let mut all = stretches(recording, time_s, (step_s, steps_s));
         let long = all.iter().map(std::ops::Range::len);
         let long = long.filter(|rows| *rows as f64 * step_s > LONG_S);
         if 2 * long.sum::<usize>() < recording.len() {
             let steps_s = [SHORTEST * step_s, (FILLED * step_s).max(FILLED_S)];
-            all = stretches(recording, time_s, steps_s);
+            all = stretches(recording, time_s, (step_s, steps_s));
         }
+        let (mut late, mut late_s) = (0, 0.0);
         for rows in all {
-            let (piece, square) = piece(recording, time_s, step_s, rows.clone());
+            let (piece, square, late_step_s) = piece(recording, time_s, step_s, rows.clone());
             deviation += square * piece.length as f64;
+            if let Some(own_s) = late_step_s {
+                late += piece.length;
+                late_s += own_s * piece.length as f64;
+            }
             count += piece.length;
             pieces.push(piece);
         }
@@ -99,36 +105,56 @@ impl Samples {
             let message = format!("no {LEAST} rows follow each other without a gap");
             return Err(MotionError::Sampling(message));
         }
+        let is_stamped_late = 2 * late > count;
         Ok(Self {
-            step_s,
+            step_s: match is_stamped_late {
+                true => late_s / late as f64,
+                false => step_s,
+            },
             pieces,
             sampling: shares,
             lost_share: 1.0 - count as f64 / recording.len() as f64,
             jitter: (deviation / count as f64).sqrt(),
+            is_stamped_late,
         })
     }
 
     pub(crate) fn rate_hz(&self) -> f64 {
         1.0 / self.step_s
     }
+
+    /// Of a joint that has torques whether they are one value, and which.
+    pub(crate) fn constant_torque(&self, joint: usize) -> Option<Option<f64>> {
+        let columns = (self.pieces.iter()).filter_map(|own| own.torque[joint].as_ref());
+        let mut values = columns.flatten();
+        let first = *values.next()?;
+        Some(values.all(|own| *own == first).then_some(first))
+    }
 }
 
-/// The median step within runs.
-fn usual_step(recording: &Recording, time_s: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = (1..time_s.len())
-        .filter(|&row| recording.run_at(row) == recording.run_at(row - 1))
-        .map(|row| time_s[row] - time_s[row - 1])
-        .filter(|step| *step > 0.0)
-        .collect();
-    steps.sort_by(f64::total_cmp);
-    (steps.len() >= LEAST / 2).then(|| steps[steps.len() / 2])
+/// The median step within runs; none of few rows. Where stamps jitter it is that of several rows together, whose jitter is smaller.
+pub(crate) fn usual_step(recording: &Recording, time_s: &[f64]) -> Option<f64> {
+    let over = |rows: usize| {
+        let mut steps: Vec<f64> = (rows..time_s.len())
+            .filter(|&row| recording.run_at(row) == recording.run_at(row - rows))
+            .map(|row| (time_s[row] - time_s[row - rows]) / rows as f64)
+            .filter(|step| *step > 0.0)
+            .collect();
+        steps.sort_by(f64::total_cmp);
+        (steps.len() >= LEAST / 2).then(|| (steps[steps.len() / 2], steps))
+    };
+    let (usual_s, steps) = over(1)?;
+    let quarter = steps.len() / 4;
+    let jitters = steps[steps.len() - 1 - quarter] - steps[quarter] > 2.0 * EVEN * usual_s;
+    let together = || over(BESIDE).map(|own| own.0);
+    Some(if jitters { together() } else { None }.unwrap_or(usual_s))
 }
 
 /// Rows that follow each other at the usual step, with every torque that the recording has anywhere.
 fn stretches(
     recording: &Recording,
     time_s: &[f64],
-    [shortest_s, longest_s]: [f64; 2],
+    (step_s, [shortest_s, longest_s]): (f64, [f64; 2]),
 ) -> Vec<std::ops::Range<usize>> {
     let columns: Vec<&[f64]> = (recording.torque_nm.iter().flatten())
         .chain(recording.output.iter().flatten())
@@ -147,7 +173,8 @@ fn stretches(
         let goes_on = row < recording.len() && is_whole(row) && {
             let step = time_s[row] - time_s[row - 1];
             recording.run_at(row) == recording.run_at(row - 1)
-                && (shortest_s..=longest_s).contains(&step)
+                && ((shortest_s..=longest_s).contains(&step)
+                    || is_jitter(recording, time_s, row, step_s))
         };
         if goes_on {
             continue;
@@ -161,13 +188,26 @@ fn stretches(
     found
 }
 
-/// A stretch on an even grid, and the mean square deviation of its stamps from it in steps.
+/// Whether a step of an odd length before a row is one of uneven stamps: the rows on both sides are as far apart as they should be.
+fn is_jitter(recording: &Recording, time_s: &[f64], row: usize, step_s: f64) -> bool {
+    if row < BESIDE || row + BESIDE > recording.len() {
+        return false;
+    }
+    let (before, after) = (row - BESIDE..row, row..row + BESIDE);
+    let is_next = |own: usize| recording.run_at(own) == recording.run_at(own - 1);
+    let mean = |rows: std::ops::Range<usize>| time_s[rows].iter().sum::<f64>() / BESIDE as f64;
+    (before.start + 1..after.end).all(is_next)
+        && ((mean(after) - mean(before)) / step_s - BESIDE as f64).abs() < BREAK
+}
+
+/// A stretch on an even grid, the mean square deviation of its stamps from it in steps, and the step of the rows where stamps were
+/// left aside.
 fn piece(
     recording: &Recording,
     time_s: &[f64],
     step_s: f64,
     rows: std::ops::Range<usize>,
-) -> (Piece, f64) {
+) -> (Piece, f64, Option<f64>) {
     let stamps = &time_s[rows.clone()];
     let length = stamps.len();
     // the grid of least squares
@@ -181,7 +221,16 @@ fn piece(
         / (0..length).map(|k| offset(k).powi(2)).sum::<f64>();
     let deviation = |k: usize| (stamps[k] - centre - offset(k) * slope) / step_s;
     let square = mean(&mut (0..length).map(|k| deviation(k).powi(2)));
-    let is_even = square.sqrt() < EVEN && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN;
+    let even: Vec<f64> = (0..length).map(|k| centre + offset(k) * slope).collect();
+    let motors: Vec<&[f64]> = recording
+        .joint
+        .iter()
+        .map(|own| &own[rows.clone()])
+        .collect();
+    let is_late = square.sqrt() >= EVEN && roughness(&even, &motors) < roughness(stamps, &motors);
+    let stamps = if is_late { even.as_slice() } else { stamps };
+    let is_even =
+        is_late || square.sqrt() < EVEN && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN;
     let column = |values: &[f64]| match is_even {
         true => values[rows.clone()].to_vec(),
         false => resampled(stamps, &values[rows.clone()], step_s),
@@ -199,7 +248,34 @@ fn piece(
             .collect(),
     };
     let length = piece.motor.first().map_or(0, Vec::len);
-    (Piece { length, ..piece }, square)
+    (Piece { length, ..piece }, square, is_late.then_some(slope))
+}
+
+/// How far columns are, at times, from the cubic through their two neighbours on each side: sums of squares, each column's by its
+/// variance.
+fn roughness(times: &[f64], columns: &[&[f64]]) -> f64 {
+    let of_column = |column: &&[f64]| {
+        let mean = column.iter().sum::<f64>() / column.len() as f64;
+        let variance: f64 = column.iter().map(|own| (own - mean).powi(2)).sum();
+        let off = (2..column.len().saturating_sub(2)).map(|k| {
+            let near = [k - 2, k - 1, k + 1, k + 2];
+            (column[k] - cubic(times[k], near.map(|i| (times[i], column[i])))).powi(2)
+        });
+        off.sum::<f64>() / variance.max(1e-300)
+    };
+    columns.iter().map(of_column).sum()
+}
+
+/// Value at a time of the cubic through four points (Lagrange).
+fn cubic(time: f64, points: [(f64, f64); 4]) -> f64 {
+    let term = |(i, (at, value)): (usize, &(f64, f64))| {
+        let others = points.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others
+            .map(|(_, (other, _))| (time - other) / (at - other))
+            .product();
+        weight * value
+    };
+    points.iter().enumerate().map(term).sum()
 }
 
 /// Values at steps of `step_s` from the first stamp on: a cubic through the two samples on each side.
@@ -214,16 +290,10 @@ fn resampled(stamps: &[f64], values: &[f64], step_s: f64) -> Vec<f64> {
                 after += 1;
             }
             let first = after.saturating_sub(2).min(stamps.len().saturating_sub(4));
-            let near = first..(first + 4).min(stamps.len());
-            near.clone()
-                .map(|i| {
-                    let others = near.clone().filter(|j| *j != i);
-                    let weight: f64 = others
-                        .map(|j| (time - stamps[j]) / (stamps[i] - stamps[j]))
-                        .product();
-                    weight * values[i]
-                })
-                .sum()
+            cubic(
+                time,
+                [0, 1, 2, 3].map(|k| (stamps[first + k], values[first + k])),
+            )
         })
         .collect()
 }
@@ -256,6 +326,36 @@ mod tests {
             .collect();
         assert_eq!(found, [(0, 100), (100, 50), (151, 49)]);
         assert!((samples.lost_share - 0.005).abs() < 1e-12);
+    }
+
+    /// Steps from nothing to two and a half: no rows are missing, but for those behind row 300.
+    #[test]
+    fn stamps_that_jitter_are_no_gap_and_lost_rows_are_one() {
+        let late = |k: u32| 0.6 * (1.7 * f64::from(k)).sin() + 0.3 * (0.9 * f64::from(k * k)).sin();
+        let stamps: Vec<f64> = (0..600)
+            .map(|k| 0.01 * (f64::from(k) + if k > 300 { 2.0 } else { 0.0 } + 0.55 * late(k)))
+            .collect();
+        let lost = |k: usize| if k > 300 { k + 2 } else { k };
+        let mut log = recording(stamps);
+        log.joint[0] = (0..600).map(|k| (0.01 * lost(k) as f64).sin()).collect();
+        let samples = Samples::new(&log, true).unwrap();
+        let found: Vec<_> = (samples.pieces.iter())
+            .map(|piece| (piece.first_row, piece.length))
+            .collect();
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(
+            found[0].0 < BESIDE && found[0].1.abs_diff(300) < 2 * BESIDE,
+            "{found:?}"
+        );
+        // rows that were taken evenly stay as they are
+        assert!(samples.is_stamped_late);
+        let step = samples.step_s / 0.01;
+        assert!((step - 1.0).abs() < 1e-3, "{step}");
+        let first = samples.pieces[0].first_row;
+        assert_eq!(
+            samples.pieces[0].motor[0],
+            log.joint[0][first..][..samples.pieces[0].length]
+        );
     }
 
     #[test]

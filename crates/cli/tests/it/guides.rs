@@ -232,7 +232,7 @@ fn the_table_names_every_guide() {
         assert!(lines.lines().count() <= 120, "{name} is long");
         guides += 1;
     }
-    assert_eq!(guides, 13, "add a test for the new guide");
+    assert_eq!(guides, 14, "add a test for the new guide");
 }
 
 #[test]
@@ -312,6 +312,11 @@ fn a_camera_in_the_hand() {
 #[test]
 fn two_arms() {
     run("two-arms.md");
+}
+
+#[test]
+fn a_moving_arm() {
+    run("moving-arm.md");
 }
 
 #[test]

@@ -24,6 +24,7 @@ mod humanoid;
 mod import;
 mod import_poses;
 mod millimetres;
+mod moving_arm;
 mod moving_log;
 mod mujoco;
 mod mujoco_truth;

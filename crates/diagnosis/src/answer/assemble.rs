@@ -116,7 +116,11 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         device: engine.problem.device_with(&engine.start.model.values),
         corrected: match &correction {
             Some(correction) => Some(correction.device.clone()),
-            None => corrected(&findings.selection, verdict, &causes)?,
+            None => corrected(
+                &findings.selection,
+                verdict,
+                (&causes, &findings.force.changes),
+            )?,
         },
         correction: correction.map(|correction| correction.answer),
         causes,

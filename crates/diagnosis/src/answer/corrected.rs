@@ -4,6 +4,7 @@ use haptical_effects::device::{entry, is_law, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Role, Shape, Spec};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
+use haptical_motion::Change;
 
 use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, Verdict};
@@ -21,7 +22,7 @@ const REFERENCE_DEGC: &str = "reference_degc";
 pub(crate) fn corrected(
     selection: &Selection<'_>,
     verdict: Verdict,
-    causes: &[CauseAnswer],
+    (causes, changes): (&[CauseAnswer], &[Change]),
 ) -> Result<Option<Device>, DiagnosisError> {
     if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
         return Ok(None);
@@ -64,26 +65,39 @@ pub(crate) fn corrected(
         }
     }
     let drives = drive_effects(causes, engine.context.reference_degc);
-    has_any |= !drives.is_empty();
+    let (mut device, has_changed) = changed(&device, changes);
+    has_any |= has_changed || !drives.is_empty();
     drives.into_iter().for_each(|found| add(&mut device, found));
     Ok(has_any.then_some(device))
 }
 
-/// The device with the causes that its drives' torques show; none without such.
+/// The device with the causes that its drives' torques show; none without such. `changes`: of its masses, armatures and gravity.
 pub(crate) fn of_drives(
     device: &Device,
     verdict: Verdict,
-    (causes, reference_degc): (&[CauseAnswer], f64),
+    (causes, changes, reference_degc): (&[CauseAnswer], &[Change], f64),
 ) -> Option<Device> {
-    let effects = match verdict {
-        Verdict::Named | Verdict::Ambiguous => drive_effects(causes, reference_degc),
-        Verdict::NoGap | Verdict::Unknown => Vec::new(),
-    };
-    let mut device = device.clone();
+    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+        return None;
+    }
+    let effects = drive_effects(causes, reference_degc);
+    let has_any = !effects.is_empty() || !device.effects.is_empty();
+    let (mut device, has_changed) = changed(device, changes);
     effects
         .into_iter()
         .for_each(|found| add(&mut device, found));
-    (!device.effects.is_empty()).then_some(device)
+    (has_any || has_changed).then_some(device)
+}
+
+/// The device with changes of its masses, armatures and gravity, and whether there is one.
+fn changed(device: &Device, changes: &[Change]) -> (Device, bool) {
+    changes.iter().fold(
+        (device.clone(), false),
+        |(device, has_any), own| match own.applied(&device) {
+            Some(device) => (device, true),
+            None => (device, has_any),
+        },
+    )
 }
 
 /// Adds an effect on torques to a device: one that it has already was taken off the readings, and what was found is its change.

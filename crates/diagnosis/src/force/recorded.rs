@@ -16,6 +16,8 @@ use crate::thresholds::torque::{
     UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
 
+/// Rows farther apart than this say nothing of speeds \[s\].
+pub(crate) const SLOWEST_S: f64 = 2.0;
 /// Share of the force's square below which its changes are none.
 const CONSTANT: f64 = 1e-6;
 
@@ -368,6 +370,10 @@ fn needed(context: &Context<'_>) -> Result<(), String> {
     }
     match &context.motion {
         None => Err("no column t_s".to_owned()),
+        Some(_) if context.step_s() > SLOWEST_S => Err(format!(
+            "a row comes {:.3} s after the one before it, which is too slow for speeds: is t_s in milliseconds, and not in seconds?",
+            context.step_s()
+        )),
         Some(_) => Ok(()),
     }
 }

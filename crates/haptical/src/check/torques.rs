@@ -2,9 +2,13 @@
 
 use haptical_calibration::channels;
 use haptical_model::{Device as Model, Recording};
+use haptical_motion::{Survey, SurveyedTorque, survey, why_not};
 
 use super::{CheckedChannel, CheckedLog, rate_hz, run_count};
 use crate::identify::RankEntry;
+
+/// Below this speed inertia is small beside friction and weight \[rad/s\], \[m/s\].
+const SLOW: f64 = 0.1;
 
 /// The log described, where torques are all that it measures of a device with links.
 pub(super) fn torques_alone(
@@ -64,6 +68,17 @@ fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String
         ));
         return said;
     }
+    if recording.force_n.is_none()
+        && let Ok(found) = survey(device, recording)
+    {
+        said.extend(of_motion(device, &found));
+        return said;
+    }
+    if let Some(why) = why_not(device, recording) {
+        said.push(format!(
+            "The equations of motion cannot be used: {why}. What follows is for a slow motion."
+        ));
+    }
     said.push(
         "haptical diagnose fits the inertial numbers of all links and tests what they leave: joint-friction, motor-cogging, \
          torque-gain."
@@ -86,6 +101,80 @@ fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String
         );
     } else {
         said.push("unbalanced-gravity: the file's masses are taken as known to 10 %.".to_owned());
+    }
+    said
+}
+
+/// What the equations of motion have to work with.
+fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
+    let named = |joints: &[usize]| -> String {
+        let numbers: Vec<String> = joints.iter().map(|own| (own + 1).to_string()).collect();
+        let s = if joints.len() == 1 { "" } else { "s" };
+        format!("joint{s} {}", numbers.join(", "))
+    };
+    let of = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
+        (0..found.joints.len()).filter(|joint| is(*joint)).collect()
+    };
+    let torque = |joint: usize| found.joints[joint].torque;
+    let good = of(&|joint| torque(joint) == SurveyedTorque::Changes);
+    let mut said = Vec::new();
+    if good.is_empty() {
+        said.push("The equations of motion cannot be used: no torque column changes.".to_owned());
+        return said;
+    }
+    said.push(format!(
+        "A moving arm: the equations of motion can be used, with masses, centres and inertias of the device file, {:.1} rows a second and the \
+         torques of {}. haptical diagnose tests payload, link-inertia, friction, gains, delays, springs, contacts and more.",
+        found.rate_hz,
+        named(&good)
+    ));
+    let constant = of(&|joint| matches!(torque(joint), SurveyedTorque::Constant(_)));
+    let absent = of(&|joint| torque(joint) == SurveyedTorque::Absent);
+    for (joints, what) in [
+        (
+            constant,
+            "has one value throughout: nothing was measured there",
+        ),
+        (absent, "is not in the log: nothing is said of it"),
+    ] {
+        if !joints.is_empty() {
+            said.push(format!("The torque of {} {what}.", named(&joints)));
+        }
+    }
+    let still = of(&|joint| !found.joints[joint].moves);
+    if still.is_empty() {
+        said.push("Every joint moves.".to_owned());
+    } else {
+        said.push(format!(
+            "Still throughout, so that nothing can be said of friction, gain, armature, spring or play there: {}. Move every joint.",
+            named(&still)
+        ));
+    }
+    let slow = of(&|joint| found.joints[joint].moves && found.joints[joint].fastest < SLOW);
+    if !slow.is_empty() {
+        said.push(format!(
+            "Slower than {SLOW} rad/s or m/s, so that inertia and delay hardly show there: {}.",
+            named(&slow)
+        ));
+    }
+    let unstated = of(&|joint| device.joints[joint].armature_kgm2.is_none());
+    if !unstated.is_empty() {
+        said.push(format!(
+            "The device file has no armature_kgm2 of {}: it is fitted, and cannot be a cause.",
+            named(&unstated)
+        ));
+    }
+    if found.jitter > 0.1 {
+        said.push(format!(
+            "Time stamps are {:.0} % of a step off an even grid.",
+            100.0 * found.jitter
+        ));
+    }
+    if found.lost_share > 0.01 {
+        said.push(format!(
+            "{:.0} % of the rows are next to gaps and are not used.",
+            100.0 * found.lost_share
+        ));
     }
     said
 }

@@ -196,3 +196,49 @@ fn what_cannot_be_written_is_refused() {
         assert!(refused.contains("ratio_deviation1"), "{refused}");
     }
 }
+
+#[test]
+fn masses_armatures_and_gravity_that_changed_are_written_and_the_rest_stays() {
+    let text = "\
+[[link]]
+a_m = 0.0
+alpha_rad = 0.0
+d_m = 0.0
+[[link]]
+a_m = 0.4 # the upper arm
+alpha_rad = 0.0
+d_m = 0.0
+mass_kg = 3.0 # weighed
+centre_of_mass_m = [0.2, 0.0, 0.0]
+[[link]]
+a_m = 0.3
+alpha_rad = 0.0
+d_m = 0.0
+[[joint]]
+armature_kgm2 = 0.3
+[[joint]]
+type = \"prismatic\"
+[gravity]
+vector_mps2 = [0.0, -9.81, 0.0] # y is up
+";
+    let mut device = load(text);
+    let inertia_kgm2 = Some([0.01, 0.05, 0.06, 0.001, 0.0, -0.002]);
+    for (row, mass_kg) in [(1, 3.5), (2, 1.25)] {
+        device.bodies[row] = Some(haptical_model::Body {
+            mass_kg,
+            centre_of_mass_m: [0.1, 0.02, -0.03],
+            inertia_kgm2,
+        });
+    }
+    device.joints[0].armature_kgm2 = Some(0.35);
+    device.joints[1].armature_kgm2 = Some(2.0);
+    device.gravity_mps2 = Some([1.0, -9.7, 0.0]);
+    let written = device.to_toml(text, "device.toml").unwrap();
+    let again = load(&written);
+    assert_eq!(again.bodies, device.bodies);
+    assert_eq!(again.joints, device.joints);
+    assert_eq!(again.gravity_mps2, device.gravity_mps2);
+    assert_eq!(comments(&written), comments(text));
+    // a slide's is a mass
+    assert!(written.contains("armature_kg = 2.0"), "{written}");
+}

@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use nalgebra::Vector3;
+
 use super::{Candidate, Candidates, Context, Effect};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -9,21 +11,25 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(candidates),
 };
 
+/// The two axes across gravity, along which it moves when it tilts; none without gravity.
+pub(crate) fn axes(gravity: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+    let along = gravity.try_normalize(0.0)?;
+    let other = match along.x.abs() < 0.9 {
+        true => Vector3::x(),
+        false => Vector3::y(),
+    };
+    let first = along.cross(&other).normalize();
+    Some([first, along.cross(&first)])
+}
+
 /// Torques under gravity turned about the two axes across it, first order in the tilt.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let problem = context.problem;
     let gravity = problem.arm.bodies.gravity_mps2();
     let size = gravity.norm();
-    if size == 0.0 {
+    let Some([first, second]) = axes(gravity) else {
         return Vec::new();
-    }
-    let along = gravity / size;
-    let other = match along.x.abs() < 0.9 {
-        true => nalgebra::Vector3::x(),
-        false => nalgebra::Vector3::y(),
     };
-    let first = along.cross(&other).normalize();
-    let second = along.cross(&first);
     let (steps, joints) = (problem.states.steps(), problem.arm.joints());
     let mut signals = [0, 1].map(|_| vec![vec![0.0; steps]; joints]);
     let mut q = vec![0.0; joints];

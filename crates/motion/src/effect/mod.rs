@@ -20,9 +20,13 @@ mod torque_saturation;
 
 use std::rc::Rc;
 
+pub(crate) use self::gravity_direction::axes as gravity_axes;
 use crate::base::Base;
 use crate::column::Column;
 use crate::problem::Problem;
+
+/// Square of a column, over that of the effect's largest, that is rounding.
+const UNFELT: f64 = 1e-18;
 
 /// Numbers of an effect from the coefficients of its columns.
 pub(crate) type Numbers = Rc<dyn Fn(&[f64]) -> Vec<(&'static str, f64)>>;
@@ -200,11 +204,20 @@ impl<'c> Candidate<'c> {
         columns: Vec<Column>,
         numbers: Numbers,
     ) -> Self {
+        let square = |own: &Column| own.times(own);
+        let largest = columns.iter().map(square).fold(0.0, f64::max);
+        // what no torque feels is nothing, and not the rounding of it
+        let felt = columns
+            .into_iter()
+            .map(|own| match square(&own) > UNFELT * largest {
+                true => own,
+                false => own.masked(|_| false),
+            });
         Self {
             effect,
             joint,
             shape: Vec::new(),
-            columns: columns.into_iter().map(Rc::new).collect(),
+            columns: felt.map(Rc::new).collect(),
             numbers,
             kind: 0,
             about: Vec::new(),

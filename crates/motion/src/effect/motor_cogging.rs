@@ -34,10 +34,7 @@ fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
         let step = 0.5 * std::f64::consts::PI / travel;
         let lowest = LEAST_PERIODS * std::f64::consts::TAU / travel;
         let count = (((HIGHEST - lowest) / step).max(0.0) as usize).min(MOST);
-        let mut scan: Vec<(f64, f64)> = (0..=count)
-            .map(|k| lowest + k as f64 * step)
-            .map(|order| (power(problem, q, rest, order), order))
-            .collect();
+        let mut scan = scan(problem, q, rest, (lowest, step, count));
         scan.sort_by(|a, b| b.0.total_cmp(&a.0));
         scan.truncate(KEPT);
         scan.iter()
@@ -57,14 +54,35 @@ fn sines(q: &[f64], order: f64) -> [Vec<f64>; 2] {
     [sine, cosine]
 }
 
-/// What an order takes off the rest, the base model left out of it.
-fn power(problem: &Problem, q: &[f64], rest: &[f64], order: f64) -> f64 {
-    let parts = sines(q, order).map(|signal| {
-        let row = problem.states.filtered(&signal);
+/// What evenly spaced orders take off the rest, each with its order. Sines and cosines are turned on from one order to the next.
+fn scan(
+    problem: &Problem,
+    q: &[f64],
+    rest: &[f64],
+    (lowest, step, count): (f64, f64, usize),
+) -> Vec<(f64, f64)> {
+    let mut signals = sines(q, lowest);
+    let [sine_of_step, cosine_of_step] = sines(q, step);
+    let mut found = Vec::with_capacity(count + 1);
+    for k in 0..=count {
+        found.push((power(problem, &signals, rest), lowest + k as f64 * step));
+        let [sines, cosines] = &mut signals;
+        let turns = sine_of_step.iter().zip(&cosine_of_step);
+        for ((sine, cosine), (s, c)) in sines.iter_mut().zip(cosines).zip(turns) {
+            (*sine, *cosine) = (*sine * c + *cosine * s, *cosine * c - *sine * s);
+        }
+    }
+    found
+}
+
+/// What a sine and a cosine take off the rest, the base model left out of it.
+fn power(problem: &Problem, signals: &[Vec<f64>; 2], rest: &[f64]) -> f64 {
+    let part = |signal: &Vec<f64>| {
+        let row = problem.states.filtered(signal);
         let square = haptical_linalg::dot(&row, &row);
         haptical_linalg::dot(&row, rest).powi(2) / square.max(0.02 * rest.len() as f64)
-    });
-    parts.iter().sum()
+    };
+    signals.iter().map(part).sum()
 }
 
 fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candidate<'_>> {

@@ -32,6 +32,18 @@ pub(super) fn numbers(
         };
         let slopes = nalgebra::DVector::from_fn(at.len(), |column, _| slope(column));
         let variance = (slopes.transpose() * &covariance * &slopes)[(0, 0)];
+        // a number of columns that no torque feels is not known
+        let is_unfelt = || {
+            (0..at.len()).any(|column| {
+                let mut other = at.clone();
+                other[column] += 1.0;
+                covariance[(column, column)] == 0.0
+                    && (candidate.numbers)(&other)[index].1 != *value
+            })
+        };
+        if variance == 0.0 && is_unfelt() {
+            continue;
+        }
         let sd = (misfit * variance).max(0.0).sqrt();
         let size = if *name == "phase_rad" { 1.0 } else { *value };
         found.push((name, *value, sd.hypot(candidate.law_sd * size)));

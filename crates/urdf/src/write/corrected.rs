@@ -140,7 +140,9 @@ fn drives(
     let mut edits = Vec::new();
     for own in &links {
         let element = urdf_element(&own.inertia);
-        edits.extend(at(own.place).map(|node| put(text, node, "inertial", &element)));
+        edits.extend(
+            at(read.robot.links[own.link].place).map(|node| put(text, node, "inertial", &element)),
+        );
     }
     let effects = Effects::new(device);
     for (joint, friction) in effects.friction.iter().enumerate() {
@@ -281,7 +283,7 @@ fn edit(text: &str, joint: &RobotJoint, origin: &Pose) -> (Range<usize>, String)
 }
 
 /// Blanks with which a joint's own elements begin, so that a new one is like the others.
-fn indent_at(text: &str, place: usize) -> &str {
+pub(crate) fn indent_at(text: &str, place: usize) -> &str {
     let rest = text.get(place..).unwrap_or_default();
     let blank = rest.len() - rest.trim_start().len();
     &rest[..blank]

@@ -11,6 +11,7 @@ use haptical_model::{Body, Device, Segments};
 use roxmltree::Node;
 
 use crate::UrdfError;
+use crate::chain::gravity::gravity_mps2;
 use crate::chain::masses::carried;
 use crate::device::ReadChain;
 use crate::numbers::written;
@@ -20,10 +21,12 @@ use crate::robot::{Inertial, Robot};
 /// Digits of a file leave this share of a number.
 const SAME: f64 = 1e-12;
 
+/// From this share of it on the direction of gravity is another one.
+const TILTED: f64 = 1e-9;
+
 /// A link with another mass.
 pub(crate) struct Weighed {
-    /// Byte of its element.
-    pub(crate) place: usize,
+    pub(crate) link: usize,
     /// In the link's frame.
     pub(crate) inertia: Inertia,
 }
@@ -78,13 +81,21 @@ pub(crate) fn weighed(
             (stated.unwrap_or_default(), 1.0),
         ]);
         if inertia.mass_kg > 0.0 && inertia.is_physical() {
-            let place = robot.links[link].place;
-            links.push(Weighed { place, inertia });
+            links.push(Weighed { link, inertia });
         } else {
             said.push(refuse(
                 "beside what is fixed to that link no body has it; `haptical export` of a new description has it",
             ));
         }
+    }
+    let tilted = gravity_mps2(robot, &paths[0]).zip(device.gravity_mps2);
+    if tilted.is_some_and(|(was, now)| {
+        let was = Vector3::from(was);
+        (Vector3::from(now) - was).norm() > TILTED * was.norm()
+    }) {
+        said.push(format!(
+            "{file}: the direction of gravity is not put in: it is that of the world, and the mount is tilted; turn the base against it"
+        ));
     }
     Ok((links, said))
 }

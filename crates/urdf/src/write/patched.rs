@@ -39,11 +39,11 @@ pub struct CorrectedMjcf {
 /// Below this a place is the one that the file has: rounding of two ways to it, in m and as an entry of a rotation.
 const SAME: f64 = 1e-12;
 
-pub(super) type Edit = (Range<usize>, String);
+pub(crate) type Edit = (Range<usize>, String);
 
 /// The text of an MJCF with `pos` and `quat` of the chain's bodies, and of the site or fixed body at its end, replaced so
 /// that its forward kinematics is that of `device`, of every chain where it has several; and with `frictionloss` and `damping`
-/// of joints whose friction the device knows, and `armature` where the device has another one. All other bytes stay as they are; an attribute whose value is right is not
+/// of joints whose friction the device knows, and `armature` where the device has another one, and `inertial` of bodies that carry something else. All other bytes stay as they are; an attribute whose value is right is not
 /// touched.
 ///
 /// `device` must have come from this MJCF, this base and this tip. Where the chain ends at a body that moves itself, a site
@@ -135,12 +135,18 @@ pub fn corrected_mjcf(
     }
     warnings.extend(unweighed);
     for own in &weighed {
-        let element = mjcf_element(&own.inertia);
-        edits.extend(
-            patch
-                .element(own.place)
-                .map(|node| put(text, node, "inertial", &element)),
-        );
+        let (link, element) = (&robot.links[own.link], mjcf_element(&own.inertia));
+        // a link between two joints of one body has no element of its own
+        let is_own = |node: &Element<'_, '_>| {
+            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == link.name)
+        };
+        match patch.element(link.place).filter(is_own) {
+            Some(node) => edits.push(put(text, node, "inertial", &element)),
+            None => warnings.push(format!(
+                "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
+                link.name
+            )),
+        }
     }
     if device
         .joints

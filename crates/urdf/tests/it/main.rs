@@ -13,6 +13,7 @@ mod corrected;
 mod described;
 mod hands;
 mod inertials;
+mod masses;
 mod mjcf_patch;
 mod mjcf_read;
 mod motion;

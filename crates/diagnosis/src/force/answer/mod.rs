@@ -49,6 +49,8 @@ pub(crate) struct ForceAnswer {
     pub(crate) tested: usize,
     /// What the findings' numbers rest on that the torques do not fix.
     pub(crate) warnings: Vec<String>,
+    /// What the findings change of the device's masses, armatures and gravity.
+    pub(crate) changes: Vec<haptical_motion::Change>,
     /// Block means of the torques with the largest gap.
     pub(crate) course: Option<Course>,
     /// What the largest gap depends on, most first; nothing where that was not asked.
@@ -293,6 +295,7 @@ pub(in crate::force) fn answer(
         numbers: base.scales + recorded.channels.len(),
         tested: effects.tested(),
         warnings: Vec::new(),
+        changes: Vec::new(),
         not_tested: match is_falsified && !named {
             true => Some(FALSIFIED.to_owned()),
             false => drowned(recorded, base).filter(|_| !significant),

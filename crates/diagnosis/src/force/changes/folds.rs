@@ -13,7 +13,7 @@ use super::normal::Normal;
 use crate::thresholds::payload::{FOLDS, RIDGE};
 
 /// The rows of a comparison in folds of blocks that follow each other.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(in crate::force) struct Folds {
     /// Per fold, per channel.
     parts: Vec<Vec<Normal>>,
@@ -222,6 +222,20 @@ impl Folds {
             part.add_sum(columns, numbers, first + channel, first + sds.len());
         }
         self.sd.extend(sds);
+        self.measure();
+        (first..self.sd.len()).collect()
+    }
+
+    /// Adds sums of columns, `(column, factor)` each, over all channels, of whose factors nothing is known; their places.
+    pub(super) fn add_sums(&mut self, sums: &[Vec<(usize, f64)>]) -> Vec<usize> {
+        let first = self.sd.len();
+        for (place, sum) in sums.iter().enumerate() {
+            let (columns, numbers): (Vec<usize>, Vec<f64>) = sum.iter().copied().unzip();
+            for part in self.parts.iter_mut().flatten() {
+                part.add_sum(&columns, &numbers, first + place, first + place + 1);
+            }
+        }
+        self.sd.extend(sums.iter().map(|_| f64::INFINITY));
         self.measure();
         (first..self.sd.len()).collect()
     }

@@ -2,7 +2,7 @@
 
 use haptical_effects::force::PAYLOAD;
 
-use super::columns::Columns;
+use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
 use crate::thresholds::payload::{CERTAIN, FIXED_MASS, LEVER};
@@ -105,6 +105,19 @@ pub(super) fn size(
             };
         }
     }
+    let direction = [1, 2, 3]
+        .map(|number| column(number).map_or(0.0, |own| fitted.number(own)) / moment.max(1e-300));
+    if let Some((mass_kg, ci95_kg)) =
+        by_inertia((along, columns), folds, (link, &direction), fitted)
+    {
+        return Size {
+            mass_kg,
+            ci95_kg,
+            moment_kg_m,
+            lever_m: None,
+            deviations,
+        };
+    }
     // the drives see the moment alone: of the mass no more than what fits between the axis and the end of the link
     let reach_m = longest_m(along);
     let [least, most] = LEVER.map(|share| share * reach_m);
@@ -122,6 +135,76 @@ pub(super) fn size(
         deviations,
     }
 }
+
+/// The mass of a point along a direction from the link's origin: `(m b)^2 / (m b^2)`, its moment's square over its inertia
+/// (docs/diagnosis-force.md). Its interval holds what offsets, friction and, within what is stated of them, scales of the torques move
+/// it by that may have changed with it, as they do from one session to the next (assumption A180). None where the inertia hardly
+/// shows.
+fn by_inertia(
+    (along, columns): (&Along<'_>, &Columns),
+    folds: &Folds,
+    (link, direction): (usize, &[f64; 3]),
+    fitted: &Fitted,
+) -> Option<(f64, [f64; 2])> {
+    let own = &columns.links[link];
+    let [x, y, z] = *direction;
+    // 1 - d d^T: the inertia of 1 kg at 1 m about the origin
+    let shape = [
+        y * y + z * z,
+        x * x + z * z,
+        x * x + y * y,
+        -x * y,
+        -x * z,
+        -y * z,
+    ];
+    let moment = own.iter().filter(|(_, number)| (1..4).contains(number));
+    let moment = moment.map(|(column, number)| (*column, direction[number - 1]));
+    let inertia = own.iter().filter(|(_, number)| *number > 3);
+    let inertia = inertia.map(|(column, number)| (*column, shape[number - 4]));
+    let mut with = folds.clone();
+    let [moment, inertia] = *with
+        .add_sums(&[moment.collect(), inertia.collect()])
+        .first_chunk::<2>()?;
+    let is_other = |column: &&usize| !own.iter().any(|(own, _)| own == *column);
+    let common: Vec<usize> = fitted.columns.iter().filter(is_other).copied().collect();
+    let found = with.fit(&[common.as_slice(), &[moment, inertia]].concat());
+    let mass_of = |number: Numbers<'_>| {
+        let (moment, inertia) = (number(moment), number(inertia));
+        (inertia != 0.0).then(|| moment * moment / inertia)
+    };
+    let mass_kg = mass_of(&|column| found.number(column))?;
+    // logarithms: a ratio of two numbers is no normal one
+    let beside = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
+    let parts =
+        (0..found.without.len()).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
+    let of_folds = SESSION * jackknife(parts.collect::<Option<Vec<_>>>()?.into_iter());
+    // scales within what is stated of them, offsets and friction as they like
+    for (drive, sd) in columns.own.iter().zip(along.scale_sds()) {
+        with.knowing(drive.gain, sd);
+    }
+    let mut all = [common, columns.every(Own::all)].concat();
+    all.sort_unstable();
+    all.dedup();
+    let changed = with.fit(&[all.as_slice(), &[moment, inertia]].concat());
+    let of_drives = beside(mass_of(&|column| changed.number(column))?)?;
+    let slopes = [
+        (moment, 2.0 / changed.number(moment)),
+        (inertia, -1.0 / changed.number(inertia)),
+    ];
+    let of_scales = with.prior_sd(&changed, &slopes);
+    let half = (HALF * of_folds)
+        .hypot(1.96 * PAYLOAD.law_error.amplitude)
+        .hypot(1.96 * of_drives)
+        .hypot(1.96 * of_scales);
+    let ends = [mass_kg * (-half).exp(), mass_kg * half.exp()];
+    let ci95_kg = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    (half < KNOWN).then_some((mass_kg, ci95_kg))
+}
+
+/// What two sessions differ by, over what the parts of one do: assumption A180.
+const SESSION: f64 = 5.0;
+/// An inertia that leaves a mass wider than by this factor's logarithm does not show.
+const KNOWN: f64 = 1.1;
 
 /// Whether a mass was put on or down: its inertia is above or below zero.
 fn sign(fitted: &Fitted, column: &dyn Fn(usize) -> Option<usize>) -> f64 {

@@ -4,6 +4,7 @@ use haptical_kinematics::Link;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, TableLike, Value, value};
 
 use crate::file::reader::Source;
+use crate::file::write::surroundings::numbers;
 use crate::file::write::whole::{body_items, drive_numbers, number};
 use crate::parameter::LINK_KEYS;
 use crate::{Device, DeviceFileError, Parameter, TransmissionError};
@@ -21,7 +22,7 @@ const ERROR_KEYS: [&str; 8] = [
 ];
 
 impl Device {
-    /// The text of the device file `original` with this device's link values, masses, drives and transmission errors
+    /// The text of the device file `original` with this device's link values, masses, drives, gravity and transmission errors
     /// in place, and the original link values under `[nominal]` (unless it has a `[nominal]`
     /// already, which is kept). Reading the text gives the same numbers, bit by bit.
     ///
@@ -67,6 +68,16 @@ impl Device {
             let pairs = drive_numbers(now).into_iter().zip(drive_numbers(was));
             let changed = pairs.filter(|(now, was)| now != was);
             set_items(row, changed.map(|((key, now), _)| (key, number(now))));
+        }
+        if let Some(gravity) =
+            (self.gravity_mps2).filter(|_| self.gravity_mps2 != before.gravity_mps2)
+        {
+            let table = document
+                .entry("gravity")
+                .or_insert_with(|| Item::Table(Table::new()));
+            if let Some(table) = table.as_table_like_mut() {
+                set(table, "vector_mps2", numbers(&gravity));
+            }
         }
         crate::file::write::surroundings::write_changes(&mut document, self, &before);
         Ok(document.to_string())

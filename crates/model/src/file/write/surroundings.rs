@@ -151,7 +151,7 @@ fn tool_table(tool: &Tool) -> Table {
     ])
 }
 
-fn numbers(values: &[f64]) -> Value {
+pub(crate) fn numbers(values: &[f64]) -> Value {
     Value::Array(values.iter().copied().collect())
 }
 

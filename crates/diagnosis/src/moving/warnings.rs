@@ -1,0 +1,188 @@
+//! What is said of a moving arm's log: of its columns, of what was fitted, of what a corrected device cannot hold.
+
+use haptical_effects::device::is_law;
+use haptical_effects::force::in_motion::SAMPLING;
+use haptical_model::{Device, JointType};
+use haptical_motion::{Doubt, Examined, Finding};
+
+use super::channel;
+
+/// No joint of an arm turns faster \[rad/s\].
+const TOO_FAST: f64 = 25.0;
+/// Outside this a joint's unit is another one than that of a log.
+const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
+
+pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
+    let mut warnings = of_torques(device, examined);
+    if let Some(why) = &examined.second {
+        warnings.push(format!(
+            "the torques of the second recording were not predicted: {why}"
+        ));
+    }
+    warnings.extend(of_armatures(&examined.free_armatures));
+    if examined
+        .findings
+        .iter()
+        .any(|own| own.effect == SAMPLING.name)
+        && !examined.is_adequate()
+    {
+        warnings.push(
+            "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
+        );
+    }
+    let adequate = examined.findings.iter().filter(|_| examined.is_adequate());
+    for found in adequate.filter(|own| !is_kept(device, own)) {
+        warnings.push(format!(
+            "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
+            found.effect
+        ));
+    }
+    for own in examined
+        .channels
+        .iter()
+        .filter(|own| examined.is_adequate() && own.has_rest())
+    {
+        warnings.push(format!(
+            "{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
+            channel(own.joint),
+            own.rms_after / own.noise
+        ));
+    }
+    if examined.has_memory {
+        warnings.push(
+            "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),
+        );
+    }
+    if let Some(edge_hz) = examined.above_hz {
+        warnings.push(format!(
+            "the torques have a gap above {edge_hz} Hz that no effect explains: the spring was found in what is slower, well below its resonance"
+        ));
+    }
+    if examined.jitter > 0.1 {
+        let percent = 100.0 * examined.jitter;
+        warnings.push(match examined.is_stamped_late {
+            true => format!(
+                "time stamps are {percent:.0} % of a step off an even grid (rms), and the positions are smoother without that: rows were \
+                 taken as evenly spaced"
+            ),
+            false => format!(
+                "time stamps are {percent:.0} % of a step off an even grid (rms): readings were put on one"
+            ),
+        });
+    }
+    warnings
+}
+
+/// Whether a device with the causes holds what was found.
+fn is_kept(device: &Device, found: &Finding) -> bool {
+    if let Some(change) = found.change {
+        return change.applied(device).is_some();
+    }
+    let has = |name: &str| found.numbers.iter().any(|own| own.0 == name);
+    let is_whole = |spec: &haptical_effects::Spec| {
+        spec.parameters.len() == found.numbers.len()
+            && spec.parameters.iter().all(|own| has(own.name))
+    };
+    let mut specs = haptical_effects::specs().filter(|spec| spec.name == found.effect);
+    specs.any(|spec| spec.hook.is_on_drives() && is_law(spec).is_ok() && is_whole(spec))
+}
+
+/// Armatures that no file states, in one sentence.
+fn of_armatures(free: &[(usize, f64)]) -> Option<String> {
+    let joints: Vec<usize> = free.iter().map(|own| own.0).collect();
+    let values: Vec<String> = free.iter().map(|own| format!("{:.4}", own.1)).collect();
+    (!free.is_empty()).then(|| {
+        format!(
+            "the device file has no armature of {}: fitted, and no cause: {} kg m^2",
+            joints_of(&joints),
+            values.join(", ")
+        )
+    })
+}
+
+/// What is odd about torques: their columns, signs, units, and joints of which they say little.
+fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
+    let column = |joint: usize| device.joints[joint].torque_column(joint + 1);
+    let mut said = Vec::new();
+    for (joint, value) in &examined.constant {
+        said.push(format!(
+            "{} is {value} throughout: nothing was measured there, and nothing is said of joint {}",
+            column(*joint),
+            joint + 1
+        ));
+    }
+    for (joint, speed) in examined.fastest.iter().enumerate() {
+        let own = &device.joints[joint];
+        if own.joint_type == JointType::Revolute && *speed > TOO_FAST && examined.has_gap() {
+            said.push(format!(
+                "theta{number}_rad turns at {speed:.0} rad/s, which no arm does: is the column in degrees? Multiply it by pi/180",
+                number = joint + 1
+            ));
+        }
+    }
+    for doubt in &examined.doubts {
+        said.push(match doubt {
+            Doubt::Sign { joint, slope } => format!(
+                "{} moves against the torque that the links ask for (slope {slope:.2}), and no cause is named: is its sign, or that of joint \
+                 {}, the other way? A torque is positive where it moves the joint positively",
+                column(*joint),
+                joint + 1
+            ),
+            Doubt::Unit { slopes } => {
+                let slopes: Vec<String> = (slopes.iter())
+                    .map(|(joint, slope)| format!("{} {slope:.3}", column(*joint)))
+                    .collect();
+                format!(
+                    "the torques are not what the links ask for but multiples of it, and no cause is named: {} times. Are they in N mm, at the \
+                     motors, or currents? A log has N m (of slides N) at the joints: multiply by gear ratios and torque constants",
+                    slopes.join(", ")
+                )
+            }
+            Doubt::Silent { joint } => format!(
+                "{} does not follow the motion: it is no larger than its own scatter, though the links ask for more; no cause is named. Is it \
+                 the torque of this log and joint?",
+                column(*joint)
+            ),
+        });
+    }
+    let in_doubt = |joint: usize| {
+        examined.doubts.iter().any(|own| match own {
+            Doubt::Sign { joint: own, .. } | Doubt::Silent { joint: own } => *own == joint,
+            Doubt::Unit { slopes } => slopes.iter().any(|own| own.0 == joint),
+        })
+    };
+    for own in &examined.channels {
+        let scale = own.scale;
+        if scale.is_known() && !WRONG_UNIT.contains(&scale.slope.abs()) && !in_doubt(own.joint) {
+            said.push(format!(
+                "{} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
+                column(own.joint),
+                scale.slope
+            ));
+        }
+    }
+    let drowned = examined.channels.iter().map(|own| (own.scale, own.joint));
+    let drowned = drowned.filter(|(scale, joint)| scale.is_noise() && !in_doubt(*joint));
+    let drowned: Vec<usize> = drowned.map(|own| own.1).collect();
+    if !drowned.is_empty() {
+        said.push(format!(
+            "{}: the torque is no larger than its noise, and next to nothing is said of it",
+            joints_of(&drowned)
+        ));
+    }
+    if !examined.still.is_empty() {
+        said.push(format!(
+            "{}: still throughout, so that of the torque the load alone was looked at; nothing is said of friction, gain, armature, spring \
+             or play there",
+            joints_of(&examined.still)
+        ));
+    }
+    said
+}
+
+/// Joints by their numbers.
+fn joints_of(joints: &[usize]) -> String {
+    let numbers: Vec<String> = joints.iter().map(|own| (own + 1).to_string()).collect();
+    let s = if joints.len() == 1 { "" } else { "s" };
+    format!("joint{s} {}", numbers.join(", "))
+}

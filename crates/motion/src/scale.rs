@@ -1,0 +1,224 @@
+//! How a recorded torque goes with what the links ask for: its sign, its scale, and whether it is theirs at all.
+
+use std::rc::Rc;
+
+use haptical_linalg::dot;
+
+use crate::base::Base;
+use crate::column::Column;
+use crate::problem::Problem;
+use crate::system::System;
+
+/// A slope is known where three of its standard deviations are below this share of it, or of 1.
+const KNOWN: f64 = 0.15;
+/// A torque is a multiple of what its links ask for where that and friction explain this share of it.
+const FOLLOWS: f64 = 0.7;
+/// A torque is noise where it is no larger than this many times what its readings scatter by.
+const NOISE: f64 = 1.5;
+/// It is silent where its square is below that of noise and of this share of what its links ask for, by so many standard deviations.
+const SILENT: f64 = 0.3;
+const SILENT_SDS: f64 = 4.0;
+/// A slope below this is one of the other sign.
+const OTHER_SIGN: f64 = -0.3;
+/// Outside this it is another unit, where most joints are: no payload makes a torque smaller, nor all of them ten times larger.
+const UNIT: std::ops::Range<f64> = 0.5..10.0;
+
+/// How a channel's recorded torque goes with that of the nominal bodies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// The recorded torque over that of the nominal bodies; friction, an offset and an armature that is not stated fitted beside it.
+    pub slope: f64,
+    /// Its standard deviation, what the fit leaves allowed for.
+    pub sd: f64,
+    /// Share of the recorded torque's variance that the fit explains.
+    pub explained: f64,
+    /// Root mean square about the mean of what the bodies ask for, in standard deviations of the noise of a row.
+    pub asked: f64,
+    /// The same of the recorded torque.
+    pub heard: f64,
+    /// Rows.
+    pub rows: usize,
+}
+
+/// What is wrong with torques, so that nothing of them may get a name.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Doubt {
+    /// A joint's torque has the other sign than what its links ask for.
+    Sign {
+        /// Joint, from 0.
+        joint: usize,
+        /// Slope.
+        slope: f64,
+    },
+    /// Most torques are multiples of what their links ask for.
+    Unit {
+        /// Joints, from 0, with their slopes.
+        slopes: Vec<(usize, f64)>,
+    },
+    /// A joint's torque is noise, though its links ask for more.
+    Silent {
+        /// Joint, from 0.
+        joint: usize,
+    },
+}
+
+impl Scale {
+    /// Of a channel.
+    pub(crate) fn of(problem: &Problem, base: &Base, channel: usize) -> Self {
+        let (joint, rows) = (problem.channels[channel], problem.states.rows());
+        let motor = &problem.states.motor;
+        let mut signals = vec![
+            problem.nominal_torque()[joint].clone(),
+            motor.dq[joint].clone(),
+            base.sign(problem, joint),
+            vec![1.0; problem.states.steps()],
+        ];
+        if problem.arm.armature[joint].is_none() {
+            signals.push(motor.ddq[joint].clone());
+        }
+        let columns = signals
+            .iter()
+            .filter_map(|own| problem.of_joint(joint, own));
+        let columns: Vec<Rc<Column>> = columns.map(Rc::new).collect();
+        let torque = problem.states.torque(&problem.samples, joint, 0.0);
+        let mut target = vec![0.0; problem.channel_rows()];
+        let first = channel * rows;
+        for (row, own) in torque.iter().enumerate() {
+            target[first + row] = own * problem.weight(first + row);
+        }
+        let solved = System::new(&columns, &vec![None; columns.len()]).solve(&target, &[]);
+        let left = dot(&solved.rest, &solved.rest);
+        let misfit = (left / rows as f64).max(1.0);
+        let heard = about_mean(&target[first..][..rows]);
+        let asked = columns.first().map_or(0.0, |own| about_mean(own.parts().1));
+        let spread = |square: f64| (square / rows as f64).sqrt();
+        Self {
+            slope: solved.solution.first().copied().unwrap_or(0.0),
+            sd: (solved.covariance(&[0])[(0, 0)] * misfit).sqrt(),
+            explained: 1.0 - left / heard.max(1e-300),
+            asked: spread(asked),
+            heard: spread(heard),
+            rows,
+        }
+    }
+
+    /// Whether the slope is known, of a torque that is a multiple of what its links ask for.
+    pub fn is_known(&self) -> bool {
+        self.sd > 0.0
+            && 3.0 * self.sd < KNOWN * self.slope.abs().max(1.0)
+            && self.explained > FOLLOWS
+            && !self.is_noise()
+    }
+
+    /// Whether the torque is no more than noise.
+    pub fn is_noise(&self) -> bool {
+        self.heard < NOISE
+    }
+
+    /// Whether it is noise where its links ask for more.
+    fn is_silent(&self) -> bool {
+        let square = self.heard.powi(2);
+        let sd = square * (2.0 / self.rows.max(1) as f64).sqrt();
+        self.is_noise() && square + SILENT_SDS * sd < 1.0 + SILENT * self.asked.powi(2)
+    }
+}
+
+/// Sum of squares about the mean.
+fn about_mean(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter().map(|own| (own - mean).powi(2)).sum()
+}
+
+/// What is wrong with torques, from how each goes with what its links ask for.
+pub(crate) fn doubts(scales: &[(usize, Scale)]) -> Vec<Doubt> {
+    let silent = scales.iter().filter(|(_, own)| own.is_silent());
+    let mut found: Vec<Doubt> = silent
+        .map(|(joint, _)| Doubt::Silent { joint: *joint })
+        .collect();
+    let known: Vec<(usize, f64)> = (scales.iter())
+        .filter(|(_, own)| own.is_known())
+        .map(|(joint, own)| (*joint, own.slope))
+        .collect();
+    let turned = known.iter().filter(|(_, slope)| *slope < OTHER_SIGN);
+    found.extend(turned.map(|(joint, slope)| Doubt::Sign {
+        joint: *joint,
+        slope: *slope,
+    }));
+    let off: Vec<(usize, f64)> = (known.iter().copied())
+        .filter(|(_, slope)| !UNIT.contains(&slope.abs()))
+        .collect();
+    let is_one_unit = off.len() > 1
+        && 2 * off.len() > known.len()
+        && (off.iter().all(|own| own.1.abs() < UNIT.start)
+            || off.iter().all(|own| own.1.abs() > UNIT.start));
+    if is_one_unit {
+        found.push(Doubt::Unit { slopes: off });
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scale(slope: f64) -> Scale {
+        Scale {
+            slope,
+            sd: 0.01 * slope.abs(),
+            explained: 0.95,
+            asked: 20.0,
+            heard: 20.0 * slope.abs().max(0.1),
+            rows: 800,
+        }
+    }
+
+    fn of(slopes: &[f64]) -> Vec<Doubt> {
+        let scales = slopes.iter().map(|own| scale(*own)).enumerate();
+        doubts(&scales.collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn sound_torques_and_one_gain_are_in_no_doubt() {
+        assert_eq!(of(&[1.0, 0.9, 1.2, 1.05]), []);
+        assert_eq!(of(&[1.0, 0.9, 4.0, 1.05]), []);
+        assert_eq!(of(&[1.0, 0.9, 0.1, 1.05]), []);
+        // a heavy payload
+        assert_eq!(of(&[1.0, 3.0, 4.0, 6.0]), []);
+    }
+
+    #[test]
+    fn one_sign_and_one_unit_are_told_apart() {
+        assert_eq!(
+            of(&[1.0, -0.98, 1.1]),
+            [Doubt::Sign {
+                joint: 1,
+                slope: -0.98
+            }]
+        );
+        let slopes = vec![(0, 0.07), (1, 0.09), (2, 0.06)];
+        assert_eq!(of(&[0.07, 0.09, 0.06]), [Doubt::Unit { slopes }]);
+        let slopes = vec![(0, 1000.0), (1, 990.0)];
+        assert_eq!(of(&[1000.0, 990.0]), [Doubt::Unit { slopes }]);
+    }
+
+    #[test]
+    fn noise_is_no_torque_where_links_ask_for_one() {
+        let silent = Scale {
+            slope: 0.0,
+            sd: 0.02,
+            explained: 0.01,
+            heard: 1.02,
+            ..scale(1.0)
+        };
+        assert_eq!(
+            doubts(&[(0, scale(1.0)), (2, silent)]),
+            [Doubt::Silent { joint: 2 }]
+        );
+        // a wrist that nothing loads
+        let idle = Scale {
+            asked: 0.5,
+            ..silent
+        };
+        assert_eq!(doubts(&[(0, scale(1.0)), (2, idle)]), []);
+    }
+}
