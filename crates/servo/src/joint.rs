@@ -8,7 +8,7 @@ use crate::next::next;
 use crate::noise::{floor, rounding};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -108,7 +108,7 @@ impl Joint<'_> {
         let is_gap = before > ABOVE_FLOOR * floor || !self.changes.is_empty();
         let (closed, closed_ci95) = self.closed(floor);
         let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
-        let mut causes = self.laws();
+        let mut causes = self.laws(closed);
         for cause in &mut causes {
             cause.share *= laws;
         }
@@ -175,14 +175,14 @@ impl Joint<'_> {
     }
 
     /// The laws that are missed, with their numbers and rivals.
-    fn laws(&self) -> Vec<Finding> {
+    fn laws(&self, closed: f64) -> Vec<Finding> {
         let chosen = &self.selection.chosen;
         let total: f64 = self.selection.before.iter().sum::<f64>().max(1e-300);
         let kept = self.selection.kept.iter();
         kept.filter_map(|&(law, gained)| {
             let (effect, numbers, confusable_with) = match law {
                 Law::Offset => self.offset()?,
-                Law::Timing => self.timing(),
+                Law::Timing => self.timing(closed),
                 Law::Friction => (
                     friction::SPEC.name,
                     vec![number("width_rad", chosen, |fit| {
@@ -231,8 +231,8 @@ impl Joint<'_> {
         Some((offset::SPEC.name, vec![own], rivals))
     }
 
-    /// Delay or lag: both where neither alone does.
-    fn timing(&self) -> Named {
+    /// Delay or lag: both where neither alone does, or where the laws leave a part of the gap that the other may be.
+    fn timing(&self, closed: f64) -> Named {
         let chosen = &self.selection.chosen;
         let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
         let is_worse =
@@ -246,6 +246,7 @@ impl Joint<'_> {
         let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
         if let Some(alone) = delay_alone.as_ref().filter(|_| !is_worse(delay_alone))
             && is_surely_worse(lag_alone)
+            && closed > ALL_CLOSED
         {
             let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
             return (latency::SPEC.name, vec![delay], Vec::new());

@@ -14,6 +14,7 @@ mod select;
 mod thresholds;
 
 pub use answer::{Course, Finding, Instant, JointAnswer, Number, Verdict};
+pub use change::torque_gain;
 pub use effect::{SPECS, Spec};
 pub use joint::diagnose_joint;
 pub use log::{JointLog, Untested};

@@ -7,7 +7,7 @@ use crate::thresholds::{
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct JointLog<'a> {
     /// Times \[s\], increasing within a run.
     pub time_s: Option<&'a [f64]>,
@@ -17,6 +17,10 @@ pub struct JointLog<'a> {
     pub command: Option<&'a [f64]>,
     /// Measured positions \[rad\] or \[m\].
     pub response: &'a [f64],
+    /// Velocities that the drive reports \[rad/s\] or \[m/s\]: where they change earlier than the positions, those are late.
+    pub velocity: Option<&'a [f64]>,
+    /// Torques that the drive reports, of any scale: a change of the scale is looked for.
+    pub torque: Option<&'a [f64]>,
     /// Measured positions of the other joints: what gravity asks of this one depends on them.
     pub others: &'a [&'a [f64]],
     /// Torque that gravity asks of the joint \[N m\], where the device has masses.
@@ -90,6 +94,8 @@ pub(crate) struct Series {
     pub(crate) time_s: Vec<f64>,
     pub(crate) command: Vec<f64>,
     pub(crate) response: Vec<f64>,
+    pub(crate) velocity: Option<Vec<f64>>,
+    pub(crate) torque: Option<Vec<f64>>,
     pub(crate) others: Vec<Vec<f64>>,
     pub(crate) load_nm: Option<Vec<f64>>,
     /// First index of each piece.
@@ -125,6 +131,8 @@ impl Series {
             time_s: take(time_s),
             command: take(command),
             response: take(log.response),
+            velocity: log.velocity.filter(|column| is_filled(&column)).map(take),
+            torque: log.torque.filter(|column| is_filled(&column)).map(take),
             others: others.map(|column| take(column)).collect(),
             load_nm: log.load_nm.filter(|column| is_filled(&column)).map(take),
             starts: Vec::new(),

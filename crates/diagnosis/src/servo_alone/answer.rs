@@ -2,10 +2,10 @@
 
 use haptical_effects::Effect;
 use haptical_model::{Device, JointType, Recording};
-use haptical_servo::{JointAnswer, SPECS, Verdict as OfJoint};
+use haptical_servo::{Finding, JointAnswer, SPECS, Verdict as OfJoint};
 
 use super::Asked;
-use super::causes::{cause, changed, kept};
+use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
 use crate::Options;
 use crate::answer::{
     CauseAnswer, ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, NoiseAnswer, Place,
@@ -35,8 +35,13 @@ pub(super) fn answer(
 ) -> Diagnosis {
     let mut joints = Vec::new();
     let mut untested = Vec::new();
-    for (index, result) in asked {
-        match result {
+    let mut scales = Vec::new();
+    let is_left_out = |name: &str| options.without.iter().any(|other| other == name);
+    for own in asked {
+        let index = own.joint;
+        let torque = own.torque.filter(|found| !is_left_out(found.effect));
+        scales.extend(torque.map(|found| (index, found)));
+        match own.answer {
             Ok(own) => joints.push(Joint {
                 answer: kept(&own, &options.without),
                 index,
@@ -54,7 +59,7 @@ pub(super) fn answer(
         joint.weight = energy(joint) / total.max(1e-300);
     }
     joints.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let (causes, words) = causes(device, &joints);
+    let (causes, words) = causes(device, &joints, &scales);
     let verdict = verdict(&joints, &causes);
     let located = located(&joints, &causes);
     let name = located.map(|joint| channel(joint.index));
@@ -62,6 +67,7 @@ pub(super) fn answer(
     let gap = Gap::new(verdict, name.as_deref(), channels);
     let place = located.filter(|_| verdict != Verdict::NoGap);
     let place = place.map(|joint| place_of(joint, &words));
+    let place = scaled(&causes, &words).or(place);
     let left: f64 = joints
         .iter()
         .map(|joint| joint.weight * (1.0 - joint.answer.closed).clamp(0.0, 1.0))
@@ -86,7 +92,7 @@ pub(super) fn answer(
             (Verdict::Unknown, _) | (_, None) => 1.0,
             (_, Some(first)) => 1.0 - first.class_probability,
         },
-        untestable: untestable(effects, &untested),
+        untestable: untestable(effects, &untested, &causes),
         invisible: Vec::new(),
         detectable: Vec::new(),
         noise: joints.iter().map(noise).collect(),
@@ -127,7 +133,11 @@ fn unit(device: &Device, joint: usize) -> &'static str {
 }
 
 /// Changes first, then what holds all along, by share of the gap; and the changes in words.
-fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, String)>) {
+fn causes(
+    device: &Device,
+    joints: &[Joint],
+    scales: &[(usize, Finding)],
+) -> (Vec<CauseAnswer>, Vec<(usize, String)>) {
     let mut found: Vec<(bool, CauseAnswer)> = Vec::new();
     let mut words = Vec::new();
     let with_gap = joints
@@ -142,6 +152,10 @@ fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, S
             words.extend(changed(joint.index, finding).map(|word| (joint.index, word)));
         }
     }
+    for (joint, finding) in scales {
+        found.push((true, of_torque(*joint, finding)));
+        words.extend(changed(*joint, finding).map(|word| (*joint, word)));
+    }
     found.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.share.total_cmp(&a.1.share)));
     (found.into_iter().map(|(_, cause)| cause).collect(), words)
 }
@@ -149,7 +163,7 @@ fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, S
 fn verdict(joints: &[Joint], causes: &[CauseAnswer]) -> Verdict {
     let has_gap = |joint: &Joint| joint.answer.verdict != OfJoint::NoGap;
     match causes.first() {
-        _ if !joints.iter().any(has_gap) => Verdict::NoGap,
+        None if !joints.iter().any(has_gap) => Verdict::NoGap,
         Some(first) if first.confusable_with.is_empty() => Verdict::Named,
         Some(_) => Verdict::Ambiguous,
         None => Verdict::Unknown,
@@ -181,6 +195,21 @@ fn place_of(joint: &Joint, words: &[(usize, String)]) -> Place {
         ),
         dependence: Vec::new(),
     }
+}
+
+/// Where the first cause is one of a torque's scale: that torque, since then.
+fn scaled(causes: &[CauseAnswer], words: &[(usize, String)]) -> Option<Place> {
+    let first = causes.first().filter(|first| first.effect == TORQUE_GAIN)?;
+    let joint = first.joint?;
+    let own = words.iter().rfind(|(index, _)| index + 1 == joint)?;
+    Some(Place {
+        channel: format!("torque{joint}"),
+        joint: Some(joint),
+        explained: vec![1.0],
+        depends_on: vec!["t_s".to_owned()],
+        region: own.1.clone(),
+        dependence: Vec::new(),
+    })
 }
 
 /// Share of the gap that closes, of sizes and of squares: contract, reduction_percent.
@@ -269,7 +298,17 @@ fn noise(joint: &Joint) -> NoiseAnswer {
 const POSITIONS: &str =
     "the log has joints and their commands alone: no second sensor or position shows it";
 
-fn untestable(effects: &[Box<dyn Effect>], untested: &[(usize, String)]) -> Vec<Untestable> {
+fn untestable(
+    effects: &[Box<dyn Effect>],
+    untested: &[(usize, String)],
+    causes: &[CauseAnswer],
+) -> Vec<Untestable> {
+    let is_said = |name: &str| {
+        let mut names = causes
+            .iter()
+            .flat_map(|cause| std::iter::once(&cause.effect).chain(&cause.confusable_with));
+        names.any(|said| said == name)
+    };
     let mut found: Vec<Untestable> = Vec::new();
     for spec in SPECS {
         for (joint, why) in untested {
@@ -287,7 +326,7 @@ fn untestable(effects: &[Box<dyn Effect>], untested: &[(usize, String)]) -> Vec<
     for effect in effects {
         let name = effect.name();
         let is_servo = SPECS.iter().any(|spec| spec.name == name);
-        if !is_servo && !found.iter().any(|entry| entry.effect == name) {
+        if !is_servo && !is_said(name) && !found.iter().any(|entry| entry.effect == name) {
             found.push(Untestable {
                 effect: name.to_owned(),
                 joints: Vec::new(),

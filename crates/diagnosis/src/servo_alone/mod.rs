@@ -7,14 +7,20 @@ mod causes;
 use haptical_calibration::{CalibrationError, channels};
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording, Statics};
-use haptical_servo::{JointAnswer, JointLog, Untested, diagnose_joint};
+use haptical_servo::{Finding, JointAnswer, JointLog, Untested, diagnose_joint, torque_gain};
 use rayon::prelude::*;
 
 use crate::answer::Diagnosis;
 use crate::{DiagnosisError, Options};
 
-/// A joint and what its commands say of it.
-pub(crate) type Asked = (usize, Result<JointAnswer, Untested>);
+/// A joint and what is said of it.
+pub(crate) struct Asked {
+    joint: usize,
+    /// By its command.
+    answer: Result<JointAnswer, Untested>,
+    /// A change of its torques' scale.
+    torque: Option<Finding>,
+}
 
 /// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
 const UNTRUSTED_SCALE: f64 = 1.0;
@@ -62,26 +68,31 @@ pub(crate) fn diagnose(
                 run: recording.run.as_deref(),
                 command: recording.command(joint),
                 response: &recording.joint[joint],
+                velocity: recording.velocity(joint),
+                torque: recording.torque_nm[joint].as_deref(),
                 others: &others,
                 load_nm: loads.as_ref().map(|loads| loads[joint].as_slice()),
             };
-            (joint, diagnose_joint(&log))
+            Asked {
+                joint,
+                answer: diagnose_joint(&log),
+                torque: torque_gain(&log),
+            }
         })
         .collect();
-    for (joint, result) in &asked {
-        if let Err(why @ Untested::Degrees { .. }) = result {
-            return Err(DiagnosisError::Commands {
-                why: format!("joint {}: {why}", joint + 1),
-            });
-        }
+    let whys = asked.iter().filter_map(|own| {
+        let why = own.answer.as_ref().err()?;
+        Some((why, format!("joint {}: {why}", own.joint + 1)))
+    });
+    let whys: Vec<(&Untested, String)> = whys.collect();
+    let degrees = whys
+        .iter()
+        .find(|(why, _)| matches!(why, Untested::Degrees { .. }));
+    if let Some((_, why)) = degrees {
+        return Err(DiagnosisError::Commands { why: why.clone() });
     }
-    if asked.iter().all(|(_, result)| result.is_err()) {
-        let mut whys: Vec<String> = Vec::new();
-        for (joint, result) in &asked {
-            if let Err(why) = result {
-                whys.push(format!("joint {}: {why}", joint + 1));
-            }
-        }
+    if whys.len() == asked.len() && asked.iter().all(|own| own.torque.is_none()) {
+        let whys: Vec<String> = whys.into_iter().map(|(_, why)| why).collect();
         return Err(DiagnosisError::Commands {
             why: whys.join("; "),
         });

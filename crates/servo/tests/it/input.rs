@@ -24,11 +24,9 @@ fn a_log_without_commands_or_times_is_refused_in_words() {
     let without = |time_s, command| {
         let joint = JointLog {
             time_s,
-            run: None,
             command,
             response: &log.response,
-            others: &[],
-            load_nm: None,
+            ..JointLog::default()
         };
         diagnose_joint(&joint).unwrap_err()
     };
