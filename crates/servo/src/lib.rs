@@ -10,6 +10,7 @@ mod joint;
 mod log;
 mod next;
 mod noise;
+mod predict;
 mod select;
 mod thresholds;
 
@@ -18,3 +19,4 @@ pub use change::torque_gain;
 pub use effect::{SPECS, Spec};
 pub use joint::diagnose_joint;
 pub use log::{JointLog, Untested};
+pub use predict::Predicted;

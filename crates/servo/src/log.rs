@@ -3,7 +3,8 @@
 use std::fmt;
 
 use crate::thresholds::{
-    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, SAME_MOTION, STILL_COUNTS, STILL_RANGE, WRAP,
+    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, MOST_LAG_S, OPPOSITE, SAME_MOTION, STILL_COUNTS,
+    STILL_RANGE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -47,6 +48,16 @@ pub enum Untested {
         /// Command over position.
         ratio: f64,
     },
+    /// The position goes the other way.
+    Opposite {
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// Rows are farther apart than a servo takes to answer.
+    Coarse {
+        /// Median time between rows \[s\].
+        step_s: f64,
+    },
     /// The position has nothing to do with the command.
     Unrelated {
         /// Their correlation.
@@ -74,6 +85,14 @@ impl fmt::Display for Untested {
                 f,
                 "the joint moves {:.1} times as far as its command: degrees in a column of radians? Multiply it by 0.0174533",
                 1.0 / ratio
+            ),
+            Self::Opposite { correlation } => write!(
+                f,
+                "it moves against its command (correlation {correlation:.2}): is the sign of one of the two turned?"
+            ),
+            Self::Coarse { step_s } => write!(
+                f,
+                "its rows are {step_s:.3} s apart, and a servo answers within {MOST_LAG_S} s: milliseconds in t_s? Multiply it by 0.001"
             ),
             Self::Unrelated { correlation } => write!(
                 f,
@@ -142,6 +161,10 @@ impl Series {
             row: rows,
         };
         series.cut();
+        if series.step_s > MOST_LAG_S {
+            let step_s = series.step_s;
+            return Err(Untested::Coarse { step_s });
+        }
         series.unwrap_turns();
         series.count = smallest_step(&series.response);
         Ok(series)
@@ -242,10 +265,18 @@ impl Series {
         // the lag takes correlation away: the best of the shifts that a servo may have
         let most = ((0.5 / self.step_s).round() as usize).min(self.len() / 4);
         let shifts = (0..=most).step_by((most / 8).max(1));
-        let (correlation, slope) = shifts
-            .map(|shift| self.regressed(shift))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((0.0, 1.0));
+        let found: Vec<(f64, f64)> = shifts.map(|shift| self.regressed(shift)).collect();
+        let by_first = |a: &(usize, &(f64, f64)), b: &(usize, &(f64, f64))| a.1.0.total_cmp(&b.1.0);
+        let best = found.iter().enumerate().max_by(by_first);
+        let (at, &(correlation, slope)) = best.unwrap_or((0, &(0.0, 1.0)));
+        let least = found.iter().enumerate().min_by(by_first);
+        let (turned_at, &(turned, _)) = least.unwrap_or((0, &(0.0, 1.0)));
+        // a wave is its own opposite half a period later: with the sign of the servo comes the smaller lag
+        if turned < -OPPOSITE && turned_at < at && turned < -0.9 * correlation {
+            return Err(Untested::Opposite {
+                correlation: turned,
+            });
+        }
         if correlation < SAME_MOTION {
             return Err(Untested::Unrelated { correlation });
         }

@@ -13,6 +13,8 @@ pub(crate) const STILL_RANGE: f64 = 1e-3;
 pub(crate) const WRAP: f64 = 0.6;
 /// Correlation with the command, at the best lag, below which a joint does not follow it.
 pub(crate) const SAME_MOTION: f64 = 0.2;
+/// And with the command turned round beyond which it moves against it: of a wave, half a period of lag is a turned sign too.
+pub(crate) const OPPOSITE: f64 = 0.85;
 pub(crate) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// Contiguous parts of a log that are held out in turn.

@@ -3,11 +3,14 @@
 
 mod answer;
 mod causes;
+mod channel;
 
 use haptical_calibration::{CalibrationError, channels};
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording, Statics};
-use haptical_servo::{Finding, JointAnswer, JointLog, Untested, diagnose_joint, torque_gain};
+use haptical_servo::{
+    Finding, JointAnswer, JointLog, Predicted, Untested, diagnose_joint, torque_gain,
+};
 use rayon::prelude::*;
 
 use crate::answer::Diagnosis;
@@ -20,6 +23,8 @@ pub(crate) struct Asked {
     answer: Result<JointAnswer, Untested>,
     /// A change of its torques' scale.
     torque: Option<Finding>,
+    /// What its causes make of the second recording.
+    second: Option<Result<Predicted, Untested>>,
 }
 
 /// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
@@ -56,27 +61,21 @@ pub(crate) fn diagnose(
     effects: &[Box<dyn Effect>],
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let loads = loads(device, recording);
+    let second = options
+        .validation
+        .map(|second| Columns::new(device, second));
+    let first = Columns::new(device, recording);
     let asked: Vec<Asked> = (0..device.joints.len())
         .into_par_iter()
         .map(|joint| {
-            let others = recording.joint.iter().enumerate();
-            let others = others.filter(|(other, _)| *other != joint);
-            let others: Vec<&[f64]> = others.map(|(_, column)| column.as_slice()).collect();
-            let log = JointLog {
-                time_s: recording.time_s.as_deref(),
-                run: recording.run.as_deref(),
-                command: recording.command(joint),
-                response: &recording.joint[joint],
-                velocity: recording.velocity(joint),
-                torque: recording.torque_nm[joint].as_deref(),
-                others: &others,
-                load_nm: loads.as_ref().map(|loads| loads[joint].as_slice()),
-            };
+            let answer = first.of(joint, diagnose_joint);
+            let second = (second.as_ref().zip(answer.as_ref().ok()))
+                .map(|(second, answer)| second.of(joint, |log| answer.predict(log)));
             Asked {
                 joint,
-                answer: diagnose_joint(&log),
-                torque: torque_gain(&log),
+                answer,
+                torque: first.of(joint, torque_gain),
+                second,
             }
         })
         .collect();
@@ -98,6 +97,39 @@ pub(crate) fn diagnose(
         });
     }
     Ok(answer::answer(device, recording, effects, options, asked))
+}
+
+/// The columns of a recording, joint by joint.
+struct Columns<'r> {
+    recording: &'r Recording,
+    loads: Option<Vec<Vec<f64>>>,
+}
+
+impl<'r> Columns<'r> {
+    fn new(device: &Device, recording: &'r Recording) -> Self {
+        Self {
+            recording,
+            loads: loads(device, recording),
+        }
+    }
+
+    /// What is said of a joint's columns.
+    fn of<T>(&self, joint: usize, say: impl Fn(&JointLog<'_>) -> T) -> T {
+        let recording = self.recording;
+        let others = recording.joint.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != joint);
+        let others: Vec<&[f64]> = others.map(|(_, column)| column.as_slice()).collect();
+        say(&JointLog {
+            time_s: recording.time_s.as_deref(),
+            run: recording.run.as_deref(),
+            command: recording.command(joint),
+            response: &recording.joint[joint],
+            velocity: recording.velocity(joint),
+            torque: recording.torque_nm.get(joint).and_then(Option::as_deref),
+            others: &others,
+            load_nm: self.loads.as_ref().map(|loads| loads[joint].as_slice()),
+        })
+    }
 }
 
 /// Torques that gravity asks of each joint, row by row; none where the device has no masses.

@@ -7,8 +7,8 @@ mod sums;
 mod torque;
 
 use self::scan::{Likely, Scan};
-use self::still::by_means;
 pub(crate) use self::still::of_a_still_joint;
+use self::still::{between_runs, by_means};
 use self::sums::{ORDER, Regression};
 pub use self::torque::torque_gain;
 use crate::answer::{Finding, Instant, Number};
@@ -29,7 +29,7 @@ enum Kind {
 }
 
 /// A change within a log.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Change {
     kind: Kind,
     /// First index after it.
@@ -81,6 +81,26 @@ impl Change {
                     later(column, &pieces, self.at, rows);
                 }
             }
+        }
+    }
+
+    /// Another log's commands as they are followed after the change.
+    pub(crate) fn delay_all(&self, series: &mut Series) {
+        if let Kind::Delay { rows, .. } = self.kind {
+            let pieces: Vec<_> = series.pieces().collect();
+            later(&mut series.command, &pieces, 0, rows);
+        }
+    }
+
+    /// Positions as they are read after the change.
+    pub(crate) fn read_all(&self, positions: &mut [f64]) {
+        match self.kind {
+            Kind::Offset(size) => positions.iter_mut().for_each(|value| *value += size),
+            Kind::Gain { factor, level } => {
+                let read = |value: &mut f64| *value = factor * *value + level;
+                positions.iter_mut().for_each(read);
+            }
+            Kind::Delay { .. } => {}
         }
     }
 
@@ -175,6 +195,9 @@ fn next(series: &Series, is_level: bool) -> Option<Change> {
             (None, Some(gain)) => return Some(gain.0),
             (None, None) => {}
         }
+    }
+    if let Some(change) = between_runs(series) {
+        return Some(change);
     }
     if !is_level {
         return None;

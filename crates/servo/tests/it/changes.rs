@@ -273,3 +273,47 @@ fn one_step_that_answers_otherwise_is_no_delay() {
         assert_eq!(changes.count(), 0, "{odd}: {:?}", answer.causes);
     }
 }
+
+/// Episodes whose levels scatter by what the joint carries and where friction leaves it: the loss stands out of them, or is none.
+#[test]
+fn a_loss_between_episodes_that_scatter_is_placed() {
+    use rand::{RngExt, SeedableRng};
+    for (seed, lost_rad) in [(1, -0.2967), (2, 0.2967), (3, 0.0), (4, 0.0), (5, 0.0)] {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let mut all = Log::default();
+        for episode in 0..60 {
+            let servo = Servo {
+                friction_rad: 0.05,
+                offset_rad: random.random_range(-0.08..0.08),
+                ..hobby()
+            };
+            let mut log = servo.log(&motion(100 * seed + episode), 5.0);
+            let lost = if episode >= 42 { lost_rad } else { 0.0 };
+            log.response.iter_mut().for_each(|value| *value += lost);
+            all.time_s.append(&mut log.time_s);
+            all.run.extend(vec![episode as i64; log.command.len()]);
+            all.command.append(&mut log.command);
+            all.response.append(&mut log.response);
+        }
+        let causes = asked(&all).unwrap().causes;
+        let found: Vec<&Finding> = causes.iter().filter(|own| own.since.is_some()).collect();
+        if lost_rad == 0.0 {
+            assert!(found.is_empty(), "{seed}: {found:?}");
+            continue;
+        }
+        assert_eq!(found.len(), 1, "{seed}: {found:?}");
+        assert_eq!(found[0].effect, "joint-offset");
+        assert_eq!(
+            found[0].since.unwrap().between_runs,
+            Some([41, 42]),
+            "{found:?}"
+        );
+        // levels of 60 episodes that scatter by 0.05 rad know a step to 0.013
+        let [low, high] = found[0].numbers[0].ci95;
+        assert!(
+            (0.5 * (low + high) - lost_rad).abs() < 0.04,
+            "{seed}: {found:?}"
+        );
+        assert!((0.03..0.12).contains(&(high - low)), "{seed}: {found:?}");
+    }
+}

@@ -68,6 +68,34 @@ fn the_command_of_another_joint_is_refused() {
     ));
 }
 
+/// A turned sign is no gain below zero, and no other fault.
+#[test]
+fn a_command_with_the_other_sign_is_refused() {
+    for seed in 0..8 {
+        let servo = Servo {
+            rad_per_s: Some(30.0),
+            ..Servo::default()
+        };
+        let mut log = servo.log(&motion(seed), 60.0);
+        log.command.iter_mut().for_each(|value| *value = -*value);
+        assert!(
+            matches!(asked(&log).unwrap_err(), Untested::Opposite { .. }),
+            "{seed}"
+        );
+    }
+}
+
+#[test]
+fn times_in_milliseconds_are_said() {
+    let mut log = sound();
+    log.time_s.iter_mut().for_each(|value| *value *= 1e3);
+    let text = said(&log);
+    assert!(
+        text.contains("20.000 s apart") && text.contains("milliseconds"),
+        "{text}"
+    );
+}
+
 #[test]
 fn few_rows_and_empty_cells_are_counted() {
     let mut log = sound();
