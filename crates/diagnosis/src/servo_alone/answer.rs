@@ -26,6 +26,63 @@ pub(super) struct Joint {
     pub(super) second: Option<Predicted>,
 }
 
+/// What is said of joints, and why not of others.
+struct Tested {
+    joints: Vec<Joint>,
+    untested: Vec<(usize, String)>,
+    /// Changes of torques' scales.
+    scales: Vec<(usize, Finding)>,
+    /// Why a second recording says nothing of a joint.
+    unseen: Vec<String>,
+}
+
+impl Tested {
+    /// Without the effects that are left out.
+    fn new(asked: Vec<Asked>, options: &Options<'_>) -> Self {
+        let mut joints = Vec::new();
+        let mut untested = Vec::new();
+        let mut scales = Vec::new();
+        let mut unseen = Vec::new();
+        let is_left_out = |name: &str| options.without.iter().any(|other| other == name);
+        for own in asked {
+            let index = own.joint;
+            let torque = own.torque.filter(|found| !is_left_out(found.effect));
+            scales.extend(torque.map(|found| (index, found)));
+            match own.answer {
+                Ok(answer) => {
+                    let kept = kept(&answer, &options.without);
+                    // without some of its causes there is no fit to predict with
+                    let is_whole = kept.causes.len() == answer.causes.len();
+                    let second = match own.second {
+                        _ if !is_whole => None,
+                        Some(Err(why)) => {
+                            unseen.push(format!(
+                                "joint {}: the second recording was not used: {why}",
+                                index + 1
+                            ));
+                            None
+                        }
+                        second => second.and_then(Result::ok),
+                    };
+                    joints.push(Joint {
+                        answer: kept,
+                        index,
+                        weight: 0.0,
+                        second,
+                    });
+                }
+                Err(why) => untested.push((index, why.to_string())),
+            }
+        }
+        Self {
+            joints,
+            untested,
+            scales,
+            unseen,
+        }
+    }
+}
+
 /// Puts the joints together.
 pub(super) fn answer(
     device: &Device,
@@ -34,41 +91,12 @@ pub(super) fn answer(
     options: &Options<'_>,
     asked: Vec<Asked>,
 ) -> Diagnosis {
-    let mut joints = Vec::new();
-    let mut untested = Vec::new();
-    let mut scales = Vec::new();
-    let mut unseen = Vec::new();
-    let is_left_out = |name: &str| options.without.iter().any(|other| other == name);
-    for own in asked {
-        let index = own.joint;
-        let torque = own.torque.filter(|found| !is_left_out(found.effect));
-        scales.extend(torque.map(|found| (index, found)));
-        match own.answer {
-            Ok(answer) => {
-                let kept = kept(&answer, &options.without);
-                // without some of its causes there is no fit to predict with
-                let is_whole = kept.causes.len() == answer.causes.len();
-                let second = match own.second {
-                    _ if !is_whole => None,
-                    Some(Err(why)) => {
-                        unseen.push(format!(
-                            "joint {}: the second recording was not used: {why}",
-                            index + 1
-                        ));
-                        None
-                    }
-                    second => second.and_then(Result::ok),
-                };
-                joints.push(Joint {
-                    answer: kept,
-                    index,
-                    weight: 0.0,
-                    second,
-                });
-            }
-            Err(why) => untested.push((index, why.to_string())),
-        }
-    }
+    let Tested {
+        mut joints,
+        untested,
+        scales,
+        unseen,
+    } = Tested::new(asked, options);
     let energy = |joint: &Joint| match joint.answer.verdict {
         OfJoint::NoGap => 0.0,
         _ => (joint.answer.rms_before / joint.answer.noise_floor.max(LEAST_FLOOR)).powi(2),
