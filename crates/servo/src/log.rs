@@ -271,8 +271,11 @@ impl Series {
         let (at, &(correlation, slope)) = best.unwrap_or((0, &(0.0, 1.0)));
         let least = found.iter().enumerate().min_by(by_first);
         let (turned_at, &(turned, _)) = least.unwrap_or((0, &(0.0, 1.0)));
-        // a wave is its own opposite half a period later: with the sign of the servo comes the smaller lag
-        if turned < -OPPOSITE && turned_at < at && turned < -0.9 * correlation {
+        // a wave is its own opposite half a period later, and itself a period later: the sign is that of the smaller lag
+        let first = |is_one: &dyn Fn(f64) -> bool| found.iter().position(|own| is_one(own.0));
+        let is_later = first(&|own| own > 0.8 * correlation).unwrap_or(at)
+            > first(&|own| own < 0.8 * turned).unwrap_or(turned_at);
+        if turned < -OPPOSITE && turned < -0.9 * correlation && is_later {
             return Err(Untested::Opposite {
                 correlation: turned,
             });
