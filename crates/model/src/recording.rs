@@ -112,7 +112,19 @@ impl Recording {
     /// ```
     pub fn command(&self, joint: usize) -> Option<&[f64]> {
         let number = joint + 1;
-        let names = [format!("command{number}_rad"), format!("command{number}_m")];
+        self.covariate(&[format!("command{number}_rad"), format!("command{number}_m")])
+    }
+
+    /// Velocities of a joint that the log states \[rad/s\] (\[m/s\] of a slide): `velocity3_rad_per_s`.
+    pub fn velocity(&self, joint: usize) -> Option<&[f64]> {
+        let number = joint + 1;
+        self.covariate(&[
+            format!("velocity{number}_rad_per_s"),
+            format!("velocity{number}_m_per_s"),
+        ])
+    }
+
+    fn covariate(&self, names: &[String]) -> Option<&[f64]> {
         let mut columns = self.covariates.iter();
         let own = columns.find(|(name, _)| names.contains(name));
         own.map(|(_, column)| column.as_slice())

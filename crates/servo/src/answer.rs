@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::predict::Model;
+
 /// What is said of a gap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
@@ -103,4 +105,5 @@ pub struct JointAnswer {
     pub warnings: Vec<String>,
     /// Models that were tried.
     pub tried: usize,
+    pub(crate) model: Option<Model>,
 }

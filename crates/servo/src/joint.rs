@@ -6,9 +6,10 @@ use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::next::next;
 use crate::noise::{floor, rounding};
+use crate::predict::{Model, closed, jackknife_sd};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -71,6 +72,7 @@ fn still(series: &Series, changes: &[Change]) -> JointAnswer {
         next: Some("move the joint: at rest an offset is all that a change can show".to_owned()),
         warnings: series.warnings.clone(),
         tried: 1,
+        model: None,
     }
 }
 
@@ -108,7 +110,7 @@ impl Joint<'_> {
         let is_gap = before > ABOVE_FLOOR * floor || !self.changes.is_empty();
         let (closed, closed_ci95) = self.closed(floor);
         let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
-        let mut causes = self.laws();
+        let mut causes = self.laws(closed);
         for cause in &mut causes {
             cause.share *= laws;
         }
@@ -134,55 +136,38 @@ impl Joint<'_> {
             closed_ci95,
             warnings: self.series.warnings.clone(),
             tried: Law::ALL.len() + 2,
+            model: Some(Model::new(
+                self.series,
+                chosen.terms,
+                &chosen.fit,
+                &self.changes,
+            )),
             course: course(self.series, self.bare, chosen.fit.residual.clone()),
         }
     }
 
-    /// Share of the squares beyond noise that close on unseen rows, and its interval by the parts (jackknife).
+    /// Share of the squares beyond noise that close on unseen rows, and its interval.
     fn closed(&self, floor: f64) -> (f64, [f64; 2]) {
         let unseen = &self.selection.chosen.unseen;
-        let parts = unseen.len();
-        let rows = self.bare.len();
-        let noise = floor * floor * rows as f64;
-        let squares: Vec<f64> = (0..parts)
-            .map(|part| {
-                let own = &self.bare[part * rows / parts..(part + 1) * rows / parts];
-                own.iter().map(|error| error * error).sum()
-            })
-            .collect();
-        let share = |without: Option<usize>| {
-            let sum = |values: &[f64]| -> f64 {
-                let kept = values.iter().enumerate();
-                kept.filter(|(index, _)| Some(*index) != without)
-                    .map(|(_, value)| value)
-                    .sum()
-            };
-            let noise = noise
-                * if without.is_some() {
-                    1.0 - 1.0 / parts as f64
-                } else {
-                    1.0
-                };
-            let gap = (sum(&squares) - noise).max(1e-300);
-            (1.0 - (sum(unseen) - noise).max(0.0) / gap).max(0.0)
-        };
-        let all = share(None);
-        let sd = jackknife_sd((0..parts).map(|part| share(Some(part))));
-        (
-            all,
-            [(all - 1.96 * sd).max(0.0), (all + 1.96 * sd).min(1.0)],
-        )
+        let (parts, rows) = (unseen.len(), self.bare.len());
+        let squares = (0..parts).map(|part| {
+            let own = &self.bare[part * rows / parts..(part + 1) * rows / parts];
+            own.iter().map(|error| error * error).sum()
+        });
+        let squares: Vec<f64> = squares.collect();
+        let (all, interval) = closed(&squares, unseen, floor * floor * rows as f64);
+        (all.max(0.0), interval.map(|end| end.max(0.0)))
     }
 
     /// The laws that are missed, with their numbers and rivals.
-    fn laws(&self) -> Vec<Finding> {
+    fn laws(&self, closed: f64) -> Vec<Finding> {
         let chosen = &self.selection.chosen;
         let total: f64 = self.selection.before.iter().sum::<f64>().max(1e-300);
         let kept = self.selection.kept.iter();
         kept.filter_map(|&(law, gained)| {
             let (effect, numbers, confusable_with) = match law {
                 Law::Offset => self.offset()?,
-                Law::Timing => self.timing(),
+                Law::Timing => self.timing(closed),
                 Law::Friction => (
                     friction::SPEC.name,
                     vec![number("width_rad", chosen, |fit| {
@@ -231,8 +216,8 @@ impl Joint<'_> {
         Some((offset::SPEC.name, vec![own], rivals))
     }
 
-    /// Delay or lag: both where neither alone does.
-    fn timing(&self) -> Named {
+    /// Delay or lag: both where neither alone does, or where the laws leave a part of the gap that the other may be.
+    fn timing(&self, closed: f64) -> Named {
         let chosen = &self.selection.chosen;
         let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
         let is_worse =
@@ -246,6 +231,7 @@ impl Joint<'_> {
         let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
         if let Some(alone) = delay_alone.as_ref().filter(|_| !is_worse(delay_alone))
             && is_surely_worse(lag_alone)
+            && closed > ALL_CLOSED
         {
             let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
             return (latency::SPEC.name, vec![delay], Vec::new());
@@ -306,12 +292,4 @@ fn number(name: &'static str, judged: &Judged, of: impl Fn(&crate::fit::Fit) -> 
         value,
         ci95: [value - 1.96 * sd, value + 1.96 * sd],
     }
-}
-
-fn jackknife_sd(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count.max(1.0);
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (squares * (count - 1.0) / count.max(1.0)).sqrt()
 }

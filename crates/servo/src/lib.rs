@@ -10,10 +10,13 @@ mod joint;
 mod log;
 mod next;
 mod noise;
+mod predict;
 mod select;
 mod thresholds;
 
 pub use answer::{Course, Finding, Instant, JointAnswer, Number, Verdict};
+pub use change::torque_gain;
 pub use effect::{SPECS, Spec};
 pub use joint::diagnose_joint;
 pub use log::{JointLog, Untested};
+pub use predict::Predicted;

@@ -3,11 +3,12 @@
 use std::fmt;
 
 use crate::thresholds::{
-    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, SAME_MOTION, STILL_COUNTS, STILL_RANGE, WRAP,
+    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, MOST_LAG_S, OPPOSITE, SAME_MOTION, STILL_COUNTS,
+    STILL_RANGE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct JointLog<'a> {
     /// Times \[s\], increasing within a run.
     pub time_s: Option<&'a [f64]>,
@@ -17,6 +18,10 @@ pub struct JointLog<'a> {
     pub command: Option<&'a [f64]>,
     /// Measured positions \[rad\] or \[m\].
     pub response: &'a [f64],
+    /// Velocities that the drive reports \[rad/s\] or \[m/s\]: where they change earlier than the positions, those are late.
+    pub velocity: Option<&'a [f64]>,
+    /// Torques that the drive reports, of any scale: a change of the scale is looked for.
+    pub torque: Option<&'a [f64]>,
     /// Measured positions of the other joints: what gravity asks of this one depends on them.
     pub others: &'a [&'a [f64]],
     /// Torque that gravity asks of the joint \[N m\], where the device has masses.
@@ -42,6 +47,16 @@ pub enum Untested {
     Degrees {
         /// Command over position.
         ratio: f64,
+    },
+    /// The position goes the other way.
+    Opposite {
+        /// Their correlation.
+        correlation: f64,
+    },
+    /// Rows are farther apart than a servo takes to answer.
+    Coarse {
+        /// Median time between rows \[s\].
+        step_s: f64,
     },
     /// The position has nothing to do with the command.
     Unrelated {
@@ -71,6 +86,14 @@ impl fmt::Display for Untested {
                 "the joint moves {:.1} times as far as its command: degrees in a column of radians? Multiply it by 0.0174533",
                 1.0 / ratio
             ),
+            Self::Opposite { correlation } => write!(
+                f,
+                "it moves against its command (correlation {correlation:.2}): is the sign of one of the two turned?"
+            ),
+            Self::Coarse { step_s } => write!(
+                f,
+                "its rows are {step_s:.3} s apart, and a servo answers within {MOST_LAG_S} s: milliseconds in t_s? Multiply it by 0.001"
+            ),
             Self::Unrelated { correlation } => write!(
                 f,
                 "its position does not follow its command (correlation {correlation:.2}): is it the command of another joint?"
@@ -90,6 +113,8 @@ pub(crate) struct Series {
     pub(crate) time_s: Vec<f64>,
     pub(crate) command: Vec<f64>,
     pub(crate) response: Vec<f64>,
+    pub(crate) velocity: Option<Vec<f64>>,
+    pub(crate) torque: Option<Vec<f64>>,
     pub(crate) others: Vec<Vec<f64>>,
     pub(crate) load_nm: Option<Vec<f64>>,
     /// First index of each piece.
@@ -125,6 +150,8 @@ impl Series {
             time_s: take(time_s),
             command: take(command),
             response: take(log.response),
+            velocity: log.velocity.filter(|column| is_filled(&column)).map(take),
+            torque: log.torque.filter(|column| is_filled(&column)).map(take),
             others: others.map(|column| take(column)).collect(),
             load_nm: log.load_nm.filter(|column| is_filled(&column)).map(take),
             starts: Vec::new(),
@@ -134,6 +161,10 @@ impl Series {
             row: rows,
         };
         series.cut();
+        if series.step_s > MOST_LAG_S {
+            let step_s = series.step_s;
+            return Err(Untested::Coarse { step_s });
+        }
         series.unwrap_turns();
         series.count = smallest_step(&series.response);
         Ok(series)
@@ -234,10 +265,21 @@ impl Series {
         // the lag takes correlation away: the best of the shifts that a servo may have
         let most = ((0.5 / self.step_s).round() as usize).min(self.len() / 4);
         let shifts = (0..=most).step_by((most / 8).max(1));
-        let (correlation, slope) = shifts
-            .map(|shift| self.regressed(shift))
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((0.0, 1.0));
+        let found: Vec<(f64, f64)> = shifts.map(|shift| self.regressed(shift)).collect();
+        let by_first = |a: &(usize, &(f64, f64)), b: &(usize, &(f64, f64))| a.1.0.total_cmp(&b.1.0);
+        let best = found.iter().enumerate().max_by(by_first);
+        let (at, &(correlation, slope)) = best.unwrap_or((0, &(0.0, 1.0)));
+        let least = found.iter().enumerate().min_by(by_first);
+        let (turned_at, &(turned, _)) = least.unwrap_or((0, &(0.0, 1.0)));
+        // a wave is its own opposite half a period later, and itself a period later: the sign is that of the smaller lag
+        let first = |is_one: &dyn Fn(f64) -> bool| found.iter().position(|own| is_one(own.0));
+        let is_later = first(&|own| own > 0.8 * correlation).unwrap_or(at)
+            > first(&|own| own < 0.8 * turned).unwrap_or(turned_at);
+        if turned < -OPPOSITE && turned < -0.9 * correlation && is_later {
+            return Err(Untested::Opposite {
+                correlation: turned,
+            });
+        }
         if correlation < SAME_MOTION {
             return Err(Untested::Unrelated { correlation });
         }

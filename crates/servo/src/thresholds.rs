@@ -13,6 +13,8 @@ pub(crate) const STILL_RANGE: f64 = 1e-3;
 pub(crate) const WRAP: f64 = 0.6;
 /// Correlation with the command, at the best lag, below which a joint does not follow it.
 pub(crate) const SAME_MOTION: f64 = 0.2;
+/// And with the command turned round beyond which it moves against it: of a wave, half a period of lag is a turned sign too.
+pub(crate) const OPPOSITE: f64 = 0.85;
 pub(crate) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// Contiguous parts of a log that are held out in turn.
@@ -58,5 +60,15 @@ pub(crate) const BEYOND_BAND: f64 = 1.5;
 pub(crate) const PLACE_NATS: f64 = 4.6;
 /// Or within this share of it.
 pub(crate) const PLACE_SHARE: f64 = 0.05;
+/// Rows are as likely as the likeliest within this \[nats\], or this share of it: a joint that rests shows no delay.
+pub(crate) const SAME_NATS: f64 = 2.0;
+/// See [`SAME_NATS`].
+pub(crate) const SAME_SHARE: f64 = 0.004;
+/// Beyond this they are a rest \[s\].
+pub(crate) const LONG_REST_S: f64 = 2.0;
+/// Part of the log on either side of a change by itself \[s\]: a loop that is not linear is for so long.
+pub(crate) const NEAR_S: f64 = 6.0;
+/// The joint must move in this share of it.
+pub(crate) const NEAR_MOVES: f64 = 0.5;
 /// Changes of one joint at most.
 pub(crate) const MOST_CHANGES: usize = 3;

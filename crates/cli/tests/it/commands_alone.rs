@@ -120,6 +120,123 @@ fn a_lost_offset_is_named_placed_and_drawn() {
     );
 }
 
+/// Six joints at 50 Hz for 60 s that stand `beside` their commands by a number of radians.
+fn beside(shift_s: f64, beside: &dyn Fn(usize, usize) -> f64) -> String {
+    let mut text = "t_s".to_owned();
+    for stem in ["theta", "command"] {
+        (1..=6).for_each(|joint| text.push_str(&format!(",{stem}{joint}_rad")));
+    }
+    (1..=6).for_each(|joint| text.push_str(&format!(",torque{joint}_nm")));
+    let command = |joint: usize, time_s: f64| {
+        let at = time_s + shift_s;
+        let speed = 0.7 + 0.2 * joint as f64;
+        0.3 * (speed * at).sin() + 0.1 * ((2.9 + speed) * at).cos()
+    };
+    for row in 0..3000 {
+        let time_s = 0.02 * row as f64;
+        text.push_str(&format!("\n{time_s:.2}"));
+        for joint in 0..6 {
+            let count = std::f64::consts::TAU / 4096.0;
+            let read = command(joint, (time_s - 0.06).max(0.0)) + beside(joint, row);
+            text.push_str(&format!(",{:.6}", (read / count).round() * count));
+        }
+        (0..6).for_each(|joint| text.push_str(&format!(",{:.6}", command(joint, time_s))));
+        for joint in 0..6 {
+            // counts of 0.02 N m; the fourth drive's are four times as large from 40 s on
+            let counts = (7.0 * command(joint, time_s).abs()).round()
+                + f64::from(row as u32 * row as u32 % 3);
+            let scale = if joint == 3 && row >= 2000 { 4.0 } else { 1.0 };
+            text.push_str(&format!(",{:.6}", 0.02 * scale * counts));
+        }
+    }
+    text.push('\n');
+    text
+}
+
+/// The second recording is predicted with what the first one shows: of a joint that has changed since, the error grows.
+#[test]
+fn a_second_recording_is_predicted_and_not_fitted() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let offset = |joint: usize, _: usize| if joint == 1 { 0.08 } else { 0.0 };
+    std::fs::write(path("log.csv"), beside(0.0, &offset)).unwrap();
+    std::fs::write(path("log2.csv"), beside(100.0, &offset)).unwrap();
+    // the second joint stands on the other side
+    let turned = |joint: usize, row: usize| -offset(joint, row);
+    std::fs::write(path("other.csv"), beside(100.0, &turned)).unwrap();
+    let asked = |second: &str, out: &str| {
+        let second = path(second);
+        let flags = ["--validate", second.to_str().unwrap()];
+        gap(&path("log.csv"), &path(out), &flags)
+    };
+    let channel = |answer: &Value, name: &str| {
+        let mut channels = answer["gap"]["channels"].as_array().unwrap().iter();
+        channels.find(|own| own["channel"] == name).unwrap().clone()
+    };
+    let number = |channel: &Value, name: &str| channel[name].as_f64().unwrap();
+    let seen = asked("log2.csv", "out");
+    for joint in 1..=6 {
+        let own = channel(&seen, &format!("theta{joint}"));
+        assert!(number(&own, "reduction_percent") > 95.0, "{own}");
+        assert!(number(&own, "rms_after") < 1.2e-3, "{own}");
+    }
+    let table = std::fs::read_to_string(path("out").join("predictions.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 6 * 3000);
+    let row = table
+        .lines()
+        .find(|line| line.starts_with("2000,theta2,"))
+        .unwrap();
+    let cells: Vec<f64> = row
+        .split(',')
+        .skip(2)
+        .map(|cell| cell.parse().unwrap())
+        .collect();
+    assert!(
+        (cells[0] - cells[2]).abs() < 2e-3 && (cells[0] - cells[1]).abs() > 0.03,
+        "{row}"
+    );
+    let other = asked("other.csv", "other");
+    let own = channel(&other, "theta2");
+    assert!((number(&own, "rms_after") - 0.16).abs() < 2e-3, "{own}");
+    assert!(number(&own, "reduction_percent") < 0.0, "{own}");
+    assert!(number(&channel(&other, "theta3"), "reduction_percent") > 95.0);
+}
+
+/// A scale of torques that changes is a cause by itself, also of joints that stand still.
+#[test]
+fn a_torque_of_another_scale_is_named_and_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    std::fs::write(&log, beside(0.0, &|_, _| 0.0)).unwrap();
+    let answer = gap(&log, &folder.path().join("out"), &[]);
+    let of_torque = |answer: &Value| {
+        let causes = answer["causes"].as_array().unwrap().clone();
+        let own: Vec<Value> = causes
+            .into_iter()
+            .filter(|own| own["effect"] == "torque-gain")
+            .collect();
+        own
+    };
+    let found = of_torque(&answer);
+    assert_eq!(found.len(), 1, "{answer}");
+    assert_eq!(found[0]["joint"], 4);
+    assert_eq!(found[0]["parameters"]["factor"]["value"], 4.0);
+    let at_s = found[0]["parameters"]["time_s"]["value"].as_f64().unwrap();
+    assert!((at_s - 40.0).abs() < 0.2, "{found:?}");
+    let region = answer["where"]["region"].as_str().unwrap();
+    assert!(
+        region.contains("scale of its torque") && region.contains("4.00"),
+        "{region}"
+    );
+    assert_eq!(answer["where"]["channel"], "torque4");
+    let without = gap(
+        &log,
+        &folder.path().join("without"),
+        &["--without", "torque-gain"],
+    );
+    assert_eq!(of_torque(&without).len(), 0);
+}
+
 #[test]
 fn commands_in_degrees_and_a_standstill_are_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +261,7 @@ fn a_data_set_of_lerobot_says_between_which_episodes_a_joint_lost_its_offset() {
     let output = import(&dataset(), &log, &["--units", "degrees", "--json"]);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let said: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!((&said["rows"], &said["joints"]), (&600.into(), &6.into()));
+    assert_eq!((&said["rows"], &said["joints"]), (&3420.into(), &6.into()));
     assert!(
         said["warnings"][0]
             .as_str()
@@ -158,9 +275,17 @@ fn a_data_set_of_lerobot_says_between_which_episodes_a_joint_lost_its_offset() {
         (&first["effect"], &first["joint"]),
         (&"joint-offset".into(), &3.into())
     );
-    assert_eq!(first["parameters"]["from_run"]["value"], 3.0, "{first}");
+    assert_eq!(first["parameters"]["from_run"]["value"], 42.0, "{first}");
+    let lost = first["parameters"]["offset_rad"]["value"].as_f64().unwrap();
+    assert!((lost + 17_f64.to_radians()).abs() < 5e-3, "{first}");
+    // the other joints are late, and nothing came about in them
+    let mut others = answer["causes"].as_array().unwrap()[1..].iter();
+    assert!(
+        others.all(|cause| cause["parameters"]["from_run"].is_null()),
+        "{answer}"
+    );
     let region = answer["where"]["region"].as_str().unwrap();
-    assert!(region.contains("between runs 2 and 3"), "{region}");
+    assert!(region.contains("between runs 41 and 42"), "{region}");
 }
 
 #[cfg(feature = "parquet")]
@@ -188,7 +313,7 @@ fn units_are_said_or_refused() {
     let flags = ["--units", "percent", "--device", device.to_str().unwrap()];
     let output = import(&file, &log, &flags);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    // 10 % of a gripper whose 100 % are 1.92 rad, from -0.17 rad on: of the first row's command, 8 sin 0 + 20 sin 5
+    // 10 % of a gripper whose 100 % are 1.92 rad, from -0.17 rad on: of the first row's command, 8 sin 0 + 20 sin 5 to two digits
     let first = std::fs::read_to_string(&log).unwrap();
     let first: Vec<f64> = first
         .lines()
@@ -197,6 +322,6 @@ fn units_are_said_or_refused() {
         .split(',')
         .map(|cell| cell.parse().unwrap_or(f64::NAN))
         .collect();
-    let expected = -0.17 + 0.0192 * 20.0 * 5.0_f64.sin();
+    let expected = -0.17 - 0.0192 * 19.18;
     assert!((first[13] - expected).abs() < 1e-5, "{first:?}");
 }

@@ -1,17 +1,16 @@
 //! Joints' answers as one diagnosis.
 
 use haptical_effects::Effect;
-use haptical_model::{Device, JointType, Recording};
-use haptical_servo::{JointAnswer, SPECS, Verdict as OfJoint};
+use haptical_model::{Device, Recording};
+use haptical_servo::{Finding, JointAnswer, Predicted, SPECS, Verdict as OfJoint};
 
 use super::Asked;
-use super::causes::{cause, changed, kept};
+use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
+use super::channel::{channel, gap, held_out, noise, predictions, trace};
 use crate::Options;
 use crate::answer::{
-    CauseAnswer, ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, NoiseAnswer, Place,
-    Provenance, Trace, Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, Gap, Place, Provenance, Untestable, Verdict, Whiteness,
 };
-use crate::noise::NoiseSource;
 
 /// Share of a gap above which all of it is accounted for.
 const ALL_CLOSED: f64 = 0.95;
@@ -19,10 +18,69 @@ const ALL_CLOSED: f64 = 0.95;
 const LEAST_FLOOR: f64 = 1e-7;
 
 /// What one joint says, with its share of all joints' gap.
-struct Joint {
-    index: usize,
-    answer: JointAnswer,
-    weight: f64,
+pub(super) struct Joint {
+    pub(super) index: usize,
+    pub(super) answer: JointAnswer,
+    pub(super) weight: f64,
+    /// The second recording beside what the causes make of it.
+    pub(super) second: Option<Predicted>,
+}
+
+/// What is said of joints, and why not of others.
+struct Tested {
+    joints: Vec<Joint>,
+    untested: Vec<(usize, String)>,
+    /// Changes of torques' scales.
+    scales: Vec<(usize, Finding)>,
+    /// Why a second recording says nothing of a joint.
+    unseen: Vec<String>,
+}
+
+impl Tested {
+    /// Without the effects that are left out.
+    fn new(asked: Vec<Asked>, options: &Options<'_>) -> Self {
+        let mut joints = Vec::new();
+        let mut untested = Vec::new();
+        let mut scales = Vec::new();
+        let mut unseen = Vec::new();
+        let is_left_out = |name: &str| options.without.iter().any(|other| other == name);
+        for own in asked {
+            let index = own.joint;
+            let torque = own.torque.filter(|found| !is_left_out(found.effect));
+            scales.extend(torque.map(|found| (index, found)));
+            match own.answer {
+                Ok(answer) => {
+                    let kept = kept(&answer, &options.without);
+                    // without some of its causes there is no fit to predict with
+                    let is_whole = kept.causes.len() == answer.causes.len();
+                    let second = match own.second {
+                        _ if !is_whole => None,
+                        Some(Err(why)) => {
+                            unseen.push(format!(
+                                "joint {}: the second recording was not used: {why}",
+                                index + 1
+                            ));
+                            None
+                        }
+                        second => second.and_then(Result::ok),
+                    };
+                    joints.push(Joint {
+                        answer: kept,
+                        index,
+                        weight: 0.0,
+                        second,
+                    });
+                }
+                Err(why) => untested.push((index, why.to_string())),
+            }
+        }
+        Self {
+            joints,
+            untested,
+            scales,
+            unseen,
+        }
+    }
 }
 
 /// Puts the joints together.
@@ -33,18 +91,12 @@ pub(super) fn answer(
     options: &Options<'_>,
     asked: Vec<Asked>,
 ) -> Diagnosis {
-    let mut joints = Vec::new();
-    let mut untested = Vec::new();
-    for (index, result) in asked {
-        match result {
-            Ok(own) => joints.push(Joint {
-                answer: kept(&own, &options.without),
-                index,
-                weight: 0.0,
-            }),
-            Err(why) => untested.push((index, why.to_string())),
-        }
-    }
+    let Tested {
+        mut joints,
+        untested,
+        scales,
+        unseen,
+    } = Tested::new(asked, options);
     let energy = |joint: &Joint| match joint.answer.verdict {
         OfJoint::NoGap => 0.0,
         _ => (joint.answer.rms_before / joint.answer.noise_floor.max(LEAST_FLOOR)).powi(2),
@@ -54,7 +106,7 @@ pub(super) fn answer(
         joint.weight = energy(joint) / total.max(1e-300);
     }
     joints.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let (causes, words) = causes(device, &joints);
+    let (causes, words) = causes(device, &joints, &scales);
     let verdict = verdict(&joints, &causes);
     let located = located(&joints, &causes);
     let name = located.map(|joint| channel(joint.index));
@@ -62,6 +114,7 @@ pub(super) fn answer(
     let gap = Gap::new(verdict, name.as_deref(), channels);
     let place = located.filter(|_| verdict != Verdict::NoGap);
     let place = place.map(|joint| place_of(joint, &words));
+    let place = scaled(&causes, &words).or(place);
     let left: f64 = joints
         .iter()
         .map(|joint| joint.weight * (1.0 - joint.answer.closed).clamp(0.0, 1.0))
@@ -86,7 +139,7 @@ pub(super) fn answer(
             (Verdict::Unknown, _) | (_, None) => 1.0,
             (_, Some(first)) => 1.0 - first.class_probability,
         },
-        untestable: untestable(effects, &untested),
+        untestable: untestable(effects, &untested, &causes),
         invisible: Vec::new(),
         detectable: Vec::new(),
         noise: joints.iter().map(noise).collect(),
@@ -94,8 +147,11 @@ pub(super) fn answer(
         candidates: Vec::new(),
         absorbed: None,
         plausibility: Vec::new(),
-        warnings: warnings(&joints, &untested, words, options),
-        held_out: "an eighth of the log in turn".to_owned(),
+        warnings: [warnings(&joints, &untested, words, options), unseen].concat(),
+        held_out: match options.validation {
+            Some(_) => "the second recording".to_owned(),
+            None => "an eighth of the log in turn".to_owned(),
+        },
         provenance: Provenance {
             rows: recording.len(),
             base_parameters: 0,
@@ -107,7 +163,7 @@ pub(super) fn answer(
         },
         device: options.model.unwrap_or(device).clone(),
         corrected: None,
-        predictions: Vec::new(),
+        predictions: joints.iter().flat_map(predictions).collect(),
         verdict,
         gap,
         place,
@@ -115,19 +171,12 @@ pub(super) fn answer(
     }
 }
 
-fn channel(joint: usize) -> String {
-    format!("theta{}", joint + 1)
-}
-
-fn unit(device: &Device, joint: usize) -> &'static str {
-    match device.joints[joint].joint_type {
-        JointType::Prismatic => "m",
-        JointType::Revolute => "rad",
-    }
-}
-
 /// Changes first, then what holds all along, by share of the gap; and the changes in words.
-fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, String)>) {
+fn causes(
+    device: &Device,
+    joints: &[Joint],
+    scales: &[(usize, Finding)],
+) -> (Vec<CauseAnswer>, Vec<(usize, String)>) {
     let mut found: Vec<(bool, CauseAnswer)> = Vec::new();
     let mut words = Vec::new();
     let with_gap = joints
@@ -142,6 +191,10 @@ fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, S
             words.extend(changed(joint.index, finding).map(|word| (joint.index, word)));
         }
     }
+    for (joint, finding) in scales {
+        found.push((true, of_torque(*joint, finding)));
+        words.extend(changed(*joint, finding).map(|word| (*joint, word)));
+    }
     found.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.share.total_cmp(&a.1.share)));
     (found.into_iter().map(|(_, cause)| cause).collect(), words)
 }
@@ -149,7 +202,7 @@ fn causes(device: &Device, joints: &[Joint]) -> (Vec<CauseAnswer>, Vec<(usize, S
 fn verdict(joints: &[Joint], causes: &[CauseAnswer]) -> Verdict {
     let has_gap = |joint: &Joint| joint.answer.verdict != OfJoint::NoGap;
     match causes.first() {
-        _ if !joints.iter().any(has_gap) => Verdict::NoGap,
+        None if !joints.iter().any(has_gap) => Verdict::NoGap,
         Some(first) if first.confusable_with.is_empty() => Verdict::Named,
         Some(_) => Verdict::Ambiguous,
         None => Verdict::Unknown,
@@ -183,93 +236,36 @@ fn place_of(joint: &Joint, words: &[(usize, String)]) -> Place {
     }
 }
 
-/// Share of the gap that closes, of sizes and of squares: contract, reduction_percent.
-fn reduction_percent(closed: f64) -> f64 {
-    100.0 * (1.0 - (1.0 - closed.clamp(0.0, 1.0)).sqrt())
-}
-
-fn gap(device: &Device, joint: &Joint) -> ChannelGap {
-    let answer = &joint.answer;
-    let has_gap = answer.verdict != OfJoint::NoGap;
-    let is_closed = has_gap && answer.verdict != OfJoint::Unknown;
-    let floor = answer.noise_floor;
-    // as many independent readings as eighths of a second are few of
-    let relative = 1.96 / (answer.course.row.len() as f64 / 4.0).max(1.0).sqrt();
-    ChannelGap {
-        channel: channel(joint.index),
-        joint: Some(joint.index + 1),
-        has_gap,
-        held_out: true,
-        rms_before: answer.rms_before,
-        rms_after: if is_closed {
-            answer.rms_after
-        } else {
-            answer.rms_before
-        },
-        noise_floor: floor,
-        noise_floor_ci95: [floor * (1.0 - relative).max(0.0), floor * (1.0 + relative)],
-        noise_source: NoiseSource::Motion,
-        unit: unit(device, joint.index).to_owned(),
-        share_of_gap: joint.weight,
-        reduction_percent: has_gap.then(|| match is_closed {
-            true => reduction_percent(answer.closed),
-            false => 0.0,
-        }),
-        reduction_ci95: is_closed.then(|| answer.closed_ci95.map(reduction_percent)),
-        no_reduction: (!has_gap).then_some(NoReduction::NoGap),
-    }
-}
-
-fn held_out(device: &Device, joint: &Joint) -> HeldOutAnswer {
-    let gap = gap(device, joint);
-    HeldOutAnswer {
-        channel: gap.channel,
-        rms_before: gap.rms_before,
-        rms_after: gap.rms_after,
-        noise_floor: gap.noise_floor,
-        unit: gap.unit,
-        reduction_percent: gap.reduction_percent,
-        reduction_ci95: gap.reduction_ci95,
-        no_reduction: gap.no_reduction,
-    }
-}
-
-fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
-    let answer = &joint.answer;
-    let course = &answer.course;
-    (answer.verdict != OfJoint::NoGap).then(|| Trace {
-        channel: channel(joint.index),
-        unit: unit(device, joint.index).to_owned(),
-        covariate: "t_s".to_owned(),
-        is_held_out: false,
-        at: course.time_s.clone(),
-        before: course.before.clone(),
-        after: match answer.verdict {
-            OfJoint::Unknown => course.before.clone(),
-            _ => course.after.clone(),
-        },
+/// Where the first cause is one of a torque's scale: that torque, since then.
+fn scaled(causes: &[CauseAnswer], words: &[(usize, String)]) -> Option<Place> {
+    let first = causes.first().filter(|first| first.effect == TORQUE_GAIN)?;
+    let joint = first.joint?;
+    let own = words.iter().rfind(|(index, _)| index + 1 == joint)?;
+    Some(Place {
+        channel: format!("torque{joint}"),
+        joint: Some(joint),
+        explained: vec![1.0],
+        depends_on: vec!["t_s".to_owned()],
+        region: own.1.clone(),
+        dependence: Vec::new(),
     })
-}
-
-fn noise(joint: &Joint) -> NoiseAnswer {
-    NoiseAnswer {
-        channel: channel(joint.index),
-        ratio: 1.0,
-        speed_ratio: 1.0,
-        colour: 0.0,
-        outlier_share: 0.0,
-        readings: joint.answer.course.row.len(),
-        degrees_of_freedom: joint.answer.course.row.len() as f64 / 4.0,
-        source: NoiseSource::Motion,
-        from: "the rounding of its readings, or what neighbours scatter by".to_owned(),
-    }
 }
 
 /// Why effects on positions are not tested.
 const POSITIONS: &str =
     "the log has joints and their commands alone: no second sensor or position shows it";
 
-fn untestable(effects: &[Box<dyn Effect>], untested: &[(usize, String)]) -> Vec<Untestable> {
+fn untestable(
+    effects: &[Box<dyn Effect>],
+    untested: &[(usize, String)],
+    causes: &[CauseAnswer],
+) -> Vec<Untestable> {
+    let is_said = |name: &str| {
+        let mut names = causes
+            .iter()
+            .flat_map(|cause| std::iter::once(&cause.effect).chain(&cause.confusable_with));
+        names.any(|said| said == name)
+    };
     let mut found: Vec<Untestable> = Vec::new();
     for spec in SPECS {
         for (joint, why) in untested {
@@ -287,7 +283,7 @@ fn untestable(effects: &[Box<dyn Effect>], untested: &[(usize, String)]) -> Vec<
     for effect in effects {
         let name = effect.name();
         let is_servo = SPECS.iter().any(|spec| spec.name == name);
-        if !is_servo && !found.iter().any(|entry| entry.effect == name) {
+        if !is_servo && !is_said(name) && !found.iter().any(|entry| entry.effect == name) {
             found.push(Untestable {
                 effect: name.to_owned(),
                 joints: Vec::new(),
@@ -308,17 +304,33 @@ fn warnings(
         0 | 1 => Vec::new(),
         _ => words.into_iter().map(|(_, words)| words).collect(),
     };
-    for joint in joints {
-        let own = joint.answer.warnings.iter();
-        said.extend(own.map(|text| format!("joint {}: {text}", joint.index + 1)));
+    // one sentence for all joints that it is said of
+    let mut of_joints: Vec<(String, Vec<usize>)> = Vec::new();
+    let own = joints.iter().flat_map(|joint| {
+        let texts = joint.answer.warnings.iter().cloned();
+        texts.map(|text| (joint.index, text))
+    });
+    let not_tested = untested
+        .iter()
+        .map(|(joint, why)| (*joint, format!("not tested: {why}")));
+    for (joint, text) in own.chain(not_tested) {
+        match of_joints.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, numbers)) => numbers.push(joint + 1),
+            None => of_joints.push((text, vec![joint + 1])),
+        }
     }
-    let whys = untested.iter();
-    said.extend(whys.map(|(joint, why)| format!("joint {} was not tested: {why}", joint + 1)));
-    if options.validation.is_some() {
-        said.push(
-            "the second recording was not used: answers to commands are checked on parts of the log itself"
-                .to_owned(),
-        );
+    for (text, mut numbers) in of_joints {
+        numbers.sort_unstable();
+        let listed: Vec<String> = numbers.iter().map(usize::to_string).collect();
+        let plural = if listed.len() > 1 { "s" } else { "" };
+        said.push(format!("joint{plural} {}: {text}", listed.join(", ")));
+    }
+    let has_changed = joints.iter().any(|joint| {
+        let mut causes = joint.answer.causes.iter();
+        causes.any(|cause| cause.since.is_some())
+    });
+    if options.validation.is_some() && has_changed {
+        said.push("the second recording is taken as one of after the change".to_owned());
     }
     said
 }

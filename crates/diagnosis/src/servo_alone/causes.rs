@@ -40,6 +40,22 @@ pub(super) fn kept(answer: &JointAnswer, without: &[String]) -> JointAnswer {
     kept
 }
 
+/// Name of a torque's scale.
+pub(super) const TORQUE_GAIN: &str = "torque-gain";
+
+/// A change of the scale of a joint's torques: no part of what its positions leave.
+pub(super) fn of_torque(joint: usize, finding: &Finding) -> CauseAnswer {
+    let mut parameters: BTreeMap<String, ParameterAnswer> = (finding.numbers.iter())
+        .map(|number| (number.name.to_owned(), value(number)))
+        .collect();
+    parameters.extend(finding.since.map(since));
+    CauseAnswer {
+        class_probability: SURE,
+        parameters,
+        ..CauseAnswer::named(finding.effect, Some(joint), SURE)
+    }
+}
+
 /// A finding at a joint; `weight` is the joint's share of the gap.
 pub(super) fn cause(
     device: &Device,
@@ -109,6 +125,7 @@ pub(super) fn changed(joint: usize, finding: &Finding) -> Option<String> {
     let what = match finding.effect {
         "joint-offset" => format!("its offset changed by {:.1} degrees", size.to_degrees()),
         "command-latency" => format!("its delay changed by {:.0} ms", size * 1e3),
+        TORQUE_GAIN => format!("the scale of its torque changed by a factor {size:.2}"),
         _ => format!("its gain changed by a factor {size:.2}"),
     };
     Some(format!("joint {}: {since} {what}", joint + 1))

@@ -3,18 +3,29 @@
 
 mod answer;
 mod causes;
+mod channel;
 
 use haptical_calibration::{CalibrationError, channels};
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording, Statics};
-use haptical_servo::{JointAnswer, JointLog, Untested, diagnose_joint};
+use haptical_servo::{
+    Finding, JointAnswer, JointLog, Predicted, Untested, diagnose_joint, torque_gain,
+};
 use rayon::prelude::*;
 
 use crate::answer::Diagnosis;
 use crate::{DiagnosisError, Options};
 
-/// A joint and what its commands say of it.
-pub(crate) type Asked = (usize, Result<JointAnswer, Untested>);
+/// A joint and what is said of it.
+pub(crate) struct Asked {
+    joint: usize,
+    /// By its command.
+    answer: Result<JointAnswer, Untested>,
+    /// A change of its torques' scale.
+    torque: Option<Finding>,
+    /// What its causes make of the second recording.
+    second: Option<Result<Predicted, Untested>>,
+}
 
 /// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
 const UNTRUSTED_SCALE: f64 = 1.0;
@@ -50,43 +61,75 @@ pub(crate) fn diagnose(
     effects: &[Box<dyn Effect>],
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let loads = loads(device, recording);
+    let second = options
+        .validation
+        .map(|second| Columns::new(device, second));
+    let first = Columns::new(device, recording);
     let asked: Vec<Asked> = (0..device.joints.len())
         .into_par_iter()
         .map(|joint| {
-            let others = recording.joint.iter().enumerate();
-            let others = others.filter(|(other, _)| *other != joint);
-            let others: Vec<&[f64]> = others.map(|(_, column)| column.as_slice()).collect();
-            let log = JointLog {
-                time_s: recording.time_s.as_deref(),
-                run: recording.run.as_deref(),
-                command: recording.command(joint),
-                response: &recording.joint[joint],
-                others: &others,
-                load_nm: loads.as_ref().map(|loads| loads[joint].as_slice()),
-            };
-            (joint, diagnose_joint(&log))
+            let answer = first.of(joint, diagnose_joint);
+            let second = (second.as_ref().zip(answer.as_ref().ok()))
+                .map(|(second, answer)| second.of(joint, |log| answer.predict(log)));
+            Asked {
+                joint,
+                answer,
+                torque: first.of(joint, torque_gain),
+                second,
+            }
         })
         .collect();
-    for (joint, result) in &asked {
-        if let Err(why @ Untested::Degrees { .. }) = result {
-            return Err(DiagnosisError::Commands {
-                why: format!("joint {}: {why}", joint + 1),
-            });
-        }
+    let whys = asked.iter().filter_map(|own| {
+        let why = own.answer.as_ref().err()?;
+        Some((why, format!("joint {}: {why}", own.joint + 1)))
+    });
+    let whys: Vec<(&Untested, String)> = whys.collect();
+    let degrees = whys
+        .iter()
+        .find(|(why, _)| matches!(why, Untested::Degrees { .. }));
+    if let Some((_, why)) = degrees {
+        return Err(DiagnosisError::Commands { why: why.clone() });
     }
-    if asked.iter().all(|(_, result)| result.is_err()) {
-        let mut whys: Vec<String> = Vec::new();
-        for (joint, result) in &asked {
-            if let Err(why) = result {
-                whys.push(format!("joint {}: {why}", joint + 1));
-            }
-        }
+    if whys.len() == asked.len() && asked.iter().all(|own| own.torque.is_none()) {
+        let whys: Vec<String> = whys.into_iter().map(|(_, why)| why).collect();
         return Err(DiagnosisError::Commands {
             why: whys.join("; "),
         });
     }
     Ok(answer::answer(device, recording, effects, options, asked))
+}
+
+/// The columns of a recording, joint by joint.
+struct Columns<'r> {
+    recording: &'r Recording,
+    loads: Option<Vec<Vec<f64>>>,
+}
+
+impl<'r> Columns<'r> {
+    fn new(device: &Device, recording: &'r Recording) -> Self {
+        Self {
+            recording,
+            loads: loads(device, recording),
+        }
+    }
+
+    /// What is said of a joint's columns.
+    fn of<T>(&self, joint: usize, say: impl Fn(&JointLog<'_>) -> T) -> T {
+        let recording = self.recording;
+        let others = recording.joint.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != joint);
+        let others: Vec<&[f64]> = others.map(|(_, column)| column.as_slice()).collect();
+        say(&JointLog {
+            time_s: recording.time_s.as_deref(),
+            run: recording.run.as_deref(),
+            command: recording.command(joint),
+            response: &recording.joint[joint],
+            velocity: recording.velocity(joint),
+            torque: recording.torque_nm.get(joint).and_then(Option::as_deref),
+            others: &others,
+            load_nm: self.loads.as_ref().map(|loads| loads[joint].as_slice()),
+        })
+    }
 }
 
 /// Torques that gravity asks of each joint, row by row; none where the device has no masses.

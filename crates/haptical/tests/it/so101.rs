@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use haptical::servo::{Finding, JointLog, diagnose_joint};
+use haptical::servo::{Finding, JointLog, diagnose_joint, torque_gain};
 use haptical::{Device, Log};
 
 /// The folder of measured data, or a printed line.
@@ -24,7 +24,11 @@ enum Fault {
     None,
     Offset,
     Gain,
+    /// Of the positions, not of the velocities beside them.
     Delay,
+    /// Of all that is measured.
+    DelayOfAll,
+    TorqueGain,
 }
 
 impl Fault {
@@ -33,7 +37,8 @@ impl Fault {
             Self::None => "",
             Self::Offset => "joint-offset",
             Self::Gain => "servo-gain",
-            Self::Delay => "command-latency",
+            Self::Delay | Self::DelayOfAll => "command-latency",
+            Self::TorqueGain => "torque-gain",
         }
     }
 
@@ -46,17 +51,19 @@ impl Fault {
                 Self::None => before[row],
                 Self::Offset => before[row] + 17_f64.to_radians(),
                 Self::Gain => mean + 4.0 * (before[row] - mean),
-                Self::Delay => before[row - 1],
+                Self::Delay | Self::DelayOfAll => before[row - 1],
+                Self::TorqueGain => 4.0 * before[row],
             };
         }
     }
 }
 
-/// Joints' logs that were tested, with the fault found, with it placed, and with another change.
-type Counts = [usize; 4];
+/// Joints' logs that were tested, with the fault found, with it placed, with another change, and with the fault in the interval
+/// that is said.
+type Counts = [usize; 5];
 
 fn counted(device: &Device, files: &[PathBuf], fault: Fault) -> Counts {
-    let mut counts = [0; 4];
+    let mut counts = [0; 5];
     for file in files {
         let log = Log::read(file, device).unwrap();
         let recording = &log.recording;
@@ -64,25 +71,51 @@ fn counted(device: &Device, files: &[PathBuf], fault: Fault) -> Counts {
         let at = time_s.len() / 2;
         for joint in 0..6 {
             let mut readings = recording.joint[joint].clone();
-            fault.plant(&mut readings, at);
+            let mut velocity = recording.velocity(joint).unwrap().to_vec();
+            let mut torque = recording.torque_nm[joint].clone().unwrap();
+            match fault {
+                Fault::TorqueGain => fault.plant(&mut torque, at),
+                _ => fault.plant(&mut readings, at),
+            }
+            if fault == Fault::DelayOfAll {
+                fault.plant(&mut velocity, at);
+                fault.plant(&mut torque, at);
+            }
             let others = (0..6).filter(|other| *other != joint);
             let others: Vec<&[f64]> = others.map(|other| &recording.joint[other][..]).collect();
-            let answer = diagnose_joint(&JointLog {
+            let log = JointLog {
                 time_s: Some(time_s),
-                run: None,
                 command: recording.command(joint),
                 response: &readings,
+                velocity: Some(&velocity),
+                torque: Some(&torque),
                 others: &others,
-                load_nm: None,
-            });
-            let Ok(answer) = answer else { continue };
+                ..JointLog::default()
+            };
+            let scale = torque_gain(&log);
+            let of_torque = fault == Fault::TorqueGain;
+            // a torque's scale shows no matter what the positions do
+            let answer = if of_torque {
+                None
+            } else {
+                diagnose_joint(&log).ok()
+            };
+            if answer.is_none() && !of_torque {
+                continue;
+            }
             counts[0] += 1;
-            let changes: Vec<&Finding> = (answer.causes.iter())
+            let causes = answer.map_or(Vec::new(), |answer| answer.causes);
+            let changes: Vec<&Finding> = (causes.iter().chain(&scale))
                 .filter(|cause| cause.since.is_some())
                 .collect();
             let own = changes.iter().find(|cause| cause.effect == fault.effect());
-            let placed = own.and_then(|cause| cause.since);
-            let placed = placed.filter(|since| (since.time_s[1] - time_s[at]).abs() < 0.2);
+            let since = own.and_then(|cause| cause.since);
+            let near =
+                |since: &haptical::servo::Instant| (since.time_s[1] - time_s[at]).abs() < 0.2;
+            let placed = since.filter(near);
+            let is_held =
+                |since: haptical::servo::Instant| (since.rows[0]..=since.rows[2]).contains(&at);
+            counts[4] += usize::from(since.is_some_and(is_held));
             counts[1] += usize::from(own.is_some());
             counts[2] += usize::from(placed.is_some());
             counts[3] += usize::from(changes.iter().any(|cause| cause.effect != fault.effect()));
@@ -110,12 +143,18 @@ fn planted_faults_are_found_and_sound_logs_have_none() {
     let Some(folder) = measured() else { return };
     let (device, files) = arm(folder);
     let files: Vec<PathBuf> = files.into_iter().step_by(4).collect();
-    for (fault, least_found) in [(Fault::None, 0.0), (Fault::Offset, 1.0), (Fault::Gain, 0.8)] {
+    for (fault, least_found, least_placed) in [
+        (Fault::None, 0.0, 0.0),
+        (Fault::Offset, 1.0, 1.0),
+        (Fault::Gain, 0.8, 0.8),
+        (Fault::Delay, 0.9, 0.6),
+        (Fault::TorqueGain, 1.0, 1.0),
+    ] {
         let counts = counted(&device, &files, fault);
-        let least = (least_found * counts[0] as f64).floor() as usize;
+        let least = |share: f64| (share * counts[0] as f64).floor() as usize;
         assert!(counts[0] >= 12, "{fault:?}: {counts:?}");
         assert!(
-            counts[1] >= least && counts[2] >= least,
+            counts[1] >= least(least_found) && counts[2] >= least(least_placed),
             "{fault:?}: {counts:?}"
         );
         assert_eq!(counts[3], 0, "{fault:?}: {counts:?}");
@@ -132,14 +171,19 @@ fn faults_that_are_planted_in_all_motions() {
         (Fault::None, 0, 0),
         (Fault::Offset, 72, 72),
         (Fault::Gain, 57, 57),
-        (Fault::Delay, 23, 14),
+        (Fault::Delay, 55, 39),
+        (Fault::DelayOfAll, 22, 12),
+        (Fault::TorqueGain, 72, 71),
     ] {
-        let counts = counted(&device, &files, fault);
-        println!("{fault:?}: tested, found, placed, another: {counts:?}");
-        assert!(
-            counts[1] >= found && counts[2] >= placed,
-            "{fault:?}: {counts:?}"
-        );
-        assert_eq!(counts[3], 0, "{fault:?}: {counts:?}");
+        // thresholds of a delay were set with the first of them in view
+        let halves = [0, 1].map(|half| {
+            let own: Vec<PathBuf> = files.iter().skip(half).step_by(2).cloned().collect();
+            let counts = counted(&device, &own, fault);
+            println!("{fault:?}: tested, found, placed, another, within: {counts:?}");
+            counts
+        });
+        let sum = |index: usize| halves[0][index] + halves[1][index];
+        assert!(sum(1) >= found && sum(2) >= placed, "{fault:?}: {halves:?}");
+        assert_eq!(sum(3), 0, "{fault:?}: {halves:?}");
     }
 }

@@ -1,20 +1,21 @@
 //! What changed within a log: the joint's offset, its delay, its gain.
 
+mod delay;
 mod scan;
 mod still;
 mod sums;
+mod torque;
 
 use self::scan::{Likely, Scan};
-use self::still::by_means;
 pub(crate) use self::still::of_a_still_joint;
+use self::still::{between_runs, by_means};
 use self::sums::{ORDER, Regression};
+pub use self::torque::torque_gain;
 use crate::answer::{Finding, Instant, Number};
 use crate::effect::{gain, latency, offset};
 use crate::fit::{Problem, Terms};
 use crate::log::{Series, mean, rms};
-use crate::thresholds::{
-    BEYOND_BAND, DELAY_NATS, LEVEL_LEAVES, LEVEL_NATS, MOST_CHANGES, STILL_COUNTS,
-};
+use crate::thresholds::{BEYOND_BAND, LEVEL_LEAVES, LEVEL_NATS, MOST_CHANGES, STILL_COUNTS};
 
 /// What changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,12 +24,12 @@ enum Kind {
     Offset(f64),
     /// The position is `level` and a factor times what it was.
     Gain { factor: f64, level: f64 },
-    /// The command acts some rows later.
-    Delay(isize),
+    /// The positions follow some rows later: their command alone, or their velocities too, which are not late then.
+    Delay { rows: f64, behind_velocity: bool },
 }
 
 /// A change within a log.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Change {
     kind: Kind,
     /// First index after it.
@@ -43,7 +44,7 @@ impl Change {
         let (name, value) = match kind {
             Kind::Offset(size) => (offset::SPEC.parameters[0], size),
             Kind::Gain { factor, .. } => (gain::SPEC.parameters[0], factor),
-            Kind::Delay(shift) => (latency::SPEC.parameters[0], shift as f64 * series.step_s),
+            Kind::Delay { rows, .. } => (latency::SPEC.parameters[0], rows * series.step_s),
         };
         Self {
             kind,
@@ -70,17 +71,36 @@ impl Change {
                     .iter_mut()
                     .for_each(|value| *value = (*value - level) / factor);
             }
-            Kind::Delay(shift) => {
-                let before = series.command.clone();
+            Kind::Delay {
+                rows,
+                behind_velocity,
+            } => {
                 let pieces: Vec<_> = series.pieces().collect();
-                for piece in pieces {
-                    for row in piece.clone().filter(|&row| row >= self.at) {
-                        let from = (row as isize - shift)
-                            .clamp(piece.start as isize, piece.end as isize - 1);
-                        series.command[row] = before[from as usize];
-                    }
+                let velocity = series.velocity.as_mut().filter(|_| behind_velocity);
+                for column in std::iter::once(&mut series.command).chain(velocity) {
+                    later(column, &pieces, self.at, rows);
                 }
             }
+        }
+    }
+
+    /// Another log's commands as they are followed after the change.
+    pub(crate) fn delay_all(&self, series: &mut Series) {
+        if let Kind::Delay { rows, .. } = self.kind {
+            let pieces: Vec<_> = series.pieces().collect();
+            later(&mut series.command, &pieces, 0, rows);
+        }
+    }
+
+    /// Positions as they are read after the change.
+    pub(crate) fn read_all(&self, positions: &mut [f64]) {
+        match self.kind {
+            Kind::Offset(size) => positions.iter_mut().for_each(|value| *value += size),
+            Kind::Gain { factor, level } => {
+                let read = |value: &mut f64| *value = factor * *value + level;
+                positions.iter_mut().for_each(read);
+            }
+            Kind::Delay { .. } => {}
         }
     }
 
@@ -89,14 +109,35 @@ impl Change {
         let effect = match self.kind {
             Kind::Offset(_) => offset::SPEC.name,
             Kind::Gain { .. } => gain::SPEC.name,
-            Kind::Delay(_) => latency::SPEC.name,
+            Kind::Delay { .. } => latency::SPEC.name,
+        };
+        let confusable_with = match self.kind {
+            Kind::Delay {
+                behind_velocity: true,
+                ..
+            } => vec![latency::OF_READINGS.name],
+            _ => Vec::new(),
         };
         Finding {
             effect,
             numbers: vec![self.number],
-            confusable_with: Vec::new(),
+            confusable_with,
             share,
             since: Some(self.instant),
+        }
+    }
+}
+
+/// Takes a column some rows later from a row on, between rows along straight lines.
+fn later(column: &mut [f64], pieces: &[std::ops::Range<usize>], from: usize, rows: f64) {
+    let before = column.to_vec();
+    for piece in pieces {
+        let ends = [piece.start as f64, (piece.end - 1) as f64];
+        for row in piece.clone().filter(|&row| row >= from) {
+            let at = (row as f64 - rows).clamp(ends[0], ends[1]);
+            let (whole, part) = (at.floor() as usize, at - at.floor());
+            let next = (whole + 1).min(piece.end - 1);
+            column[row] = (1.0 - part) * before[whole] + part * before[next];
         }
     }
 }
@@ -131,7 +172,7 @@ pub(crate) fn find(series: &Series) -> Vec<Change> {
 
 /// The likeliest change; a delay only of a log of one level, since a level that is not quite right looks like one.
 fn next(series: &Series, is_level: bool) -> Option<Change> {
-    let regression = Regression::new(series);
+    let regression = Regression::new(series, None);
     if series.len() < 8 * regression.regressors() {
         return None;
     }
@@ -155,12 +196,23 @@ fn next(series: &Series, is_level: bool) -> Option<Change> {
             (None, None) => {}
         }
     }
+    if let Some(change) = between_runs(series) {
+        return Some(change);
+    }
     if !is_level {
         return None;
     }
-    let likely = scan.delay().filter(|likely| likely.nats > DELAY_NATS)?;
+    let beside_velocity = series.velocity.as_deref().and_then(|velocity| {
+        let regression = Regression::new(series, Some(velocity));
+        Scan::new(&regression).delay()
+    });
+    let behind_velocity = beside_velocity.is_some();
+    let likely = beside_velocity.or_else(|| scan.delay())?;
+    let kind = Kind::Delay {
+        rows: likely.size,
+        behind_velocity,
+    };
     let half_step = 0.5 * series.step_s / 1.96;
-    let kind = Kind::Delay(likely.size as isize);
     Some(Change::new(series, kind, likely.rows, half_step))
 }
 
@@ -208,7 +260,7 @@ fn of_offset(
     let own = 1.0 - solution[..ORDER].iter().sum::<f64>();
     let settled = solution.last()? / own;
     let jumped = regression
-        .predicted(&solution, at)
+        .predicted(&solution, at, 0.0)
         .map(|before| regression.position(at) - before);
     let sizes = [Some(settled), jumped].into_iter().flatten();
     let sizes = sizes.filter(|size| size.is_finite());

@@ -2,17 +2,13 @@
 //! Abrupt Changes, 1993, 2.4 and 7.2).
 
 use super::sums::{ORDER, Prefix, Regression, Sums};
-use crate::thresholds::{PLACE_NATS, PLACE_SHARE, SHARE_OF_FREE};
+use crate::thresholds::{LONG_REST_S, PLACE_NATS, PLACE_SHARE, SAME_NATS, SAME_SHARE};
 
 /// Factors that a gain is looked for at.
 const FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
-/// Rows by which a delay is looked for at.
-const SHIFTS: [isize; 8] = [-5, -3, -2, -1, 1, 2, 3, 5];
 
-/// Part of the log at either end in which no change of a level is looked for, and none of a delay, which a single step shows
-/// badly.
+/// Part of the log at either end in which no change of a level is looked for.
 const LEVEL_EDGE: usize = 20;
-const DELAY_EDGE: usize = 8;
 
 /// Rows that are looked at besides a grid.
 const WILD: usize = 12;
@@ -31,9 +27,9 @@ pub(super) struct Likely {
 /// A scan of a log.
 #[derive(Debug)]
 pub(super) struct Scan<'r> {
-    regression: &'r Regression,
-    own: Prefix,
-    all: Sums,
+    pub(super) regression: &'r Regression,
+    pub(super) own: Prefix,
+    pub(super) all: Sums,
     /// Squares that one regression for the whole log leaves.
     squares: f64,
     /// Rows that one regression predicts worst: a jump lies between the points of a grid.
@@ -42,11 +38,11 @@ pub(super) struct Scan<'r> {
 
 impl<'r> Scan<'r> {
     pub(super) fn new(regression: &'r Regression) -> Self {
-        let own = regression.prefix(0);
+        let own = regression.prefix(0.0);
         let all = regression.up_to(&own, regression.rows);
         let (squares, solution) = all.fitted();
         let surprise = |&row: &usize| {
-            let predicted = regression.predicted(&solution, row)?;
+            let predicted = regression.predicted(&solution, row, 0.0)?;
             Some(((regression.position(row) - predicted).abs(), row))
         };
         let mut wild: Vec<(f64, usize)> = (0..regression.rows)
@@ -70,32 +66,44 @@ impl<'r> Scan<'r> {
         self.all.at(regressors - 1, regressors - 1)
     }
 
+    /// What the likelihood gains where less is left than by one regression.
     fn nats(&self, squares: f64) -> f64 {
-        let rounding = self.count() * self.regression.rounding;
-        0.5 * self.count() * ((self.squares + rounding) / (squares + rounding)).ln()
+        self.nats_of(self.count(), self.squares, squares)
+    }
+
+    /// What the likelihood of some rows gains where less of their squares is left.
+    pub(super) fn nats_of(&self, rows: f64, before: f64, after: f64) -> f64 {
+        let rounding = rows * self.regression.rounding;
+        0.5 * rows * ((before + rounding) / (after + rounding)).ln()
+    }
+
+    /// Deviation of what one regression does not predict.
+    pub(super) fn deviation(&self) -> f64 {
+        (self.squares / self.count().max(1.0) + self.regression.rounding).sqrt()
     }
 
     /// Rows at which a change is looked for: a part of the log and its regression's memory off either end.
-    fn grid(&self, part: usize) -> Vec<usize> {
+    fn grid(&self, part: usize, further: &[usize]) -> Vec<usize> {
         let rows = self.regression.rows;
         let edge = (rows / part).max(3 * self.regression.regressors());
         let step = self.regression.step;
         let inner = edge..rows.saturating_sub(edge);
-        let wild = self
-            .wild
-            .iter()
-            .copied()
-            .filter(|row| part == LEVEL_EDGE && inner.contains(row));
-        let mut grid: Vec<usize> = inner.clone().step_by(step).chain(wild).collect();
+        let further = further.iter().copied().filter(|row| inner.contains(row));
+        let mut grid: Vec<usize> = inner.clone().step_by(step).chain(further).collect();
         grid.sort_unstable();
         grid.dedup();
         grid
     }
 
     /// The likeliest row by a function of it, and how far on either side it is nearly as likely.
-    fn placed(&self, size: f64, part: usize, nats: &dyn Fn(usize) -> f64) -> Option<Likely> {
+    pub(super) fn placed(
+        &self,
+        size: f64,
+        (part, further): (usize, &[usize]),
+        nats: &dyn Fn(usize) -> f64,
+    ) -> Option<Likely> {
         let coarse: Vec<(usize, f64)> = self
-            .grid(part)
+            .grid(part, further)
             .into_iter()
             .map(|row| (row, nats(row)))
             .collect();
@@ -108,28 +116,35 @@ impl<'r> Scan<'r> {
             .map(|row| (row, nats(row)))
             .collect();
         let &(at, best) = fine.iter().max_by(by_nats)?;
-        // errors that are not quite white make all of it larger than it is
-        let limit = best - PLACE_NATS.max(PLACE_SHARE * best);
         // from the best row outwards, finely and then on the grid, as long as it is nearly as likely
-        let walk = |towards: &mut dyn Iterator<Item = &(usize, f64)>| {
-            towards
-                .take_while(|(_, nats)| *nats >= limit)
-                .last()
-                .map_or(at, |(row, _)| *row)
+        let backward = fine.iter().rev().skip_while(|(row, _)| *row > at);
+        let backward = backward.chain(coarse.iter().rev().skip_while(|(row, _)| *row >= fine[0].0));
+        let forward = fine.iter().skip_while(|(row, _)| *row < at);
+        let end = fine[fine.len() - 1].0;
+        let forward = forward.chain(coarse.iter().skip_while(|(row, _)| *row <= end));
+        let walk = |towards: &mut dyn Iterator<Item = &(usize, f64)>, less: f64| {
+            let near = towards.take_while(|(_, nats)| *nats >= best - less);
+            near.last().map_or(at, |(row, _)| *row)
         };
-        let mut first = walk(&mut fine.iter().rev().skip_while(|(row, _)| *row > at));
-        let mut last = walk(&mut fine.iter().skip_while(|(row, _)| *row < at));
-        if first == fine.first()?.0 {
-            let mut before = coarse.iter().rev().skip_while(|(row, _)| *row > first);
-            first = first.min(walk(&mut before));
-        }
-        if last == fine.last()?.0 {
-            let mut after = coarse.iter().skip_while(|(row, _)| *row < last);
-            last = last.max(walk(&mut after));
-        }
+        // errors that are not quite white make all of it larger than it is
+        let less = PLACE_NATS.max(PLACE_SHARE * best);
+        let first = walk(&mut backward.clone(), less);
+        let last = walk(&mut forward.clone(), less);
+        // rows that are as likely: the middle of a few, but of a long rest the end, where the change first shows
+        let same = SAME_NATS.max(SAME_SHARE * best);
+        let [from, rested] = [
+            walk(&mut backward.clone(), same),
+            walk(&mut forward.clone(), same),
+        ];
+        let at = if (rested - from) as f64 * self.regression.step_s > LONG_REST_S {
+            let shown = (rested..=rested + step).take_while(|&row| nats(row) >= best - same);
+            shown.last().unwrap_or(rested)
+        } else {
+            usize::midpoint(from, rested)
+        };
         Some(Likely {
             nats: best,
-            rows: [first, at, last],
+            rows: [first.min(at), at, last.max(at)],
             size,
         })
     }
@@ -152,7 +167,7 @@ impl<'r> Scan<'r> {
 
     /// The likeliest offset.
     pub(super) fn offset(&self) -> Option<Likely> {
-        self.placed(1.0, LEVEL_EDGE, &|row| {
+        self.placed(1.0, (LEVEL_EDGE, &self.wild), &|row| {
             self.nats(self.of_level(row, 1.0).fitted().0)
         })
     }
@@ -165,7 +180,7 @@ impl<'r> Scan<'r> {
     /// The likeliest gain.
     pub(super) fn gain(&self) -> Option<Likely> {
         let found = FACTORS.iter().filter_map(|&factor| {
-            self.placed(factor, LEVEL_EDGE, &|row| {
+            self.placed(factor, (LEVEL_EDGE, &self.wild), &|row| {
                 self.nats(self.of_level(row, factor).fitted().0)
             })
         });
@@ -190,30 +205,5 @@ impl<'r> Scan<'r> {
             size: size.exp(),
             ..best
         })
-    }
-
-    /// The likeliest delay: the command acts some rows later than before. What a regression of its own after the change
-    /// explains must mostly be that.
-    pub(super) fn delay(&self) -> Option<Likely> {
-        let found = SHIFTS.iter().filter_map(|&shift| {
-            let shifted = self.regression.prefix(shift);
-            let whole = self.regression.up_to(&shifted, self.regression.rows);
-            let nats = |row: usize| {
-                let before = self.regression.up_to(&self.own, row);
-                let later = whole.plus(&self.regression.up_to(&shifted, row), -1.0);
-                let own = self.nats(before.plus(&later, 1.0).fitted().0);
-                if own <= 0.0 {
-                    return own;
-                }
-                let after = self.all.plus(&before, -1.0);
-                let free = after.fitted().0.min(later.fitted().0) + before.fitted().0;
-                match own > SHARE_OF_FREE * self.nats(free) {
-                    true => own,
-                    false => 0.0,
-                }
-            };
-            self.placed(shift as f64, DELAY_EDGE, &nats)
-        });
-        found.max_by(|a, b| a.nats.total_cmp(&b.nats))
     }
 }

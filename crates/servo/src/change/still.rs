@@ -24,6 +24,48 @@ pub(super) fn by_means(series: &Series, lags: usize) -> Option<Likely> {
     })
 }
 
+/// An offset between two runs of many, by the means of what delay and lag leave of each: episodes scatter by where friction left the
+/// joint and by what it carried, and their means say by how much.
+pub(super) fn between_runs(series: &Series) -> Option<Change> {
+    let starts: Vec<usize> = (0..series.len())
+        .filter(|&row| row == 0 || series.run[row] != series.run[row - 1])
+        .collect();
+    let runs = starts.len();
+    if runs < 2 * FEWEST_RUNS {
+        return None;
+    }
+    let terms = Terms {
+        friction: false,
+        ..LAWS
+    };
+    let residual = Problem::new(series).fit(terms, &None, None).residual;
+    let ends = starts[1..].iter().copied().chain([series.len()]);
+    let means: Vec<f64> = (starts.iter().copied().zip(ends))
+        .map(|(start, end)| mean(&residual[start..end]))
+        .collect();
+    let split = |at: usize| {
+        let (before, after) = means.split_at(at);
+        let squares = |own: &[f64]| -> f64 {
+            let middle = mean(own);
+            own.iter().map(|value| (value - middle).powi(2)).sum()
+        };
+        let size = mean(after) - mean(before);
+        (squares(before) + squares(after), size, at)
+    };
+    let splits = (FEWEST_RUNS..=runs - FEWEST_RUNS).map(split);
+    let (squares, size, at) = splits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let scatter = (squares / (runs - 2) as f64).sqrt();
+    let sd = scatter * (1.0 / at as f64 + 1.0 / (runs - at) as f64).sqrt();
+    let least = (RUN_SCATTERS * scatter).max(STILL_SD * sd);
+    let is_one = size.abs() > least.max(STILL_STEP).max(10.0 * series.count);
+    is_one.then(|| Change::new(series, Kind::Offset(size), [starts[at]; 3], sd))
+}
+
+/// Runs on either side that are needed.
+const FEWEST_RUNS: usize = 4;
+/// How many times the scatter of runs an offset between two of them is.
+const RUN_SCATTERS: f64 = 3.0;
+
 /// Share of the squares that two means take which one leaves.
 const SPLIT_SHARE: f64 = 0.5;
 

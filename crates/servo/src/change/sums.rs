@@ -8,27 +8,46 @@ use crate::log::{Series, mean};
 pub(super) const ORDER: usize = 2;
 /// Past of the command that the regression sees \[s\].
 const MEMORY_S: f64 = 0.32;
+/// Regressors at most, and the target.
+const MOST_COLUMNS: usize = ORDER + MOST_LAGS + 5 + 2;
+/// Lags of the command at most.
+const MOST_LAGS: usize = 16;
 /// Grid points over a log at most.
 const MOST_POINTS: usize = 1200;
 /// Least rows between them.
 const LEAST_STEP: usize = 10;
 
-/// Position on its own past, the command's past, and a constant (an ARX model: Ljung, System Identification, 4.2), all less the
-/// position's mean.
+/// Rows before and after a reading whose velocities it follows: velocities are a mean over the last rows, or of the next.
+const VELOCITY_LAGS: Range<isize> = -3..2;
+
+/// A column that the position follows, and how many rows before it.
+#[derive(Debug)]
+struct Input {
+    values: Vec<f64>,
+    lags: Range<isize>,
+}
+
+/// Position on its own past, the command's past, its velocities where they are known, and a constant (an ARX model: Ljung, System
+/// Identification, 4.2), position and command less the position's mean.
 #[derive(Debug)]
 pub(super) struct Regression {
     position: Vec<f64>,
-    command: Vec<f64>,
+    inputs: Vec<Input>,
     pieces: Vec<Range<usize>>,
     /// Piece of each row.
     piece: Vec<usize>,
     /// Lags of the command.
     pub(super) lags: usize,
+    /// All regressors, the constant last.
+    regressors: usize,
     /// Rows between grid points.
     pub(super) step: usize,
     pub(super) rows: usize,
     /// Square of a reading's rounding: what no row is known better than.
     pub(super) rounding: f64,
+    /// A count of the sensor.
+    pub(super) count: f64,
+    pub(super) step_s: f64,
 }
 
 /// A symmetric matrix of sums: regressors, then the target.
@@ -43,11 +62,13 @@ pub(super) struct Sums {
 pub(super) struct Prefix {
     points: Vec<Sums>,
     step: usize,
-    shift: isize,
+    /// Rows by which the inputs are late.
+    shift: f64,
 }
 
 impl Regression {
-    pub(super) fn new(series: &Series) -> Self {
+    /// Of a joint beside its command, and beside its velocities too where they are given.
+    pub(super) fn new(series: &Series, velocity: Option<&[f64]>) -> Self {
         let middle = mean(&series.response);
         let rows = series.len();
         let pieces: Vec<Range<usize>> = series.pieces().collect();
@@ -55,52 +76,81 @@ impl Regression {
         for (index, range) in pieces.iter().enumerate() {
             piece[range.clone()].fill(index);
         }
+        let lags = ((MEMORY_S / series.step_s).round() as usize).clamp(6, MOST_LAGS);
+        let mut inputs = vec![Input {
+            values: series.command.iter().map(|value| value - middle).collect(),
+            lags: 0..lags as isize,
+        }];
+        inputs.extend(velocity.map(|velocity| Input {
+            values: velocity.to_vec(),
+            lags: VELOCITY_LAGS,
+        }));
+        let columns: usize = inputs.iter().map(|input| input.lags.len()).sum();
         Self {
             position: series.response.iter().map(|value| value - middle).collect(),
-            command: series.command.iter().map(|value| value - middle).collect(),
+            regressors: ORDER + columns + 1,
+            inputs,
             pieces,
             piece,
-            lags: ((MEMORY_S / series.step_s).round() as usize).clamp(6, 16),
+            lags,
             step: (rows / MOST_POINTS).max(LEAST_STEP),
             rows,
             // two readings of each row, each rounded
             rounding: 2.0 * series.count * series.count / 12.0,
+            count: series.count,
+            step_s: series.step_s,
         }
     }
 
     /// Number of regressors, the constant last.
     pub(super) fn regressors(&self) -> usize {
-        ORDER + self.lags + 1
+        self.regressors
     }
 
-    /// Whether the command moved within the memory of a row, or the row has no past.
+    /// Whether the memory of a row lies within its piece.
     fn has_past(&self, row: usize) -> bool {
         row >= self.pieces[self.piece[row]].start + self.lags
     }
 
-    /// Adds a row with the command as it was `shift` rows before.
-    fn add(&self, row: usize, shift: isize, sums: &mut Sums) {
+    /// The regressors of a row with its inputs as they were `shift` rows before, between rows along straight lines, then the
+    /// target; none where the row has no past.
+    fn row(&self, row: usize, shift: f64) -> Option<[f64; MOST_COLUMNS]> {
         if !self.has_past(row) {
-            return;
+            return None;
         }
         let own = &self.pieces[self.piece[row]];
-        let mut values = [0.0; 24];
-        let count = self.regressors();
+        let mut values = [0.0; MOST_COLUMNS];
         for (past, value) in values[..ORDER].iter_mut().enumerate() {
             *value = self.position[row - past - 1];
         }
-        for lag in 0..self.lags {
-            let at = (row - lag) as isize - shift;
-            let at = at.clamp(own.start as isize, own.end as isize - 1) as usize;
-            values[ORDER + lag] = self.command[at];
+        let (whole, part) = (shift.floor(), shift - shift.floor());
+        let mut column = ORDER;
+        for input in &self.inputs {
+            let at = |row: isize| {
+                input.values[row.clamp(own.start as isize, own.end as isize - 1) as usize]
+            };
+            for lag in input.lags.clone() {
+                let late = row as isize - lag - whole as isize;
+                values[column] = match part > 0.0 {
+                    true => (1.0 - part) * at(late) + part * at(late - 1),
+                    false => at(late),
+                };
+                column += 1;
+            }
         }
-        values[count - 1] = 1.0;
-        values[count] = self.position[row];
-        sums.add(&values[..=count]);
+        values[column] = 1.0;
+        values[column + 1] = self.position[row];
+        Some(values)
+    }
+
+    fn add(&self, row: usize, shift: f64, sums: &mut Sums) {
+        if let Some(values) = self.row(row, shift) {
+            sums.add(&values[..=self.regressors]);
+        }
     }
 
     /// Sums up to each grid point.
-    pub(super) fn prefix(&self, shift: isize) -> Prefix {
+    pub(super) fn prefix(&self, shift: f64) -> Prefix {
         let mut at = Sums::zeros(self.regressors() + 1);
         let mut points = vec![at.clone()];
         for row in 0..self.rows {
@@ -126,20 +176,18 @@ impl Regression {
         sums
     }
 
+    /// Sums of a stretch of rows, one after the other.
+    pub(super) fn of_rows(&self, rows: Range<usize>, shift: f64) -> Sums {
+        let mut sums = Sums::zeros(self.regressors() + 1);
+        rows.for_each(|row| self.add(row, shift, &mut sums));
+        sums
+    }
+
     /// What the fit of some sums predicts of a row.
-    pub(super) fn predicted(&self, solution: &[f64], row: usize) -> Option<f64> {
-        if !self.has_past(row) {
-            return None;
-        }
-        let own = &self.pieces[self.piece[row]];
-        let mut value = solution.get(self.regressors() - 1).copied()?;
-        for past in 0..ORDER {
-            value += solution[past] * self.position[row - past - 1];
-        }
-        for lag in 0..self.lags {
-            value += solution[ORDER + lag] * self.command[(row - lag).max(own.start)];
-        }
-        Some(value)
+    pub(super) fn predicted(&self, solution: &[f64], row: usize, shift: f64) -> Option<f64> {
+        let values = self.row(row, shift)?;
+        let pairs = values[..self.regressors].iter().zip(solution);
+        Some(pairs.map(|(value, coefficient)| value * coefficient).sum())
     }
 
     pub(super) fn position(&self, row: usize) -> f64 {
@@ -167,6 +215,11 @@ impl Sums {
     /// Lower triangle alone.
     pub(super) fn at(&self, i: usize, j: usize) -> f64 {
         self.values[i.max(j) * self.size + i.min(j)]
+    }
+
+    /// Rows that were added: the constant's square.
+    pub(super) fn rows(&self) -> f64 {
+        self.at(self.size - 2, self.size - 2)
     }
 
     pub(super) fn plus(&self, other: &Self, sign: f64) -> Self {

@@ -6,21 +6,27 @@
 use crate::log::{Series, range};
 use crate::thresholds::{STILL_COUNTS, STILL_RANGE};
 
-/// Columns that gravity's torque may have: the torque itself, else sines and cosines of all angles that move.
-pub(crate) fn columns(series: &Series) -> Vec<Vec<f64>> {
+/// Which angles move, the joint's own first.
+pub(crate) fn moving(series: &Series) -> Vec<bool> {
+    let least = (STILL_COUNTS * series.count).max(STILL_RANGE).max(0.1);
+    angles(series).map(|column| range(column) > least).collect()
+}
+
+/// Columns that gravity's torque may have: the torque itself, else sines and cosines of the angles that it may depend on.
+pub(crate) fn columns(series: &Series, depends: &[bool]) -> Vec<Vec<f64>> {
     if let Some(load_nm) = &series.load_nm {
         return vec![load_nm.iter().map(|torque| -torque).collect()];
     }
-    let moves = |column: &&Vec<f64>| {
-        range(column) > (STILL_COUNTS * series.count).max(STILL_RANGE).max(0.1)
-    };
-    let angles = std::iter::once(&series.command).chain(&series.others);
-    angles
-        .filter(moves)
-        .flat_map(|angle| {
+    let pairs = angles(series).zip(depends).filter(|(_, depends)| **depends);
+    pairs
+        .flat_map(|(angle, _)| {
             let sine = angle.iter().map(|angle| angle.sin()).collect();
             let cosine = angle.iter().map(|angle| angle.cos()).collect();
             [sine, cosine]
         })
         .collect()
+}
+
+fn angles(series: &Series) -> impl Iterator<Item = &Vec<f64>> {
+    std::iter::once(&series.command).chain(&series.others)
 }

@@ -12,6 +12,14 @@ pub(crate) const SPEC: Spec = Spec {
     parameters: &["delay_s"],
 };
 
+/// The readings, of which their velocities know nothing.
+pub(crate) const OF_READINGS: Spec = Spec {
+    name: "encoder-latency",
+    meaning: "the positions are read late",
+    inspect: "the bus, its rate, and the filter of the readings",
+    parameters: &["delay_s"],
+};
+
 /// The command `delay_s` before each row of a piece, between rows along a straight line; before the first row the first one.
 pub(crate) fn delayed(
     command: &[f64],

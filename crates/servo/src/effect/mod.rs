@@ -7,6 +7,7 @@ pub(crate) mod lag;
 pub(crate) mod latency;
 pub(crate) mod offset;
 pub(crate) mod saturation;
+pub(crate) mod torque_gain;
 
 /// An effect's name and parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

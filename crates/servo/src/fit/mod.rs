@@ -49,7 +49,7 @@ pub(crate) struct Shape {
 }
 
 /// A fitted model.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fit {
     pub(crate) shape: Shape,
     /// Mean distance of the joint from what it follows.
@@ -57,6 +57,8 @@ pub(crate) struct Fit {
     pub(crate) gain: f64,
     /// Coefficients of the droop's columns.
     pub(crate) droop: Vec<f64>,
+    /// All numbers that enter linearly, in the order of the columns.
+    solution: Vec<f64>,
     /// Sum of the squares on the rows of the fit.
     pub(crate) squares: f64,
     /// On all rows.
@@ -75,10 +77,65 @@ pub(crate) type Held = Option<Range<usize>>;
 
 impl<'s> Problem<'s> {
     pub(crate) fn new(series: &'s Series) -> Self {
+        Self::with_droop(series, &droop::moving(series))
+    }
+
+    /// With a droop that depends on these angles, the joint's own first.
+    pub(crate) fn with_droop(series: &'s Series, angles: &[bool]) -> Self {
         Self {
-            droop: droop::columns(series),
+            droop: droop::columns(series, angles),
             series,
         }
+    }
+
+    /// What a fit to another log of the joint predicts of this one; the joint starts where it stands.
+    pub(crate) fn predicted(&self, terms: Terms, fit: &Fit) -> Vec<f64> {
+        let series = self.series;
+        let mut followed = self.driven(fit.shape);
+        for piece in series.pieces() {
+            let first = series.response[piece.start] - fit.offset;
+            friction::followed(piece, fit.shape.half_width, first, &mut followed);
+        }
+        let ones = offset::column(if terms.offset { series.len() } else { 0 });
+        let columns = self.columns(terms, &ones, &followed);
+        let mut predicted = match terms.gain {
+            true => vec![0.0; series.len()],
+            false => followed.clone(),
+        };
+        for (column, coefficient) in columns.iter().zip(&fit.solution) {
+            for (sum, value) in predicted.iter_mut().zip(*column) {
+                *sum += coefficient * value;
+            }
+        }
+        predicted
+    }
+
+    /// The command as delay, lag and limit let it through.
+    fn driven(&self, shape: Shape) -> Vec<f64> {
+        let series = self.series;
+        let mut input = vec![0.0; series.len()];
+        for piece in series.pieces() {
+            latency::delayed(
+                &series.command,
+                &series.time_s,
+                piece.clone(),
+                shape.delay_s,
+                &mut input,
+            );
+            lag::lagged(&series.time_s, piece.clone(), shape.lag_s, &mut input);
+            saturation::limited(&series.time_s, piece, shape.slowness, &mut input);
+        }
+        input
+    }
+
+    /// Columns that enter linearly.
+    fn columns<'c>(&'c self, terms: Terms, ones: &'c [f64], followed: &'c [f64]) -> Vec<&'c [f64]> {
+        let mut columns: Vec<&[f64]> = Vec::new();
+        columns.extend(terms.offset.then_some(ones));
+        columns.extend(terms.gain.then_some(followed));
+        let free = terms.droop.then_some(&self.droop).into_iter().flatten();
+        columns.extend(free.map(Vec::as_slice));
+        columns
     }
 
     /// Whether anything moves that gravity's torque could depend on.
@@ -145,18 +202,7 @@ impl<'s> Problem<'s> {
     pub(crate) fn evaluate(&self, terms: Terms, shape: Shape, held: &Held) -> Fit {
         let series = self.series;
         let rows = series.len();
-        let mut input = vec![0.0; rows];
-        for piece in series.pieces() {
-            latency::delayed(
-                &series.command,
-                &series.time_s,
-                piece.clone(),
-                shape.delay_s,
-                &mut input,
-            );
-            lag::lagged(&series.time_s, piece.clone(), shape.lag_s, &mut input);
-            saturation::limited(&series.time_s, piece, shape.slowness, &mut input);
-        }
+        let input = self.driven(shape);
         let mut offset = match terms.offset {
             true => mean_outside(held, |row| series.response[row] - input[row], rows),
             false => 0.0,
@@ -182,12 +228,8 @@ impl<'s> Problem<'s> {
     fn linear(&self, terms: Terms, shape: Shape, followed: &[f64], held: &Held) -> Fit {
         let response = &self.series.response;
         let rows = response.len();
-        let mut columns: Vec<&[f64]> = Vec::new();
         let ones = offset::column(if terms.offset { rows } else { 0 });
-        columns.extend(terms.offset.then_some(ones.as_slice()));
-        columns.extend(terms.gain.then_some(followed));
-        let free = terms.droop.then_some(&self.droop).into_iter().flatten();
-        columns.extend(free.map(Vec::as_slice));
+        let columns = self.columns(terms, &ones, followed);
         let target: Vec<f64> = match terms.gain {
             true => response.clone(),
             false => (response.iter().zip(followed))
@@ -217,6 +259,7 @@ impl<'s> Problem<'s> {
             offset,
             gain,
             droop,
+            solution,
             squares: squares_outside(held, &residual),
             residual,
         }

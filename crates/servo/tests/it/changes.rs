@@ -1,6 +1,8 @@
 //! What changes within a log is found, sized and placed; what does not is not.
 
 use crate::servo::{Log, Servo, motion};
+use haptical_servo::{Finding, JointLog, diagnose_joint};
+
 use crate::{asked, cause};
 
 fn hobby() -> Servo {
@@ -159,4 +161,159 @@ fn a_joint_at_rest_shows_a_lost_offset_alone() {
         *value -= 0.29;
     }
     assert!(asked(&log).is_err());
+}
+
+/// A log with the velocity that the drive reports: of the reading before, in steps of 0.0767 rad/s.
+fn with_velocity(log: &Log) -> Vec<f64> {
+    let rows = log.response.len();
+    let speed = |row: usize| (log.command[row] - log.command[row - 1]) / 0.02;
+    let own = (0..rows).map(|row| if row == 0 { 0.0 } else { speed(row) });
+    own.map(|speed| (speed / 0.0767).round() * 0.0767).collect()
+}
+
+/// One row more in the positions, which the velocities do not share: found in every log and placed, and no command's own.
+#[test]
+fn positions_that_come_a_row_later_than_their_velocities_are_placed() {
+    for seed in 0..8 {
+        let servo = Servo {
+            friction_rad: 0.0,
+            rad_per_s: None,
+            ..hobby()
+        };
+        let mut log = servo.log(&motion(seed), 60.0);
+        let velocity = with_velocity(&log);
+        let asked = |log: &Log| {
+            diagnose_joint(&JointLog {
+                time_s: Some(&log.time_s),
+                command: Some(&log.command),
+                response: &log.response,
+                velocity: Some(&velocity),
+                ..JointLog::default()
+            })
+            .unwrap()
+        };
+        let changes = |log: &Log| -> Vec<Finding> {
+            let causes = asked(log).causes;
+            causes
+                .into_iter()
+                .filter(|own| own.since.is_some())
+                .collect()
+        };
+        assert_eq!(changes(&log), [], "{seed}");
+        let at = 1100 + 137 * seed as usize;
+        let before = log.response.clone();
+        log.response[at..].copy_from_slice(&before[at - 1..before.len() - 1]);
+        let found = changes(&log);
+        assert_eq!(found.len(), 1, "{seed}: {found:?}");
+        assert_eq!(found[0].effect, "command-latency");
+        assert_eq!(found[0].confusable_with[..], ["encoder-latency"], "{seed}");
+        assert!(
+            (found[0].numbers[0].value - 0.02).abs() < 0.004,
+            "{found:?}"
+        );
+        let [first, likeliest, last] = found[0].since.unwrap().time_s;
+        let at_s = 0.02 * at as f64;
+        // the motion rests for a second in five
+        let rests = at_s % 5.0 > 3.8;
+        assert!(
+            (likeliest - at_s).abs() < if rests { 1.0 } else { 0.2 },
+            "{seed}: {found:?}"
+        );
+        assert!(
+            first <= at_s + 0.03 && at_s - 0.03 <= last,
+            "{seed}: {found:?}"
+        );
+    }
+}
+
+/// While the joint rests nothing shows: the interval holds the rest, and the instant is where it moves again.
+#[test]
+fn a_delay_that_grows_in_a_long_rest_lies_within_it() {
+    let moving = motion(4);
+    let rests = |time_s: f64| {
+        moving(if time_s < 24.0 {
+            time_s
+        } else {
+            (time_s - 12.0).max(24.0)
+        })
+    };
+    let mut log = Servo {
+        delay_s: 0.02,
+        ..Servo::default()
+    }
+    .log(&rests, 72.0);
+    let before = log.response.clone();
+    // in the middle of a rest from 24 to 37 s
+    log.response[1500..].copy_from_slice(&before[1498..before.len() - 2]);
+    let answer = asked(&log).unwrap();
+    let found = answer
+        .causes
+        .iter()
+        .find(|own| own.since.is_some())
+        .unwrap();
+    let [first, at, last] = found.since.unwrap().time_s;
+    assert!(
+        (23.5..25.5).contains(&first) && (36.8..37.3).contains(&last),
+        "{found:?}"
+    );
+    assert!((36.8..37.3).contains(&at), "{found:?}");
+}
+
+/// Seven steps: another answer to one of them is no delay.
+#[test]
+fn one_step_that_answers_otherwise_is_no_delay() {
+    for odd in 3..6 {
+        let steps = |time_s: f64| 0.3 * f64::from((time_s / 10.0) as u32 % 2);
+        let mut log = hobby().log(&steps, 80.0);
+        let start = 500 * odd;
+        let before = log.response.clone();
+        log.response[start..start + 100].copy_from_slice(&before[start - 3..start + 97]);
+        let answer = asked(&log).unwrap();
+        let changes = answer.causes.iter().filter(|own| own.since.is_some());
+        assert_eq!(changes.count(), 0, "{odd}: {:?}", answer.causes);
+    }
+}
+
+/// Episodes whose levels scatter by what the joint carries and where friction leaves it: the loss stands out of them, or is none.
+#[test]
+fn a_loss_between_episodes_that_scatter_is_placed() {
+    use rand::{RngExt, SeedableRng};
+    for (seed, lost_rad) in [(1, -0.2967), (2, 0.2967), (3, 0.0), (4, 0.0), (5, 0.0)] {
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        let mut all = Log::default();
+        for episode in 0..60 {
+            let servo = Servo {
+                friction_rad: 0.05,
+                offset_rad: random.random_range(-0.08..0.08),
+                ..hobby()
+            };
+            let mut log = servo.log(&motion(100 * seed + episode), 5.0);
+            let lost = if episode >= 42 { lost_rad } else { 0.0 };
+            log.response.iter_mut().for_each(|value| *value += lost);
+            all.time_s.append(&mut log.time_s);
+            all.run.extend(vec![episode as i64; log.command.len()]);
+            all.command.append(&mut log.command);
+            all.response.append(&mut log.response);
+        }
+        let causes = asked(&all).unwrap().causes;
+        let found: Vec<&Finding> = causes.iter().filter(|own| own.since.is_some()).collect();
+        if lost_rad == 0.0 {
+            assert!(found.is_empty(), "{seed}: {found:?}");
+            continue;
+        }
+        assert_eq!(found.len(), 1, "{seed}: {found:?}");
+        assert_eq!(found[0].effect, "joint-offset");
+        assert_eq!(
+            found[0].since.unwrap().between_runs,
+            Some([41, 42]),
+            "{found:?}"
+        );
+        // levels of 60 episodes that scatter by 0.05 rad know a step to 0.013
+        let [low, high] = found[0].numbers[0].ci95;
+        assert!(
+            (0.5 * (low + high) - lost_rad).abs() < 0.04,
+            "{seed}: {found:?}"
+        );
+        assert!((0.03..0.12).contains(&(high - low)), "{seed}: {found:?}");
+    }
 }

@@ -24,11 +24,9 @@ fn a_log_without_commands_or_times_is_refused_in_words() {
     let without = |time_s, command| {
         let joint = JointLog {
             time_s,
-            run: None,
             command,
             response: &log.response,
-            others: &[],
-            load_nm: None,
+            ..JointLog::default()
         };
         diagnose_joint(&joint).unwrap_err()
     };
@@ -68,6 +66,34 @@ fn the_command_of_another_joint_is_refused() {
         asked(&log).unwrap_err(),
         Untested::Unrelated { .. }
     ));
+}
+
+/// A turned sign is no gain below zero, and no other fault.
+#[test]
+fn a_command_with_the_other_sign_is_refused() {
+    for seed in 0..8 {
+        let servo = Servo {
+            rad_per_s: Some(30.0),
+            ..Servo::default()
+        };
+        let mut log = servo.log(&motion(seed), 60.0);
+        log.command.iter_mut().for_each(|value| *value = -*value);
+        assert!(
+            matches!(asked(&log).unwrap_err(), Untested::Opposite { .. }),
+            "{seed}"
+        );
+    }
+}
+
+#[test]
+fn times_in_milliseconds_are_said() {
+    let mut log = sound();
+    log.time_s.iter_mut().for_each(|value| *value *= 1e3);
+    let text = said(&log);
+    assert!(
+        text.contains("20.000 s apart") && text.contains("milliseconds"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -154,11 +154,10 @@ fn a_droop_under_a_known_torque_is_a_stiffness() {
     let load_nm: Vec<f64> = log.response.iter().map(|angle| 1.8 * angle.cos()).collect();
     let answer = diagnose_joint(&JointLog {
         time_s: Some(&log.time_s),
-        run: None,
         command: Some(&log.command),
         response: &log.response,
-        others: &[],
         load_nm: Some(&load_nm),
+        ..JointLog::default()
     })
     .unwrap();
     let mut causes = answer

@@ -9,6 +9,7 @@ mod changes;
 mod input;
 mod laws;
 mod servo;
+mod torque;
 
 use haptical_servo::{Finding, JointAnswer, JointLog, Number, Untested, diagnose_joint};
 
@@ -21,8 +22,7 @@ fn asked(log: &Log) -> Result<JointAnswer, Untested> {
         run: Some(&log.run),
         command: Some(&log.command),
         response: &log.response,
-        others: &[],
-        load_nm: None,
+        ..JointLog::default()
     })
 }
 

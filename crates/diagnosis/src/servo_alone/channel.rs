@@ -1,0 +1,125 @@
+//! Joints' positions as channels: what their commands leave of them, before and with the causes.
+
+use haptical_model::{Device, JointType};
+use haptical_servo::{Predicted, Verdict as OfJoint};
+
+use super::answer::Joint;
+use crate::answer::{ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace};
+use crate::noise::NoiseSource;
+
+pub(super) fn channel(joint: usize) -> String {
+    format!("theta{}", joint + 1)
+}
+
+fn unit(device: &Device, joint: usize) -> &'static str {
+    match device.joints[joint].joint_type {
+        JointType::Prismatic => "m",
+        JointType::Revolute => "rad",
+    }
+}
+
+/// Share of the gap that closes, of sizes and of squares: contract, reduction_percent; below zero where it grows.
+fn reduction_percent(closed: f64) -> f64 {
+    100.0 * (1.0 - (1.0 - closed.min(1.0)).sqrt())
+}
+
+/// Rows of the second recording.
+pub(super) fn predictions(joint: &Joint) -> Vec<Prediction> {
+    let of = |second: &Predicted| -> Vec<Prediction> {
+        let rows = second.row.iter().enumerate();
+        let of_row = |(index, row): (usize, &usize)| Prediction {
+            row: *row,
+            channel: channel(joint.index),
+            measured: second.measured[index],
+            before: second.before[index],
+            after: match is_closed(joint) {
+                true => second.after[index],
+                false => second.before[index],
+            },
+        };
+        rows.map(of_row).collect()
+    };
+    joint.second.as_ref().map_or(Vec::new(), of)
+}
+
+fn is_closed(joint: &Joint) -> bool {
+    !matches!(joint.answer.verdict, OfJoint::NoGap | OfJoint::Unknown)
+}
+
+pub(super) fn gap(device: &Device, joint: &Joint) -> ChannelGap {
+    let answer = &joint.answer;
+    let has_gap = answer.verdict != OfJoint::NoGap;
+    let is_closed = is_closed(joint);
+    let second = joint.second.as_ref();
+    let [before, after] = second.map_or([answer.rms_before, answer.rms_after], Predicted::rms);
+    let (closed, closed_ci95) = second.map_or((answer.closed, answer.closed_ci95), |second| {
+        second.closed(answer.noise_floor)
+    });
+    let floor = answer.noise_floor;
+    // as many independent readings as eighths of a second are few of
+    let relative = 1.96 / (answer.course.row.len() as f64 / 4.0).max(1.0).sqrt();
+    ChannelGap {
+        channel: channel(joint.index),
+        joint: Some(joint.index + 1),
+        has_gap,
+        held_out: true,
+        rms_before: before,
+        rms_after: if is_closed { after } else { before },
+        noise_floor: floor,
+        noise_floor_ci95: [floor * (1.0 - relative).max(0.0), floor * (1.0 + relative)],
+        noise_source: NoiseSource::Motion,
+        unit: unit(device, joint.index).to_owned(),
+        share_of_gap: joint.weight,
+        reduction_percent: has_gap.then(|| match is_closed {
+            true => reduction_percent(closed),
+            false => 0.0,
+        }),
+        reduction_ci95: is_closed.then(|| closed_ci95.map(reduction_percent)),
+        no_reduction: (!has_gap).then_some(NoReduction::NoGap),
+    }
+}
+
+pub(super) fn held_out(device: &Device, joint: &Joint) -> HeldOutAnswer {
+    let gap = gap(device, joint);
+    HeldOutAnswer {
+        channel: gap.channel,
+        rms_before: gap.rms_before,
+        rms_after: gap.rms_after,
+        noise_floor: gap.noise_floor,
+        unit: gap.unit,
+        reduction_percent: gap.reduction_percent,
+        reduction_ci95: gap.reduction_ci95,
+        no_reduction: gap.no_reduction,
+    }
+}
+
+pub(super) fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
+    let answer = &joint.answer;
+    let course = &answer.course;
+    (answer.verdict != OfJoint::NoGap).then(|| Trace {
+        channel: channel(joint.index),
+        unit: unit(device, joint.index).to_owned(),
+        covariate: "t_s".to_owned(),
+        is_held_out: false,
+        at: course.time_s.clone(),
+        before: course.before.clone(),
+        after: match answer.verdict {
+            OfJoint::Unknown => course.before.clone(),
+            _ => course.after.clone(),
+        },
+    })
+}
+
+pub(super) fn noise(joint: &Joint) -> NoiseAnswer {
+    NoiseAnswer {
+        channel: channel(joint.index),
+        ratio: 1.0,
+        speed_ratio: 1.0,
+        colour: 0.0,
+        outlier_share: 0.0,
+        readings: joint.answer.course.row.len(),
+        degrees_of_freedom: joint.answer.course.row.len() as f64 / 4.0,
+        source: NoiseSource::Motion,
+        from: "the rounding of its readings, or what neighbours scatter by".to_owned(),
+    }
+}

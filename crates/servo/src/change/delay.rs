@@ -1,0 +1,220 @@
+//! A delay that changes: positions follow their inputs some rows later than before.
+
+use std::ops::Range;
+
+use super::scan::{Likely, Scan};
+use super::sums::{ORDER, Prefix, Sums};
+use crate::thresholds::{DELAY_NATS, NEAR_MOVES, NEAR_S, SHARE_OF_FREE};
+
+/// Rows by which a delay is looked for at.
+const SHIFTS: [isize; 8] = [-5, -3, -2, -1, 1, 2, 3, 5];
+/// Part of the log at either end in which none is looked for: a single step shows it badly.
+const EDGE: usize = 8;
+/// Rows that are looked at besides a grid.
+const REPEATS: usize = 24;
+/// What a repeated reading of a joint that moves says at most \[nats\]: a bus may drop one by itself.
+const MOST_NATS: f64 = 7.0;
+
+/// Stretches on either side of a change that are counted by themselves, those of them that may be something else, and what the
+/// others must say \[nats\].
+const STRETCHES: usize = 24;
+const SPARE: usize = 2;
+const BROAD_NATS: f64 = 1.0;
+
+/// Sums with the inputs some rows later.
+struct Shifted {
+    prefix: Prefix,
+    whole: Sums,
+}
+
+/// Rows on either side of a change, as they are and with the inputs later after it.
+struct Sides {
+    before: Sums,
+    after: Sums,
+    later: Sums,
+}
+
+impl Scan<'_> {
+    /// The likeliest delay: the inputs act some rows later than before, by all of the log, else by what is near.
+    pub(super) fn delay(&self) -> Option<Likely> {
+        let near = (NEAR_S / self.regression.step_s).round() as usize;
+        let near = near.max(10 * self.regression.regressors());
+        let all = self.regression.rows;
+        let windows = [all, near];
+        let found = SHIFTS.map(|rows| {
+            let prefix = self.regression.prefix(rows as f64);
+            let whole = self.regression.up_to(&prefix, all);
+            let shifted = Shifted { prefix, whole };
+            let bonus = self.repeats(rows);
+            let mut further: Vec<usize> = (0..all).filter(|&row| bonus[row] > 0.0).collect();
+            further.sort_unstable_by(|&a, &b| bonus[b].total_cmp(&bonus[a]));
+            further.truncate(REPEATS);
+            windows.map(|window| {
+                let nats =
+                    |row: usize| self.sides_of(row, &shifted, window).nats(self) + bonus[row];
+                let likely = self.placed(rows as f64, (EDGE, &further), &nats)?;
+                let row = likely.rows[1];
+                if window < all && !self.moves(row.saturating_sub(window)..row, row..row + window) {
+                    return None;
+                }
+                let sides = self.sides_of(row, &shifted, window);
+                let nats = sides.nats(self);
+                let likely = Likely { nats, ..likely };
+                let is_late = nats > DELAY_NATS
+                    && sides.is_mostly_late(self)
+                    && self.is_broad(&sides, (row, rows), window);
+                Some((likely, is_late))
+            })
+        });
+        // the likeliest must be one, and mostly that: else the law itself is another one
+        (0..windows.len()).find_map(|window| {
+            let own = found.iter().filter_map(|found| found[window]);
+            let (best, is_late) = own.max_by(|a, b| a.0.nats.total_cmp(&b.0.nats))?;
+            is_late.then(|| self.between_rows(best))
+        })
+    }
+
+    /// Whether the joint moves in most rows of two stretches.
+    fn moves(&self, before: Range<usize>, after: Range<usize>) -> bool {
+        let regression = self.regression;
+        let has_moved = |&row: &usize| {
+            let past = row.saturating_sub(regression.lags);
+            (regression.position(row) - regression.position(past)).abs() > 1.5 * regression.count
+        };
+        [before, after].into_iter().all(|rows| {
+            let rows = rows.start..rows.end.min(regression.rows);
+            let moving = rows.clone().filter(has_moved).count();
+            moving as f64 > NEAR_MOVES * rows.len() as f64
+        })
+    }
+
+    /// Whether more than a motion or two on either side says so: what the delay takes of each stretch's squares, without the
+    /// stretches that say most.
+    fn is_broad(&self, sides: &Sides, (row, shift): (usize, isize), window: usize) -> bool {
+        let regression = self.regression;
+        let unchanged = sides.before.plus(&sides.after, 1.0).fitted().1;
+        let (squares, late) = sides.before.plus(&sides.later, 1.0).fitted();
+        let count = sides.before.rows() + sides.later.rows();
+        let variance = squares / count.max(1.0) + regression.rounding;
+        let gained = |at: usize| {
+            let shift = if at < row { 0.0 } else { shift as f64 };
+            let square = |solution: &[f64], shift: f64| {
+                let off = regression.position(at) - regression.predicted(solution, at, shift)?;
+                Some(off * off)
+            };
+            Some(square(&unchanged, 0.0)? - square(&late, shift)?)
+        };
+        let end = (row + ORDER).saturating_add(window).min(regression.rows);
+        let stretches = [row.saturating_sub(window)..row, row + ORDER..end];
+        stretches.into_iter().all(|rows| {
+            let length = (rows.len() / STRETCHES).max(1);
+            let starts = rows.clone().step_by(length);
+            let mut gains: Vec<f64> = starts
+                .map(|start| {
+                    let own = start..(start + length).min(rows.end);
+                    own.filter_map(gained).sum::<f64>() / (2.0 * variance)
+                })
+                .collect();
+            gains.sort_unstable_by(|a, b| b.total_cmp(a));
+            gains.iter().skip(SPARE).sum::<f64>() > BROAD_NATS
+        })
+    }
+
+    /// Sums on either side of a row, of at most some rows each.
+    fn sides_of(&self, row: usize, shifted: &Shifted, window: usize) -> Sides {
+        let rows = self.regression.rows;
+        let clear = (row + ORDER).min(rows);
+        let own = |row: usize| self.regression.up_to(&self.own, row);
+        let moved = |row: usize| self.regression.up_to(&shifted.prefix, row);
+        let mut before = own(row);
+        if window < row {
+            before = before.plus(&own(row - window), -1.0);
+        }
+        let (end, end_later) = match clear + window < rows {
+            true => (&own(clear + window), &moved(clear + window)),
+            false => (&self.all, &shifted.whole),
+        };
+        Sides {
+            before,
+            after: end.plus(&own(clear), -1.0),
+            later: end_later.plus(&moved(clear), -1.0),
+        }
+    }
+
+    /// What it says for a delay that grew by some rows at each row that readings repeat those before them: as much as it is
+    /// unlikely that the joint stood still.
+    fn repeats(&self, rows: isize) -> Vec<f64> {
+        let regression = self.regression;
+        let mut bonus = vec![0.0; regression.rows];
+        let Ok(grown) = usize::try_from(rows) else {
+            return bonus;
+        };
+        let deviation = self.deviation().max(1e-300);
+        let solution = self.all.fitted().1;
+        let surprise = |row: usize| {
+            let predicted = regression.predicted(&solution, row, 0.0)?;
+            let off = (regression.position(row) - predicted) / deviation;
+            // the density times a count
+            let width = regression.count / deviation / std::f64::consts::TAU.sqrt();
+            Some(0.5 * off * off - width.max(1e-300).ln())
+        };
+        for row in grown..regression.rows.saturating_sub(grown) {
+            let own = row..row + grown;
+            let is_repeat =
+                |&at: &usize| regression.position(at) == regression.position(at - grown);
+            if own.clone().all(|at| is_repeat(&at)) {
+                let said = own.filter_map(surprise).sum::<f64>();
+                bonus[row] = said.clamp(0.0, MOST_NATS);
+            }
+        }
+        bonus
+    }
+
+    /// Its size to an eighth of a row, at the row where it is likeliest.
+    fn between_rows(&self, likely: Likely) -> Likely {
+        let row = likely.rows[1];
+        let before = self.regression.up_to(&self.own, row);
+        let squares = |shift: f64| {
+            let later = (self.regression).of_rows(row + ORDER..self.regression.rows, shift);
+            before.plus(&later, 1.0).fitted().0
+        };
+        let (mut size, mut least, mut step) = (likely.size, squares(likely.size), 0.5);
+        while step > 0.1 {
+            let tried = [size - step, size + step].map(|size| (size, squares(size)));
+            let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+            match best {
+                Some(found) if found.1 < least => (size, least) = found,
+                _ => {}
+            }
+            step *= 0.5;
+        }
+        // the rows after it whose past has both sides are free, so it is known no better
+        let [first, at, last] = likely.rows;
+        let last = (last + ORDER).min(self.regression.rows - 1);
+        Likely {
+            size,
+            rows: [first.saturating_sub(ORDER).max(1), at, last],
+            ..likely
+        }
+    }
+}
+
+impl Sides {
+    /// What the likelihood gains by inputs that are later.
+    fn nats(&self, scan: &Scan<'_>) -> f64 {
+        let late = self.before.plus(&self.later, 1.0);
+        self.nats_of(scan, late.fitted().0)
+    }
+
+    fn nats_of(&self, scan: &Scan<'_>, squares: f64) -> f64 {
+        let unchanged = self.before.plus(&self.after, 1.0);
+        scan.nats_of(unchanged.rows(), unchanged.fitted().0, squares)
+    }
+
+    /// Whether that is most of what a regression of its own after the change explains.
+    fn is_mostly_late(&self, scan: &Scan<'_>) -> bool {
+        let after = self.after.fitted().0.min(self.later.fitted().0);
+        let free = self.nats_of(scan, after + self.before.fitted().0);
+        self.nats(scan) > SHARE_OF_FREE * free
+    }
+}
