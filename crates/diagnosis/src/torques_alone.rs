@@ -1,4 +1,5 @@
-//! The diagnosis of a log that has joints and torques alone: no position is fitted, and the geometry is the device file's.
+//! The diagnosis of a log that has joints and torques alone, or encoders on links besides that are explained already: no position is
+//! fitted, and the geometry is the device file's.
 
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
@@ -188,6 +189,13 @@ fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
              the trajectory once more"
                 .to_owned(),
         ),
+        (
+            Verdict::Named | Verdict::Ambiguous,
+            Some(name @ ("backlash" | "capstan-compliance" | "external-encoder-latency")),
+        ) => Some(format!(
+            "to confirm {name}: hold the motor still and load its link slowly from both sides; a play shows as a step, a spring \
+             as a slope, and a delay not at all"
+        )),
         (Verdict::Named | Verdict::Ambiguous, Some(name)) => Some(format!(
             "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
              friction keeps its size, weights and gains grow with the load"

@@ -5,6 +5,7 @@
 
 mod arm;
 mod base;
+mod between;
 mod column;
 mod effect;
 mod error;
@@ -23,6 +24,7 @@ mod system;
 mod trimmed;
 mod unseen;
 
+pub use between::{Between, LoadSource, examine_between};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};

@@ -5,4 +5,5 @@
 )]
 
 mod arm;
+mod between;
 mod found;
