@@ -24,7 +24,7 @@ mod system;
 mod trimmed;
 mod unseen;
 
-pub use between::{Between, LoadSource, examine_between};
+pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};

@@ -3,7 +3,7 @@
 use haptical_calibration::{Channel, channels};
 use haptical_effects::{Effect, Hook};
 use haptical_model::{Device, DeviceEffect, Recording, TransmissionError, TransmissionKind};
-use haptical_motion::{Between, Finding, LoadSource, examine_between};
+use haptical_motion::{Between, Finding, LoadSource, OwnEffect, examine_between, examine_own};
 
 use super::words::Words;
 use crate::answer::{CauseAnswer, ParameterAnswer};
@@ -18,7 +18,7 @@ const STIFFNESS: [&str; 2] = ["stiffness_nm_per_rad", "stiffness_n_per_m"];
 /// A play that follows the load, as a number of a device file's effect.
 const BY_LOAD: f64 = 2.0;
 
-/// The encoders' answer where a play that follows the load, or springs beside a delay, explain what they show; what else there may be is
+/// The encoders' answer where the device's own effects leave nothing, where a play that follows the load, or springs beside a delay, explain what they show; what else there may be is
 /// asked of the base model and its effects. None for logs that show the chain as well.
 pub(crate) fn of_links(
     device: &Device,
@@ -27,23 +27,42 @@ pub(crate) fn of_links(
     without: &[String],
 ) -> Option<Links> {
     let seen = channels(device, recording).ok()?;
-    let is_output = |own: &Channel| matches!(own, Channel::Output { .. });
     let is_direct = |own: &Channel| match own {
         Channel::Output { joint } => device.joints[*joint].transmission == TransmissionKind::Direct,
         _ => false,
     };
-    let has_own = device
-        .effects
-        .iter()
-        .any(|own| haptical_effects::spec(&own.name).is_none_or(|spec| !spec.hook.is_on_drives()));
-    if has_own || !seen.iter().all(is_output) || !seen.iter().all(is_direct) {
+    if !seen.iter().all(is_direct) {
         return None;
     }
     let beside = |recording: &Recording| with_errors(device, recording);
+    let is_on_links = |own: &&DeviceEffect| {
+        haptical_effects::spec(&own.name).is_none_or(|spec| !spec.hook.is_on_drives())
+    };
+    let own: Vec<&DeviceEffect> = device.effects.iter().filter(is_on_links).collect();
+    if !own.is_empty() {
+        let known: Option<Vec<(usize, OwnEffect)>> = own.into_iter().map(known).collect();
+        let found = examine_own(&beside(recording)?, source, &known?).ok()?;
+        return found.is_adequate.then_some(Links { found, source });
+    }
     let second = second.and_then(beside);
     let found = examine_between(&beside(recording)?, second.as_ref(), source, without).ok()?;
     let speaks = found.is_adequate && is_beyond_one_law(&found.examined.findings);
     speaks.then_some(Links { found, source })
+}
+
+/// An effect of the device that is of these laws.
+fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
+    let number = |name: &str| own.numbers.get(name).copied();
+    let stiffness = || STIFFNESS.iter().find_map(|name| number(name));
+    let effect = match own.name.as_str() {
+        "external-encoder-latency" => OwnEffect::Delay(number("delay_s")?),
+        "capstan-compliance" => OwnEffect::Spring(1.0 / stiffness()?),
+        "backlash" if number("driven_by") == Some(BY_LOAD) => {
+            OwnEffect::Play(0.5 * number("width_rad").or_else(|| number("width_m"))?)
+        }
+        _ => return None,
+    };
+    Some((own.joint?, effect))
 }
 
 /// Findings that no single law of the catalogue stands for.
@@ -112,8 +131,11 @@ impl Links {
             channels,
             findings,
             untestable,
-            unexplained_share: examined.unexplained_share(),
-            significant: true,
+            unexplained_share: match examined.findings.is_empty() {
+                true => torques.unexplained_share,
+                false => examined.unexplained_share(),
+            },
+            significant: !examined.findings.is_empty() || torques.significant,
             not_tested: None,
             closed_unseen_share: None,
             numbers: examined.numbers + torques.numbers,
@@ -187,6 +209,12 @@ impl Links {
             warnings.push(format!(
                 "the encoders on the links were not predicted on the second recording: {why}"
             ));
+        }
+        if self.found.examined.findings.is_empty() {
+            warnings.push(
+                "the zeros of the encoders on the links were not compared with the model's"
+                    .to_owned(),
+            );
         }
         let own = &self.found.own_delays_s;
         if !own.is_empty() {

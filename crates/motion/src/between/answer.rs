@@ -31,7 +31,9 @@ pub(super) fn examined(rows: &Rows, chosen: &Chosen) -> Examined {
             before: bare.rest.clone(),
             after: fitted.rest.clone(),
         });
-        findings.extend(of_joint(own, fitted, (chosen, at)));
+        if !chosen.nats[at].is_empty() {
+            findings.extend(of_joint(own, fitted, (chosen, at)));
+        }
     }
     findings.sort_by(|a, b| b.nats.total_cmp(&a.nats));
     Examined {
@@ -75,7 +77,7 @@ fn delayed(
         return None;
     }
     // a gear that lags in proportion to its speed has the same column
-    let lag = (!is_shared && !is_of_motors).then(|| NearRival {
+    let lag = (!is_shared && !is_of_motors).then_some(NearRival {
         effect: "viscous-lag",
         joint: Some(rows.joint),
         behind_nats: 0.0,

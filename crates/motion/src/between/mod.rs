@@ -5,10 +5,12 @@
 mod answer;
 mod choose;
 mod fit;
+mod own;
 mod rows;
 mod terms;
 mod unseen;
 
+pub use self::own::{OwnEffect, examine_own};
 use haptical_model::Recording;
 
 use self::answer::examined;

@@ -46,16 +46,7 @@ pub(super) fn on_second(
     let mut found = Vec::new();
     for (at, there) in second.joints.iter().enumerate() {
         let (bare, own) = (&chosen.bare[at], &chosen.fitted[at]);
-        let half = own
-            .of(Term::PLAY)
-            .map(|(at, term)| (own.coefficients[at], term));
-        let weights: Vec<f64> =
-            match half.and_then(|(half, term)| Some((half, term.flight(there)?))) {
-                Some((half, flight)) => (flight.iter())
-                    .map(|share| (own.sd / own.sd.hypot(share * half)).powi(2))
-                    .collect(),
-                None => vec![1.0; there.count()],
-            };
+        let weights = weights_of(own, there);
         let rests = [bare, own].map(|fitted| {
             let model = predicted(there, &fitted.terms, &fitted.coefficients);
             let rest = there
@@ -79,6 +70,18 @@ pub(super) fn on_second(
     Ok(found)
 }
 
+/// Weights of rows that a fit may not be of: less where its law does not say where in its play the link is.
+pub(super) fn weights_of(fitted: &Fitted, there: &JointRows) -> Vec<f64> {
+    let play = fitted.of(Term::PLAY);
+    let flight = play.and_then(|(at, term)| Some((fitted.coefficients[at], term.flight(there)?)));
+    match flight {
+        Some((half, flight)) => (flight.iter())
+            .map(|share| (fitted.sd / fitted.sd.hypot(share * half)).powi(2))
+            .collect(),
+        None => vec![1.0; there.count()],
+    }
+}
+
 /// The terms that are calibration.
 fn shapes(fitted: &Fitted) -> Vec<Term> {
     let own = fitted.terms.iter().filter(|own| **own == Term::Shape);
@@ -86,7 +89,7 @@ fn shapes(fitted: &Fitted) -> Vec<Term> {
 }
 
 /// A rest without each piece's mean.
-fn about_zero(rows: &JointRows, weights: &[f64], mut rest: Vec<f64>) -> Vec<f64> {
+pub(super) fn about_zero(rows: &JointRows, weights: &[f64], mut rest: Vec<f64>) -> Vec<f64> {
     for piece in rows.pieces.windows(2) {
         let own = piece[0]..piece[1];
         let sum: f64 = own.clone().map(|k| weights[k] * rest[k]).sum();

@@ -2,7 +2,7 @@
 //! reading is the motor's, late, less what yields, less the side of a play.
 
 use haptical_model::Recording;
-use haptical_motion::{Between, LoadSource, examine_between};
+use haptical_motion::{Between, LoadSource, OwnEffect, examine_between, examine_own};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -105,9 +105,7 @@ fn names(found: &Between) -> Vec<(&'static str, Option<usize>)> {
 fn number(found: &Between, effect: &str, joint: usize, name: &str) -> (f64, f64) {
     let is_own = |own: &&haptical_motion::Finding| own.effect == effect && own.joint == Some(joint);
     let own = found.examined.findings.iter().find(is_own);
-    let numbers = &own
-        .unwrap_or_else(|| panic!("no {effect} at {joint}: {:?}", names(found)))
-        .numbers;
+    let numbers = &own.unwrap().numbers;
     let own = numbers.iter().find(|own| own.0 == name).unwrap();
     (own.1, own.2)
 }
@@ -270,4 +268,27 @@ fn a_play_that_follows_the_motor_is_not_explained() {
     );
     assert!(!found.is_adequate, "{:?}", found.examined.findings);
     assert!(found.examined.has_gap());
+}
+
+/// What a device's own effects say is taken off another run, whose zeros are its own; a play of another width is not.
+#[test]
+fn own_effects_leave_nothing_of_another_run() {
+    let truth = Truth {
+        width_rad: [0.0, 0.004],
+        stiffness_nm_per_rad: [Some(5e4), Some(3e5)],
+        late_s: [0.003, 0.0],
+        ..Truth::default()
+    };
+    let log = recording(truth, 1, 5);
+    let of = |half_rad: f64| {
+        let own = [
+            (0, OwnEffect::Delay(0.003)),
+            (0, OwnEffect::Spring(1.0 / 5e4)),
+            (1, OwnEffect::Play(half_rad)),
+            (1, OwnEffect::Spring(1.0 / 3e5)),
+        ];
+        examine_own(&log, LoadSource::Links, &own).unwrap()
+    };
+    assert!(of(0.002).is_adequate && of(0.002).examined.findings.is_empty());
+    assert!(!of(0.003).is_adequate);
 }
