@@ -7,7 +7,9 @@ use haptical_model::{Device, Recording};
 
 use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
-use crate::answer::{Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness};
+use crate::answer::{
+    CauseAnswer, Diagnosis, Gap, Place, Provenance, Trace, Untestable, Verdict, Whiteness,
+};
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
@@ -84,7 +86,10 @@ pub(crate) fn diagnose(
         false => String::new(),
     };
     if let Some(seen) = seen {
-        if let Some(first) = causes.first_mut() {
+        // what moves an arm is checked at its own joint already
+        let is_checked =
+            |own: &CauseAnswer| is_moving && own.joint.is_some() && own.held_out.is_some();
+        if let Some(first) = causes.first_mut().filter(|own| !is_checked(own)) {
             let mut channels = seen.held_out.iter();
             let main = located.and_then(|name| channels.find(|own| own.channel == name));
             first.held_out = main

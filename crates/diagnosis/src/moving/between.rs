@@ -100,7 +100,7 @@ impl Links {
         let examined = &self.found.examined;
         let words = Words::of_outputs(device, examined);
         let (torques, of_torques) = torques.unwrap_or_default();
-        let mut channels = words.gaps();
+        let mut channels = words.gaps_unseen();
         let course = words.course(&channels);
         channels.extend(torques.channels.iter().cloned());
         let mut findings = words.causes();

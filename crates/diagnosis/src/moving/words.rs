@@ -3,7 +3,7 @@
 use haptical_calibration::Channel;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
-use haptical_motion::{Examined, Finding, PARTS, Unseen};
+use haptical_motion::{ChannelFit, Examined, Finding, PARTS, Unseen};
 
 use crate::answer::floor::Floor;
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
@@ -92,6 +92,24 @@ impl<'e> Words<'e> {
             gap
         });
         gaps.collect()
+    }
+
+    /// The same with the sizes of rows that were not fitted, where they show a gap.
+    pub(super) fn gaps_unseen(&self) -> Vec<ChannelGap> {
+        let on_unseen = |(gap, own): (ChannelGap, &ChannelFit)| {
+            let mut unseen = self.examined.unseen.iter();
+            let seen = unseen.find(|unseen| unseen.joint == own.joint);
+            match seen.filter(|_| gap.has_gap) {
+                Some(seen) => {
+                    let rows: usize = seen.rows.iter().sum();
+                    let floor = floor(own.joint, seen.noise, rows as f64);
+                    gap.on_unseen(&self.answer_of(seen), &floor)
+                }
+                None => gap,
+            }
+        };
+        let gaps = self.gaps().into_iter().zip(&self.examined.channels);
+        gaps.map(on_unseen).collect()
     }
 
     /// All findings with their shares of the gap.
