@@ -86,10 +86,10 @@ pub(crate) fn diagnose(
         false => String::new(),
     };
     if let Some(seen) = seen {
-        // what moves an arm is checked at its own joint already
-        let is_checked =
-            |own: &CauseAnswer| is_moving && own.joint.is_some() && own.held_out.is_some();
-        if let Some(first) = causes.first_mut().filter(|own| !is_checked(own)) {
+        if let Some(first) = causes
+            .first_mut()
+            .filter(|own| !is_moving || !is_checked(own))
+        {
             let mut channels = seen.held_out.iter();
             let main = located.and_then(|name| channels.find(|own| own.channel == name));
             first.held_out = main
@@ -143,6 +143,11 @@ pub(crate) fn diagnose(
         place,
         causes,
     })
+}
+
+/// Whether a cause is checked at its own joint already, as what moves an arm is.
+fn is_checked(own: &CauseAnswer) -> bool {
+    own.joint.is_some() && own.held_out.is_some()
 }
 
 /// Why effects on positions are not tested.
