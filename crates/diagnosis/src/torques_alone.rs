@@ -75,14 +75,7 @@ pub(crate) fn diagnose(
     warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
     let mut predictions = Vec::new();
     let mut held_out = match causes.iter().any(|cause| cause.held_out.is_some()) {
-        true => format!(
-            "{} in turn, {rows}",
-            if is_moving {
-                "a fifth of the log"
-            } else {
-                "a tenth of each run"
-            }
-        ),
+        true => format!("{} in turn, {rows}", part(is_moving)),
         false => String::new(),
     };
     if let Some(seen) = seen {
@@ -143,6 +136,15 @@ pub(crate) fn diagnose(
         place,
         causes,
     })
+}
+
+/// What is held out in turn.
+fn part(is_moving: bool) -> &'static str {
+    if is_moving {
+        "a fifth of the log"
+    } else {
+        "a tenth of each run"
+    }
 }
 
 /// Whether a cause is checked at its own joint already, as what moves an arm is.
