@@ -5,7 +5,7 @@ use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
-use haptical_motion::{unwrapped, usual_step_s};
+use haptical_motion::{LoadSource, unwrapped, usual_step_s};
 
 use crate::answer::assemble::answer;
 use crate::answer::{Diagnosis, Verdict};
@@ -17,6 +17,7 @@ use crate::force::answer::ForceAnswer;
 use crate::force::recorded::SLOWEST_S;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
+use crate::moving::between::of_links;
 use crate::moving::{of_moving_arm, with_link_torques};
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
@@ -136,6 +137,21 @@ fn diagnose_all(
     if servo_alone::applies(device, recording) {
         let effects = effects_of(device, options)?;
         return servo_alone::diagnose(device, recording, &effects, options);
+    }
+    let source = match loaded.is_some() {
+        true => LoadSource::Links,
+        false => LoadSource::Drives,
+    };
+    let logs = (recording, options.validation);
+    if let Some(links) = of_links(model, logs, source, &options.without) {
+        let effects = effects_of(device, options)?;
+        let both = links.before(model, moving, &effects, options.validation.is_some());
+        let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
+        if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
+            let other = found.corrected.take().unwrap_or_else(|| model.clone());
+            found.corrected = Some(links.corrected(&other, &found.causes));
+        }
+        return Ok(found);
     }
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);

@@ -1,4 +1,5 @@
-//! The diagnosis of a log that has joints and torques alone: no position is fitted, and the geometry is the device file's.
+//! The diagnosis of a log that has joints and torques alone, or encoders on links besides that are explained already: no position is
+//! fitted, and the geometry is the device file's.
 
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
@@ -76,7 +77,10 @@ pub(crate) fn diagnose(
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
     if let Some(seen) = seen {
-        if let Some(first) = causes.first_mut() {
+        if let Some(first) = causes
+            .first_mut()
+            .filter(|own| !is_moving || !is_checked(own))
+        {
             let mut channels = seen.held_out.iter();
             let main = located.and_then(|name| channels.find(|own| own.channel == name));
             first.held_out = main
@@ -156,6 +160,11 @@ fn said_of_slow(why: &str) -> String {
     )
 }
 
+/// Whether a cause is checked at its own joint already, as what moves an arm is.
+fn is_checked(own: &CauseAnswer) -> bool {
+    own.joint.is_some() && own.held_out.is_some()
+}
+
 /// Why effects on positions are not tested.
 const POSITIONS: &str =
     "the log has joints and torques alone: no encoder, distance or position shows it";
@@ -205,6 +214,13 @@ fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
              the trajectory once more"
                 .to_owned(),
         ),
+        (
+            Verdict::Named | Verdict::Ambiguous,
+            Some(name @ ("backlash" | "capstan-compliance" | "external-encoder-latency")),
+        ) => Some(format!(
+            "to confirm {name}: hold the motor still and load its link slowly from both sides; a play shows as a step, a spring \
+             as a slope, and a delay not at all"
+        )),
         (Verdict::Named | Verdict::Ambiguous, Some(name)) => Some(format!(
             "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
              friction keeps its size, weights and gains grow with the load"

@@ -93,8 +93,8 @@ pub struct ChannelFit {
     pub rms_after: f64,
     /// Noise of a row.
     pub noise: f64,
-    /// How the recorded torque goes with that of the nominal bodies.
-    pub scale: Scale,
+    /// How a recorded torque goes with that of the nominal bodies; none of an encoder.
+    pub scale: Option<Scale>,
     /// What the base model leaves, row by row, in the torque's unit.
     pub before: Vec<f64>,
     /// With all effects.
@@ -321,7 +321,7 @@ fn examined(
                 rms_before: rms(&before),
                 rms_after: rms(&after),
                 noise,
-                scale: scales[channel].1,
+                scale: Some(scales[channel].1),
                 before,
                 after,
                 depends_on: Vec::new(),

@@ -5,6 +5,7 @@
 
 mod arm;
 mod base;
+mod between;
 mod change;
 mod column;
 mod dependence;
@@ -28,6 +29,7 @@ mod system;
 mod trimmed;
 mod unseen;
 
+pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};
 pub use change::Change;
 pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;

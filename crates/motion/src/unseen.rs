@@ -16,7 +16,7 @@ use crate::system::System;
 /// Parts in time that sums are kept of.
 pub const PARTS: usize = 10;
 /// Fits, each without every fifth part.
-const FOLDS: usize = 5;
+pub(crate) const FOLDS: usize = 5;
 
 /// One joint's torque on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq)]

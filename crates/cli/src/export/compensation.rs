@@ -182,6 +182,9 @@ impl Place<'_> {
                 joint,
                 rad_per_nm: law.amplitude(0),
             },
+            "backlash" if law.shape > HAND => {
+                return Err("a play that follows the load needs the load's sign at every tick");
+            }
             "backlash" => Effect::Backlash {
                 joint,
                 width_rad: law.value(0),
@@ -348,6 +351,9 @@ impl Place<'_> {
         own.map_or(1.0, |joint| joint.transmission_ratio)
     }
 }
+
+/// Number of a play that the hand drives; beyond it the load does.
+const HAND: f64 = 1.0;
 
 fn side(number: f64) -> Side {
     if number > 0.0 {

@@ -5,8 +5,6 @@ use haptical_effects::force::in_motion::SAMPLING;
 use haptical_model::{Device, JointType};
 use haptical_motion::{Doubt, Examined, Finding};
 
-use super::channel;
-
 /// No joint of an arm turns faster \[rad/s\].
 const TOO_FAST: f64 = 25.0;
 /// Outside this a joint's unit is another one than that of a log.
@@ -43,8 +41,8 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         .filter(|own| examined.is_adequate() && own.has_rest())
     {
         warnings.push(format!(
-            "{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
-            channel(own.joint),
+            "torque{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
+            own.joint + 1,
             own.rms_after / own.noise
         ));
     }
@@ -152,7 +150,9 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
         })
     };
     for own in &examined.channels {
-        let scale = own.scale;
+        let Some(scale) = own.scale else {
+            continue;
+        };
         if scale.is_known() && !WRONG_UNIT.contains(&scale.slope.abs()) && !in_doubt(own.joint) {
             said.push(format!(
                 "{} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
@@ -161,7 +161,10 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
             ));
         }
     }
-    let drowned = examined.channels.iter().map(|own| (own.scale, own.joint));
+    let drowned = examined
+        .channels
+        .iter()
+        .filter_map(|own| Some((own.scale?, own.joint)));
     let drowned = drowned.filter(|(scale, joint)| scale.is_noise() && !in_doubt(*joint));
     let drowned: Vec<usize> = drowned.map(|own| own.1).collect();
     if !drowned.is_empty() {

@@ -17,6 +17,7 @@ mod errors;
 #[path = "../../examples/fleet.rs"]
 mod fleet;
 mod forward;
+mod late_encoders;
 mod moving_sets;
 #[path = "../../examples/next_poses.rs"]
 mod next_poses;

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use haptical::diagnosis::Verdict;
 use haptical::{Device, Diagnose, Log, diagnose, identify_dynamics};
 
-/// The set, what may be named first, and the joint. Of `07-backlash-second` the answer is `unknown`, and is not asked here.
-const SETS: [(&str, &[&str], Option<usize>); 9] = [
+/// The set, what may be named first, and the joint.
+const SETS: [(&str, &[&str], Option<usize>); 10] = [
     ("01-clean", &[], None),
     ("02-payload", &["payload"], None),
     ("03-encoder-latency", &["encoder-latency"], None),
@@ -18,6 +18,7 @@ const SETS: [(&str, &[&str], Option<usize>); 9] = [
         &["capstan-compliance", "joint-compliance"],
         Some(2),
     ),
+    ("07-backlash-second", &["backlash"], Some(1)),
     ("08-cogging", &["motor-cogging"], Some(1)),
     ("09-contact", &["contact"], None),
     ("10-unknown-dent", &["unknown"], None),
@@ -53,6 +54,13 @@ fn what_moves_an_arm_is_named() {
                 }
             };
             assert!(is_right, "{set} with {model}: {told:?}");
+            if let Some(play) = first.filter(|own| own.effect == "backlash") {
+                let width_rad = play.parameters["width_rad"].value;
+                assert!(
+                    (width_rad - 0.006).abs() < 5e-5,
+                    "{model}: {width_rad} rad, truth 0.006"
+                );
+            }
             if let Some(payload) = first.filter(|own| own.effect == "payload") {
                 let mass_kg = payload.parameters["mass_kg"].value;
                 assert!(

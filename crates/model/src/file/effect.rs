@@ -23,8 +23,10 @@ const OWN_KEYS: [&str; 5] = ["name", "joint", "fit", "ci95", "confusable_with"];
 const LIST: &str = "coefficients_";
 /// Parameter that is a word in the file: the side that leads where the other stays behind.
 const DRIVEN_BY: &str = "driven_by";
-/// Its words, in the order of its numbers.
-const SIDES: [&str; 2] = ["motor", "hand"];
+/// Its words, in the order of its numbers; the last one of a play alone.
+const SIDES: [&str; 3] = ["motor", "hand", "load"];
+/// The play, which may follow the load.
+const BACKLASH: &str = "backlash";
 
 /// Effects of a device file; joint compliances go to `compliance`, one entry for each joint.
 pub(crate) fn read_effects(
@@ -70,7 +72,9 @@ fn read_effect(section: &Section<'_, '_>, joints: usize) -> Result<DeviceEffect>
     let mut lists = BTreeMap::new();
     for key in section.keys() {
         if key == DRIVEN_BY {
-            let words: Vec<(&str, f64)> = SIDES.into_iter().zip([0.0, 1.0]).collect();
+            let count = if name == BACKLASH { 3 } else { 2 };
+            let words = SIDES.into_iter().zip([0.0, 1.0, 2.0]).take(count);
+            let words: Vec<(&str, f64)> = words.collect();
             let side = section.word(key, &words)?;
             numbers.extend(side.map(|side| (key.to_owned(), side)));
         } else if key.starts_with(LIST) {
@@ -197,7 +201,7 @@ fn effect_table(effect: &DeviceEffect) -> Table {
         table.insert("joint", value(joint as i64 + 1));
     }
     for (key, number) in &effect.numbers {
-        let side = (key == DRIVEN_BY).then(|| SIDES[usize::from(*number != 0.0)]);
+        let side = (key == DRIVEN_BY).then(|| SIDES[(*number as usize).min(SIDES.len() - 1)]);
         let written: Value = side.map_or_else(|| Value::from(*number), Value::from);
         table.insert(key, Item::Value(written));
     }

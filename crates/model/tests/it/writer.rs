@@ -242,3 +242,32 @@ vector_mps2 = [0.0, -9.81, 0.0] # y is up
     // a slide's is a mass
     assert!(written.contains("armature_kg = 2.0"), "{written}");
 }
+
+/// A play says in a word what it follows, the load among them; a loop of friction has no such side.
+#[test]
+fn what_a_play_follows_is_a_word() {
+    let text = |name: &str, side: &str| {
+        format!(
+            "[[joint]]\n[[effect]]\nname = \"{name}\"\njoint = 1\nwidth_rad = 0.004\ndriven_by = \"{side}\"\n"
+        )
+    };
+    for (side, number) in [("motor", 0.0), ("hand", 1.0), ("load", 2.0)] {
+        let text = text("backlash", side);
+        let device = Device::from_toml(&text, "one.toml").unwrap().device;
+        assert_eq!(device.effects[0].numbers["driven_by"], number);
+        let mut other = device.clone();
+        other.effects[0]
+            .numbers
+            .insert("width_rad".to_owned(), 0.005);
+        let written = other.to_toml(&text, "one.toml").unwrap();
+        assert!(
+            written.contains(&format!("driven_by = \"{side}\"")),
+            "{written}"
+        );
+    }
+    let refused = Device::from_toml(&text("hysteresis", "load"), "one.toml").unwrap_err();
+    assert!(
+        refused.to_string().contains("\"motor\" or \"hand\""),
+        "{refused}"
+    );
+}

@@ -5,6 +5,7 @@
 )]
 
 mod arm;
+mod between;
 mod found;
 mod identified;
 mod laws;

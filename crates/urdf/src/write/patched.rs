@@ -17,7 +17,7 @@ use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
 use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
 use crate::write::effects::Effects;
-use crate::write::inertials::{mjcf_element, put, weighed};
+use crate::write::inertials::{Weighed, mjcf_element, put, weighed};
 use crate::write::mjcf::snippet;
 use haptical_model::rigid::{inverse, then};
 
@@ -135,16 +135,11 @@ pub fn corrected_mjcf(
     }
     warnings.extend(unweighed);
     for own in &weighed {
-        let (link, element) = (&robot.links[own.link], mjcf_element(&own.inertia));
-        // a link between two joints of one body has no element of its own
-        let is_own = |node: &Element<'_, '_>| {
-            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == link.name)
-        };
-        match patch.element(link.place).filter(is_own) {
-            Some(node) => edits.push(put(text, node, "inertial", &element)),
+        match patch.weigh(own, text) {
+            Some(edit) => edits.push(edit),
             None => warnings.push(format!(
                 "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
-                link.name
+                robot.links[own.link].name
             )),
         }
     }
@@ -233,6 +228,15 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
             .ok()
             .and_then(|index| self.elements.get(index))
             .copied()
+    }
+
+    /// Puts masses into a link's body; none where it is between two joints of one body and has no element of its own.
+    fn weigh(&self, own: &Weighed, text: &str) -> Option<Edit> {
+        let link = &self.robot.links[own.link];
+        let node = self.element(link.place).filter(|node| {
+            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == link.name)
+        })?;
+        Some(put(text, node, "inertial", &mjcf_element(&own.inertia)))
     }
 
     /// Puts a joint's origin into the element that places it.

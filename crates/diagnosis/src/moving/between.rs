@@ -1,0 +1,264 @@
+//! Encoders on the links of a moving arm, as `haptical-motion` examines them, beside what its torques say.
+
+use haptical_calibration::{Channel, channels};
+use haptical_effects::{Effect, Hook};
+use haptical_model::{Device, DeviceEffect, Recording, TransmissionError, TransmissionKind};
+use haptical_motion::{Between, Finding, LoadSource, OwnEffect, examine_between, examine_own};
+
+use super::words::Words;
+use crate::answer::{CauseAnswer, ParameterAnswer};
+use crate::force::OnSecond;
+use crate::force::answer::ForceAnswer;
+
+/// Standard deviation of a stiffness by the torque that a link asks for, as a share: masses are known to a tenth (A157).
+const OF_LINKS: f64 = 0.07;
+
+/// Names of a stiffness.
+const STIFFNESS: [&str; 2] = ["stiffness_nm_per_rad", "stiffness_n_per_m"];
+/// A play that follows the load, as a number of a device file's effect.
+const BY_LOAD: f64 = 2.0;
+
+/// The encoders' answer where the device's own effects leave nothing, where a play that follows the load, or springs beside a delay, explain what they show; what else there may be is
+/// asked of the base model and its effects. None for logs that show the chain as well.
+pub(crate) fn of_links(
+    device: &Device,
+    (recording, second): (&Recording, Option<&Recording>),
+    source: LoadSource,
+    without: &[String],
+) -> Option<Links> {
+    let seen = channels(device, recording).ok()?;
+    let is_direct = |own: &Channel| match own {
+        Channel::Output { joint } => device.joints[*joint].transmission == TransmissionKind::Direct,
+        _ => false,
+    };
+    if !seen.iter().all(is_direct) {
+        return None;
+    }
+    let beside = |recording: &Recording| with_errors(device, recording);
+    let is_on_links = |own: &&DeviceEffect| {
+        haptical_effects::spec(&own.name).is_none_or(|spec| !spec.hook.is_on_drives())
+    };
+    let own: Vec<&DeviceEffect> = device.effects.iter().filter(is_on_links).collect();
+    if !own.is_empty() {
+        let known: Option<Vec<(usize, OwnEffect)>> = own.into_iter().map(known).collect();
+        let found = examine_own(&beside(recording)?, source, &known?).ok()?;
+        return found.is_adequate.then_some(Links { found, source });
+    }
+    let second = second.and_then(beside);
+    let found = examine_between(&beside(recording)?, second.as_ref(), source, without).ok()?;
+    let speaks = found.is_adequate && is_beyond_one_law(&found.examined.findings);
+    speaks.then_some(Links { found, source })
+}
+
+/// An effect of the device that is of these laws.
+fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
+    let number = |name: &str| own.numbers.get(name).copied();
+    let stiffness = || STIFFNESS.iter().find_map(|name| number(name));
+    let effect = match own.name.as_str() {
+        "external-encoder-latency" => OwnEffect::Delay(number("delay_s")?),
+        "capstan-compliance" => OwnEffect::Spring(1.0 / stiffness()?),
+        "backlash" if number("driven_by") == Some(BY_LOAD) => {
+            OwnEffect::Play(0.5 * number("width_rad").or_else(|| number("width_m"))?)
+        }
+        _ => return None,
+    };
+    Some((own.joint?, effect))
+}
+
+/// Findings that no single law of the catalogue stands for.
+fn is_beyond_one_law(findings: &[Finding]) -> bool {
+    let has = |name: &str| findings.iter().any(|own| own.effect.ends_with(name));
+    has("backlash") || (has("latency") && has("compliance"))
+}
+
+/// The recording with what the device file says of its transmissions added to the motors' readings; none beyond what they allow.
+fn with_errors(device: &Device, recording: &Recording) -> Option<Recording> {
+    let mut beside = recording.clone();
+    for (joint, readings) in device.joints.iter().zip(&mut beside.joint) {
+        for reading in readings.iter_mut() {
+            *reading += joint.error_rad(*reading).ok()?;
+        }
+    }
+    Some(beside)
+}
+
+/// What encoders on links show.
+pub(crate) struct Links {
+    found: Between,
+    source: LoadSource,
+}
+
+impl Links {
+    /// Their answer, and what is left of a second recording, before those of the torques.
+    pub(crate) fn before(
+        &self,
+        device: &Device,
+        torques: Option<(ForceAnswer, Option<OnSecond>)>,
+        effects: &[Box<dyn Effect>],
+        has_second: bool,
+    ) -> (ForceAnswer, Option<OnSecond>) {
+        let examined = &self.found.examined;
+        let words = Words::of_outputs(device, examined);
+        let (torques, of_torques) = torques.unwrap_or_default();
+        let mut channels = words.gaps_unseen();
+        let course = words.course(&channels);
+        channels.extend(torques.channels.iter().cloned());
+        let mut findings = words.causes();
+        self.widen(&mut findings);
+        let mut warnings = self.warnings(&words);
+        warnings.extend(torques.unexplained().map(|gap| {
+            format!(
+                "the torque of joint {} shows a gap that no cause explains: {:.3} {unit}, noise {:.3} {unit}",
+                gap.joint.unwrap_or_default(),
+                gap.rms_before,
+                gap.noise_floor,
+                unit = gap.unit
+            )
+        }));
+        warnings.extend(torques.warnings);
+        let mut untestable = untestable(effects, &findings);
+        untestable.extend(torques.untestable);
+        findings.extend(torques.findings);
+        let seen = has_second.then(|| {
+            let mut seen = words.on_second();
+            let others = of_torques.unwrap_or_default();
+            seen.held_out.extend(others.held_out);
+            seen.predictions.extend(others.predictions);
+            seen.warnings.extend(others.warnings);
+            seen
+        });
+        let answer = ForceAnswer {
+            depends_on: Vec::new(),
+            changes: torques.changes,
+            channels,
+            findings,
+            untestable,
+            unexplained_share: match examined.findings.is_empty() {
+                true => torques.unexplained_share,
+                false => examined.unexplained_share(),
+            },
+            significant: !examined.findings.is_empty() || torques.significant,
+            not_tested: None,
+            closed_unseen_share: None,
+            numbers: examined.numbers + torques.numbers,
+            tested: examined.tried + torques.tested,
+            warnings,
+            course,
+        };
+        (answer, seen)
+    }
+
+    /// The device with the causes, and with the zeros of its encoders.
+    pub(crate) fn corrected(&self, device: &Device, causes: &[CauseAnswer]) -> Device {
+        let mut corrected = device.clone();
+        for (joint, offset_rad) in &self.found.offsets_rad {
+            if let TransmissionError::Capstan(error) =
+                &mut corrected.joints[*joint].transmission_error
+            {
+                error.offset_rad += offset_rad;
+            }
+        }
+        for cause in causes {
+            let of = |name: &str, numbers: &[&str], driven_by: Option<f64>| {
+                let own = |own: &&str| Some(((*own).to_owned(), *cause.parameters.get(*own)?));
+                let numbers: Vec<(String, ParameterAnswer)> =
+                    numbers.iter().filter_map(own).collect();
+                let values = numbers.iter().map(|(name, own)| (name.clone(), own.value));
+                let side = driven_by.map(|side| ("driven_by".to_owned(), side));
+                (!numbers.is_empty()).then(|| DeviceEffect {
+                    name: name.to_owned(),
+                    joint: cause.joint.map(|joint| joint - 1),
+                    numbers: values.chain(side).collect(),
+                    intervals: (numbers.iter())
+                        .map(|(name, own)| (name.clone(), own.ci95.map(Some)))
+                        .collect(),
+                    confusable_with: cause.confusable_with.clone(),
+                    fit: true,
+                    ..DeviceEffect::default()
+                })
+            };
+            let spring = |name| of(name, &STIFFNESS, None);
+            match cause.effect.as_str() {
+                "backlash" => {
+                    let play = of("backlash", &["width_rad", "width_m"], Some(BY_LOAD));
+                    corrected.effects.extend(play);
+                    corrected.effects.extend(spring("capstan-compliance"));
+                }
+                "capstan-compliance" => corrected.effects.extend(spring("capstan-compliance")),
+                name @ ("external-encoder-latency" | "encoder-latency") => {
+                    corrected.effects.extend(of(name, &["delay_s"], None));
+                }
+                _ => (),
+            }
+        }
+        corrected
+    }
+
+    /// Stiffnesses are known as the torques are.
+    fn widen(&self, causes: &mut [CauseAnswer]) {
+        for cause in causes {
+            for (name, own) in &mut cause.parameters {
+                if name.starts_with("stiffness") && self.source == LoadSource::Links {
+                    *own = own.off_by_a_factor(OF_LINKS);
+                }
+            }
+        }
+    }
+
+    fn warnings(&self, words: &Words<'_>) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if let Some(why) = &self.found.examined.second {
+            warnings.push(format!(
+                "the encoders on the links were not predicted on the second recording: {why}"
+            ));
+        }
+        if self.found.examined.findings.is_empty() {
+            warnings.push(
+                "the zeros of the encoders on the links were not compared with the model's"
+                    .to_owned(),
+            );
+        }
+        let own = &self.found.own_delays_s;
+        if !own.is_empty() {
+            let each = own.iter().map(|(joint, delay_s, sd)| {
+                let channel = words.channel(*joint);
+                format!("{channel} {:.2} +- {:.2}", 1e3 * delay_s, 1e3 * sd)
+            });
+            let each = each.collect::<Vec<_>>().join(", ");
+            warnings.push(format!(
+                "one delay does for all encoders on links; by themselves they are late by {each} ms (one standard deviation): they, or the \
+                 time stamps of all motor encoders, are shifted together"
+            ));
+        }
+        let is_spring =
+            |own: &Finding| own.numbers.iter().any(|own| own.0.starts_with("stiffness"));
+        if self.source == LoadSource::Drives && self.found.examined.findings.iter().any(is_spring) {
+            warnings.push(
+                "the device file gives no masses: stiffnesses are by the recorded torques, in which the drives' friction counts as load"
+                    .to_owned(),
+            );
+        }
+        warnings
+    }
+}
+
+/// Effects on positions that were not compared.
+fn untestable(effects: &[Box<dyn Effect>], found: &[CauseAnswer]) -> Vec<(&'static str, String)> {
+    let mut names: Vec<&'static str> = Vec::new();
+    for effect in effects {
+        let is_told = found.iter().any(|own| own.effect == effect.name());
+        if !is_told && !names.contains(&effect.name()) {
+            names.push(effect.name());
+        }
+    }
+    let why = |name: &str| match haptical_effects::spec(name).map(|spec| spec.hook) {
+        Some(Hook::Transmission | Hook::ExternalEncoder | Hook::Timing) => {
+            "delays, springs and plays explain the encoders on the links: it was not compared with them"
+        }
+        _ => "the log has joints, encoders on their links and torques alone: nothing shows it",
+    };
+    names
+        .into_iter()
+        .map(|name| (name, why(name).to_owned()))
+        .collect()
+}

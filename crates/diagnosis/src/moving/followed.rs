@@ -1,0 +1,59 @@
+//! What a torque's gap follows, in the log's columns.
+
+use haptical_motion::{Dependence, Quantity};
+
+use super::words::{Words, largest};
+use crate::answer::ChannelGap;
+use crate::force::answer::Followed;
+
+/// A quantity is told where functions of it explain this share of a gap, and that one of what the best does.
+const TOLD: f64 = 0.2;
+const OF_MOST: f64 = 0.6;
+
+/// What the largest gap depends on, in the log's columns.
+pub(super) fn followed(words: &Words<'_>, channels: &[ChannelGap]) -> Vec<Followed> {
+    let (device, examined) = (words.device, words.examined);
+    let Some(own) = largest(channels).map(|index| &examined.channels[index]) else {
+        return Vec::new();
+    };
+    let most = own.depends_on.first().map_or(0.0, |own| own.share);
+    let is_told = |own: &&Dependence| own.share > TOLD.max(OF_MOST * most);
+    let joint = &device.joints[own.joint];
+    let number = own.joint + 1;
+    let position = format!("theta{number}_{}", joint.unit());
+    let told = own.depends_on.iter().filter(is_told);
+    let followed = told.map(|found| {
+        let (column, words) = match found.quantity {
+            Quantity::Position if joint.unit() == "m" => {
+                (position.clone(), format!("the travel of joint {number}"))
+            }
+            Quantity::Position => (position.clone(), format!("the angle of joint {number}")),
+            Quantity::Velocity => (
+                position.clone(),
+                format!("the speed and direction of joint {number}"),
+            ),
+            Quantity::Acceleration => (
+                position.clone(),
+                format!("the acceleration of joint {number}"),
+            ),
+            Quantity::Load => (
+                joint.torque_column(number),
+                format!("the load of joint {number}"),
+            ),
+            Quantity::Time => ("t_s".to_owned(), "time".to_owned()),
+        };
+        Followed {
+            column,
+            words,
+            share: found.share,
+        }
+    });
+    let mut told: Vec<Followed> = Vec::new();
+    for own in followed {
+        // angle and speed are of one column
+        if !told.iter().any(|other| other.column == own.column) {
+            told.push(own);
+        }
+    }
+    told
+}

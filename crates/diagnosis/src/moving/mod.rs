@@ -1,0 +1,121 @@
+//! The torques of a moving arm, as `haptical-motion` examines them, in the words of a diagnosis.
+
+pub(crate) mod between;
+mod followed;
+mod warnings;
+mod words;
+
+use haptical_effects::force::in_motion::SAMPLING;
+use haptical_model::{Device, Recording};
+use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
+
+use self::followed::followed;
+use self::warnings::warnings;
+use self::words::Words;
+use crate::answer::ChannelGap;
+use crate::force::answer::ForceAnswer;
+use crate::force::recorded::torque_nm_without_effects;
+use crate::force::{OnSecond, names};
+
+/// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
+pub(crate) fn of_moving_arm(
+    device: &Device,
+    recording: &Recording,
+    second: Option<&Recording>,
+    without: &[String],
+) -> Option<(ForceAnswer, Option<OnSecond>)> {
+    if !is_moving_arm(device, recording) {
+        return None;
+    }
+    // what the device's own effects add is taken off, as it is from the torques of any log
+    let bare = |recording: &Recording| {
+        let torques = 0..recording.torque_nm.len();
+        Recording {
+            torque_nm: torques
+                .map(|joint| torque_nm_without_effects(device, recording, joint))
+                .collect(),
+            ..recording.clone()
+        }
+    };
+    let second_bare = second.map(bare);
+    let examined = match examine(device, &bare(recording), second_bare.as_ref(), without) {
+        Ok(examined) => examined,
+        // at rest, and of a device that cannot be evaluated, there are other ways of looking at torques
+        Err(MotionError::Standstill | MotionError::Model(_)) => return None,
+        Err(why) => {
+            let answer = ForceAnswer {
+                not_tested: Some(why.to_string()),
+                ..ForceAnswer::default()
+            };
+            return Some((answer, None));
+        }
+    };
+    let words = Words::of_torques(device, &examined);
+    let seen = second.is_some().then(|| words.on_second());
+    let answer = answer(&words);
+    Some((answer, seen))
+}
+
+/// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries
+/// those, without friction and the motors' own inertia. None where no encoder is on the links.
+pub(crate) fn with_link_torques(device: &Device, recording: &Recording) -> Option<Recording> {
+    recording.output.iter().flatten().next()?;
+    let torques = link_torques(device, recording).ok()?;
+    let own = recording.torque_nm.iter().zip(torques);
+    let torque_nm = own
+        .map(|(own, torque)| own.as_ref().map(|_| torque))
+        .collect();
+    Some(Recording {
+        torque_nm,
+        ..recording.clone()
+    })
+}
+
+fn answer(words: &Words<'_>) -> ForceAnswer {
+    let (examined, is_adequate) = (words.examined, words.is_adequate);
+    let channels: Vec<ChannelGap> = words.gaps();
+    let mut findings = Vec::new();
+    let of_log = examined
+        .findings
+        .first()
+        .filter(|own| own.effect == SAMPLING.name);
+    if let Some(found) = of_log.filter(|_| !is_adequate) {
+        // rows that are missing bend the rest
+        findings.push(words.cause(found, 1.0));
+    } else if is_adequate {
+        findings = words.causes();
+    }
+    let unexplained = match (examined.has_gap(), is_adequate || of_log.is_some()) {
+        (_, true) => examined.unexplained_share(),
+        (true, false) => 1.0,
+        (false, false) => 0.0,
+    };
+    ForceAnswer {
+        course: words.course(&channels),
+        depends_on: followed(words, &channels),
+        channels,
+        untestable: untestable(),
+        unexplained_share: unexplained,
+        significant: examined.has_gap() || !findings.is_empty(),
+        findings,
+        not_tested: None,
+        closed_unseen_share: None,
+        numbers: examined.numbers,
+        tested: examined.tried,
+        changes: match is_adequate {
+            true => (examined.findings.iter())
+                .filter_map(|own| own.change)
+                .collect(),
+            false => Vec::new(),
+        },
+        warnings: warnings(words.device, examined),
+    }
+}
+
+/// Effects of the torques that need what a motion without a hand's force does not have.
+fn untestable() -> Vec<(&'static str, String)> {
+    let of_motion = haptical_motion::effect_names();
+    let others = names().filter(|name| !of_motion.contains(name) && *name != SAMPLING.name);
+    let why = "the equations of motion stand in its place: friction is free, and nobody is taken to hold the arm";
+    others.map(|name| (name, why.to_owned())).collect()
+}

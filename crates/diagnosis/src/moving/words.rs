@@ -1,0 +1,295 @@
+//! What was examined of a motion, torques or encoders on links, as channels, causes and predictions.
+
+use haptical_calibration::Channel;
+use haptical_metrics::gap_reduction_percent;
+use haptical_model::{Device, JointType};
+use haptical_motion::{ChannelFit, Examined, Finding, PARTS, Unseen};
+
+use crate::answer::floor::Floor;
+use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
+use crate::force::OnSecond;
+use crate::force::answer::Course;
+use crate::noise::NoiseSource;
+use crate::thresholds::torque::LISTED_PROBABILITY;
+
+/// A rival within this of a finding is not told apart from it: ln 100.
+const NOT_TOLD_APART: f64 = 4.605;
+
+/// What is examined of each joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shown {
+    Torque,
+    Output,
+}
+
+/// An examination in words.
+pub(super) struct Words<'e> {
+    pub(super) device: &'e Device,
+    pub(super) examined: &'e Examined,
+    pub(super) is_adequate: bool,
+    shown: Shown,
+}
+
+impl<'e> Words<'e> {
+    pub(super) fn of_torques(device: &'e Device, examined: &'e Examined) -> Self {
+        Self {
+            device,
+            examined,
+            is_adequate: examined.is_adequate(),
+            shown: Shown::Torque,
+        }
+    }
+
+    /// Of encoders on links, whose gap is explained.
+    pub(super) fn of_outputs(device: &'e Device, examined: &'e Examined) -> Self {
+        Self {
+            device,
+            examined,
+            is_adequate: true,
+            shown: Shown::Output,
+        }
+    }
+
+    fn slides(&self, joint: usize) -> bool {
+        self.device.joints[joint].joint_type == JointType::Prismatic
+    }
+
+    /// Unit of a joint's readings.
+    pub(super) fn unit(&self, joint: usize) -> &'static str {
+        match (self.shown, self.slides(joint)) {
+            (Shown::Torque, false) => "N m",
+            (Shown::Torque, true) => "N",
+            (Shown::Output, false) => "rad",
+            (Shown::Output, true) => "m",
+        }
+    }
+
+    pub(super) fn channel(&self, joint: usize) -> String {
+        let name = match self.shown {
+            Shown::Torque => "torque",
+            Shown::Output => "out",
+        };
+        format!("{name}{}", joint + 1)
+    }
+
+    /// Channel by channel.
+    pub(super) fn gaps(&self) -> Vec<ChannelGap> {
+        let gaps = self.examined.channels.iter().map(|own| {
+            let floor = floor(own.joint, own.noise, own.before.len() as f64);
+            let after = if self.is_adequate {
+                own.rms_after
+            } else {
+                own.rms_before
+            };
+            let mut gap = ChannelGap::fitted(
+                self.channel(own.joint),
+                Some(own.joint),
+                [own.rms_before, after],
+                &floor,
+                self.unit(own.joint),
+            );
+            gap.has_gap = own.has_gap();
+            gap
+        });
+        gaps.collect()
+    }
+
+    /// The same with the sizes of rows that were not fitted, where they show a gap.
+    pub(super) fn gaps_unseen(&self) -> Vec<ChannelGap> {
+        let on_unseen = |(gap, own): (ChannelGap, &ChannelFit)| {
+            let mut unseen = self.examined.unseen.iter();
+            let seen = unseen.find(|unseen| unseen.joint == own.joint);
+            match seen.filter(|_| gap.has_gap) {
+                Some(seen) => {
+                    let rows: usize = seen.rows.iter().sum();
+                    let floor = floor(own.joint, seen.noise, rows as f64);
+                    gap.on_unseen(&self.answer_of(seen), &floor)
+                }
+                None => gap,
+            }
+        };
+        let gaps = self.gaps().into_iter().zip(&self.examined.channels);
+        gaps.map(on_unseen).collect()
+    }
+
+    /// All findings with their shares of the gap.
+    pub(super) fn causes(&self) -> Vec<CauseAnswer> {
+        let findings = &self.examined.findings;
+        let total: f64 = findings.iter().map(|own| own.nats.max(0.0)).sum();
+        let explained = 1.0 - self.examined.unexplained_share();
+        let share = |found: &Finding| explained * found.nats.max(0.0) / total.max(1e-300);
+        let causes = findings.iter().map(|found| self.cause(found, share(found)));
+        causes.collect()
+    }
+
+    /// A finding as a cause.
+    pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
+        let near = found
+            .rivals
+            .iter()
+            .filter(|own| own.behind_nats < NOT_TOLD_APART);
+        let of_rivals: f64 = (found.rivals.iter())
+            .map(|own| (-own.behind_nats.max(-5.0)).exp())
+            .sum();
+        let name = |effect: &str, joint: Option<usize>| match joint {
+            Some(joint) if Some(joint) != found.joint => format!("{effect} at joint {}", joint + 1),
+            _ => effect.to_owned(),
+        };
+        let ratio = found
+            .joint
+            .map_or(1.0, |joint| self.device.joints[joint].transmission_ratio);
+        let numbers = found.numbers.iter().map(|(name, value, sd)| {
+            // periods of the motor's turn
+            let value = if *name == "order" {
+                value / ratio
+            } else {
+                *value
+            };
+            (
+                self.number_name(found.joint, name),
+                ParameterAnswer::normal(value, *sd),
+            )
+        });
+        CauseAnswer {
+            confusable_with: near.map(|own| name(own.effect, own.joint)).collect(),
+            parameters: numbers
+                .filter(|(_, own)| {
+                    own.value.is_finite() && own.ci95.iter().all(|end| end.is_finite())
+                })
+                .collect(),
+            share,
+            class_probability: LISTED_PROBABILITY,
+            held_out: self.held_out(found.joint),
+            ..CauseAnswer::named(
+                found.effect,
+                found.joint,
+                LISTED_PROBABILITY / (1.0 + of_rivals),
+            )
+        }
+    }
+
+    /// Of a joint that slides numbers have other units.
+    fn number_name(&self, joint: Option<usize>, name: &str) -> String {
+        let slides = joint.is_some_and(|joint| self.slides(joint));
+        match slides {
+            true => name
+                .replace("nm_s_per_rad", "n_s_per_m")
+                .replace("nm_per_rad", "n_per_m")
+                .replace("rad_per_s", "m_per_s")
+                .replace("_rad", "_m")
+                .replace("_nm", "_n")
+                .replace("_kgm2", "_kg"),
+            false => name.to_owned(),
+        }
+    }
+
+    /// The gap of the torque with the largest one, or a joint's own, on rows that were not fitted.
+    fn held_out(&self, joint: Option<usize>) -> Option<HeldOutAnswer> {
+        let beyond = |own: &Unseen| {
+            let rows: usize = own.rows.iter().sum();
+            own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows.max(1) as f64)
+        };
+        let of_joint = self
+            .examined
+            .unseen
+            .iter()
+            .find(|own| Some(own.joint) == joint);
+        let largest = || {
+            self.examined
+                .unseen
+                .iter()
+                .max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
+        };
+        of_joint.or_else(largest).map(|own| self.answer_of(own))
+    }
+
+    fn answer_of(&self, unseen: &Unseen) -> HeldOutAnswer {
+        let rms = |sums: &[f64; PARTS], without: Option<usize>| {
+            let kept = (0..PARTS).filter(|part| Some(*part) != without);
+            let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
+                (sum + sums[part], rows + unseen.rows[part])
+            });
+            (sum / rows.max(1) as f64).sqrt()
+        };
+        let reduction = |without| {
+            gap_reduction_percent(
+                rms(&unseen.before, without),
+                rms(&unseen.after, without),
+                unseen.noise,
+            )
+        };
+        let percent = reduction(None);
+        // jackknife over the parts (Efron and Stein 1981)
+        let parts: Option<Vec<f64>> = (0..PARTS).map(|part| reduction(Some(part))).collect();
+        let interval = percent.zip(parts).map(|(percent, parts)| {
+            let mean = parts.iter().sum::<f64>() / PARTS as f64;
+            let square: f64 = parts.iter().map(|own| (own - mean).powi(2)).sum();
+            let half = 1.96 * (square * (PARTS - 1) as f64 / PARTS as f64).sqrt();
+            [percent - half, (percent + half).min(100.0)]
+        });
+        HeldOutAnswer {
+            channel: self.channel(unseen.joint),
+            rms_before: rms(&unseen.before, None),
+            rms_after: rms(&unseen.after, None),
+            noise_floor: unseen.noise,
+            unit: self.unit(unseen.joint).to_owned(),
+            reduction_percent: percent,
+            reduction_ci95: interval,
+            no_reduction: None,
+        }
+    }
+
+    /// What the second recording shows, where it was predicted.
+    pub(super) fn on_second(&self) -> OnSecond {
+        let is_second = self.examined.second.is_none();
+        let unseen = self.examined.unseen.iter().filter(|_| is_second);
+        let mut found = OnSecond::default();
+        for own in unseen {
+            found.held_out.push(self.answer_of(own));
+            let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
+                row: *row,
+                channel: self.channel(own.joint),
+                measured: *measured,
+                before: *before,
+                after: *after,
+            };
+            found.predictions.extend(own.predictions.iter().map(of_row));
+        }
+        found
+    }
+
+    /// The torque with the largest gap over time.
+    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Course> {
+        let most = largest(channels)?;
+        let own = &self.examined.channels[most];
+        let after = if self.is_adequate {
+            &own.after
+        } else {
+            &own.before
+        };
+        Some(Course {
+            channel: self.channel(own.joint),
+            unit: self.unit(own.joint),
+            time_s: self.examined.time_s.clone(),
+            before: own.before.clone(),
+            after: after.clone(),
+        })
+    }
+}
+
+/// The channel with the largest gap.
+pub(super) fn largest(channels: &[ChannelGap]) -> Option<usize> {
+    let share = |index: &usize| channels[*index].share_of_gap;
+    (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+fn floor(joint: usize, noise: f64, rows: f64) -> Floor {
+    Floor {
+        channel: Channel::Output { joint },
+        rms: noise,
+        freedom: rows.max(1.0),
+        source: NoiseSource::Motion,
+        is_another: false,
+        is_contradicted: false,
+    }
+}

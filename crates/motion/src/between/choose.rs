@@ -1,0 +1,230 @@
+//! Which terms a motion shows: one after the other, each where it explains most, a delay that all encoders share among them.
+
+use super::fit::{Fitted, fit};
+use super::rows::JointRows;
+use super::terms::{FLIGHT_SHARES, LEAST_NATS, Term};
+
+/// Most terms at once.
+const MOST: usize = 12;
+/// Largest share of rows in which a play may leave the place of its link open.
+const MOST_FLIGHT: f64 = 0.35;
+
+/// What was found.
+pub(super) struct Chosen {
+    /// Each joint's offsets alone, with shapes that were taken; and with everything.
+    pub(super) bare: Vec<Fitted>,
+    pub(super) fitted: Vec<Fitted>,
+    /// Delay of all encoders with its standard deviation, where one does for all.
+    pub(super) shared_s: Option<(f64, f64)>,
+    pub(super) tried: usize,
+    /// What each joint's terms explain beside the others \[nats\], as in `fitted`; for each a rival in its place, and how far that is behind.
+    pub(super) nats: Vec<Vec<f64>>,
+    pub(super) rivals: Vec<Vec<Vec<(Term, f64)>>>,
+}
+
+/// A further term, or a delay of all joints.
+#[derive(Debug, Clone, Copy)]
+enum Further {
+    At(usize, Term),
+    DelayOfAll,
+}
+
+#[derive(Clone)]
+struct State {
+    fitted: Vec<Fitted>,
+    is_shared: bool,
+}
+
+impl State {
+    /// Logarithm of the likelihood, numbers allowed for (Schwarz 1978).
+    fn score(&self, rows: &[JointRows]) -> f64 {
+        let own = self.fitted.iter().zip(rows);
+        let score: f64 = own
+            .map(|(own, rows)| own.log_likelihood - penalty(rows, &own.terms))
+            .sum();
+        if !self.is_shared {
+            return score;
+        }
+        // one number in the place of each joint's own
+        let back: f64 = rows.iter().map(|own| penalty(own, &[Term::Delay])).sum();
+        let most = rows
+            .iter()
+            .map(|own| penalty(own, &[Term::Delay]))
+            .fold(0.0, f64::max);
+        score - 0.5 * disagreement(&self.fitted) + back - most
+    }
+
+    fn with(&self, rows: &[JointRows], further: Further) -> Option<Self> {
+        let mut next = self.clone();
+        match further {
+            Further::At(at, term) => {
+                let mut terms = next.fitted[at].terms.clone();
+                // a play has a spring of its own
+                terms.retain(|own| !(matches!(term, Term::Play { .. }) && *own == Term::Spring));
+                terms.push(term);
+                next.fitted[at] = fit(&rows[at], &terms, &|_| true);
+            }
+            Further::DelayOfAll => {
+                for (own, rows) in next.fitted.iter_mut().zip(rows) {
+                    if own.delay_s().is_none() {
+                        let mut terms = own.terms.clone();
+                        terms.push(Term::Delay);
+                        *own = fit(rows, &terms, &|_| true);
+                    }
+                }
+                next.is_shared = true;
+            }
+        }
+        let mut pairs = next.fitted.iter().zip(rows);
+        pairs
+            .all(|(own, rows)| own.is_possible(rows))
+            .then_some(next)
+    }
+}
+
+fn penalty(rows: &JointRows, terms: &[Term]) -> f64 {
+    let numbers: usize = terms.iter().map(|own| own.numbers()).sum();
+    let handicap: f64 = terms.iter().map(|own| own.handicap()).sum();
+    handicap + 0.5 * numbers as f64 * (rows.count() as f64).ln()
+}
+
+/// The delay that all joints share, by their weights, with its standard deviation.
+pub(super) fn shared(fitted: &[Fitted]) -> Option<(f64, f64)> {
+    let own = fitted.iter().filter_map(Fitted::delay_s);
+    let (sum, weight) = own.fold((0.0, 0.0), |(sum, weight), (delay_s, sd)| {
+        let own = 1.0 / (sd * sd).max(1e-300);
+        (sum + own * delay_s, weight + own)
+    });
+    (weight > 0.0).then(|| (sum / weight, weight.sqrt().recip()))
+}
+
+/// Squared deviations of the joints' own delays from the shared one, in standard deviations.
+fn disagreement(fitted: &[Fitted]) -> f64 {
+    let Some((shared_s, _)) = shared(fitted) else {
+        return 0.0;
+    };
+    let own = fitted.iter().filter_map(Fitted::delay_s);
+    own.map(|(delay_s, sd)| ((delay_s - shared_s) / sd.max(1e-300)).powi(2))
+        .sum()
+}
+
+/// Chooses; `without`: names that are left out.
+pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
+    let is_left_out = |term: Term| {
+        let has = |name: &str| without.iter().any(|own| own == name);
+        let twin = match term {
+            Term::Delay => "encoder-latency",
+            Term::Spring => "joint-compliance",
+            Term::Play { .. } | Term::Shape => "",
+        };
+        has(term.name()) || has(twin)
+    };
+    let mut all = Vec::new();
+    for (at, own) in rows.iter().enumerate() {
+        all.extend([Term::Delay, Term::Spring, Term::Shape].map(|term| (at, term)));
+        let plays = FLIGHT_SHARES.map(|share| Term::Play {
+            flight_nm: share * own.load_rms,
+            yields: !is_left_out(Term::Spring),
+        });
+        let is_told = |term: &Term| {
+            let share = term
+                .flight(own)
+                .map_or(1.0, |own| own.iter().sum::<f64>() / own.len().max(1) as f64);
+            own.load_rms > 0.0 && share < MOST_FLIGHT
+        };
+        all.extend(plays.into_iter().filter(is_told).map(|term| (at, term)));
+    }
+    all.retain(|own| !is_left_out(own.1));
+    let mut state = State {
+        fitted: rows.iter().map(|own| fit(own, &[], &|_| true)).collect(),
+        is_shared: false,
+    };
+    let has_delays = !is_left_out(Term::Delay) && rows.len() > 1;
+    for _ in 0..MOST {
+        let before = state.score(rows);
+        let has = |(at, term): &(usize, Term)| {
+            let own = &state.fitted[*at];
+            own.of(*term).is_some() || (*term == Term::Spring && own.of(Term::PLAY).is_some())
+        };
+        let further = all
+            .iter()
+            .filter(|own| !has(own))
+            .map(|own| Further::At(own.0, own.1));
+        let of_all = (has_delays && !state.is_shared).then_some(Further::DelayOfAll);
+        let next = further
+            .chain(of_all)
+            .filter_map(|further| state.with(rows, further))
+            .map(|next| (next.score(rows), next))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        match next {
+            Some((score, next)) if score - before > LEAST_NATS => state = next,
+            _ => break,
+        }
+    }
+    told(rows, &all, state)
+}
+
+/// What each term is worth, and what would do in its place.
+fn told(rows: &[JointRows], all: &[(usize, Term)], state: State) -> Chosen {
+    let whole = state.score(rows);
+    let (mut nats, mut rivals) = (Vec::new(), Vec::new());
+    for (at, own) in state.fitted.iter().enumerate() {
+        let (mut of_joint, mut others) = (Vec::new(), Vec::new());
+        for term in &own.terms {
+            let kept: Vec<Term> = own
+                .terms
+                .iter()
+                .filter(|other| *other != term)
+                .copied()
+                .collect();
+            let with = |terms: &[Term]| {
+                let mut there = state.clone();
+                there.fitted[at] = fit(&rows[at], terms, &|_| true);
+                there.is_shared &= there
+                    .fitted
+                    .iter()
+                    .filter(|own| own.delay_s().is_some())
+                    .count()
+                    > 1;
+                there.fitted[at]
+                    .is_possible(&rows[at])
+                    .then(|| there.score(rows))
+            };
+            let without = with(&kept).unwrap_or(f64::NEG_INFINITY);
+            of_joint.push(whole - without);
+            let in_place = all.iter().filter(|(other, rival)| {
+                *other == at && !own.terms.iter().any(|taken| taken.is_like(*rival))
+            });
+            let mut near: Vec<(Term, f64)> = Vec::new();
+            for (_, rival) in in_place {
+                let terms: Vec<Term> = kept.iter().copied().chain([*rival]).collect();
+                let Some(score) = with(&terms) else { continue };
+                match near.iter_mut().find(|own| own.0.is_like(*rival)) {
+                    Some(own) => own.1 = own.1.min(whole - score),
+                    None => near.push((*rival, whole - score)),
+                }
+            }
+            near.sort_by(|a, b| a.1.total_cmp(&b.1));
+            others.push(near);
+        }
+        nats.push(of_joint);
+        rivals.push(others);
+    }
+    let bare = (rows.iter().zip(&state.fitted)).map(|(rows, own)| {
+        let shapes: Vec<Term> = own
+            .terms
+            .iter()
+            .filter(|own| **own == Term::Shape)
+            .copied()
+            .collect();
+        fit(rows, &shapes, &|_| true)
+    });
+    Chosen {
+        bare: bare.collect(),
+        shared_s: shared(&state.fitted).filter(|_| state.is_shared),
+        fitted: state.fitted,
+        tried: all.len(),
+        nats,
+        rivals,
+    }
+}

@@ -1,0 +1,191 @@
+//! One joint's rows fitted with terms, beside a noise with a memory.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::rows::JointRows;
+use super::terms::Term;
+
+/// Rounds in which the noise and the second order of a delay settle.
+const ROUNDS: usize = 12;
+/// Largest correlation of neighbouring rows that is looked for.
+const MOST_CORRELATED: f64 = 0.95;
+
+/// A fit of one joint.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub(super) terms: Vec<Term>,
+    /// Coefficients of the terms, one after the other, and of the pieces' offsets behind them.
+    pub(super) coefficients: Vec<f64>,
+    pub(super) covariance: DMatrix<f64>,
+    /// Logarithm of the likelihood, up to a constant of the rows.
+    pub(super) log_likelihood: f64,
+    /// Readings less the fit \[rad\].
+    pub(super) rest: Vec<f64>,
+    /// Weight of each row: 1 but for those in which the law does not say where in its play the link is.
+    pub(super) weights: Vec<f64>,
+    /// Standard deviation of a row's rest \[rad\].
+    pub(super) sd: f64,
+    /// Correlation of neighbouring rows of the rest.
+    pub(super) correlation: f64,
+}
+
+impl Fitted {
+    /// Coefficients of a term.
+    pub(super) fn of(&self, kind: Term) -> Option<(usize, Term)> {
+        let mut at = 0;
+        for own in &self.terms {
+            if own.is_like(kind) {
+                return Some((at, *own));
+            }
+            at += own.columns_count();
+        }
+        None
+    }
+
+    /// The delay with its standard deviation.
+    pub(super) fn delay_s(&self) -> Option<(f64, f64)> {
+        let (at, _) = self.of(Term::Delay)?;
+        Some((
+            self.coefficients[at],
+            self.covariance[(at, at)].max(0.0).sqrt(),
+        ))
+    }
+
+    /// Mean of the pieces' offsets.
+    pub(super) fn offset_rad(&self) -> f64 {
+        let effects: usize = self.terms.iter().map(|own| own.columns_count()).sum();
+        let offsets = &self.coefficients[effects..];
+        offsets.iter().sum::<f64>() / offsets.len().max(1) as f64
+    }
+
+    /// Whether nature allows it.
+    pub(super) fn is_possible(&self, rows: &JointRows) -> bool {
+        let mut at = 0;
+        self.terms.iter().all(|own| {
+            let from = at;
+            at += own.columns_count();
+            own.is_possible(rows, &self.coefficients[from..at])
+        })
+    }
+}
+
+/// Prediction of terms with their coefficients, offsets left out.
+pub(super) fn predicted(rows: &JointRows, terms: &[Term], coefficients: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; rows.count()];
+    let mut at = 0;
+    for term in terms {
+        for column in term.columns(rows) {
+            let value = coefficients[at];
+            at += 1;
+            (sum.iter_mut().zip(&column)).for_each(|(sum, own)| *sum += value * own);
+        }
+        if *term == Term::Delay {
+            let second = 0.5 * coefficients[at - 1].powi(2);
+            let pairs = sum.iter_mut().zip(&rows.acceleration);
+            pairs.for_each(|(sum, own)| *sum += second * own);
+        }
+    }
+    sum
+}
+
+/// Fits terms to the rows of which `is_kept`; the others take no part.
+///
+/// Generalised least squares with a first-order autoregression, its correlation and size settled in turn with the coefficients
+/// (Cochrane and Orcutt 1949; Prais and Winsten 1954).
+pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> bool) -> Fitted {
+    let kept: Vec<usize> = (0..rows.count()).filter(|k| is_kept(*k)).collect();
+    let pieces = rows.pieces.len() - 1;
+    let mut columns: Vec<Vec<f64>> = terms.iter().flat_map(|own| own.columns(rows)).collect();
+    let effects = columns.len();
+    for piece in 0..pieces {
+        let own = rows.pieces[piece]..rows.pieces[piece + 1];
+        columns.push(
+            (0..rows.count())
+                .map(|k| f64::from(own.contains(&k)))
+                .collect(),
+        );
+    }
+    let flight = terms.iter().find_map(|own| own.flight(rows));
+    let probe = Fitted {
+        terms: terms.to_vec(),
+        coefficients: Vec::new(),
+        covariance: DMatrix::zeros(0, 0),
+        log_likelihood: f64::NEG_INFINITY,
+        rest: Vec::new(),
+        weights: Vec::new(),
+        sd: 0.0,
+        correlation: 0.0,
+    };
+    let delay = probe.of(Term::Delay).map(|own| own.0);
+    let play = probe.of(Term::PLAY).map(|own| own.0);
+    let starts: Vec<bool> = (kept.iter().enumerate())
+        .map(|(at, k)| at == 0 || kept[at - 1] + 1 != *k || rows.pieces.contains(k))
+        .collect();
+    let (mut sd, mut correlation) = (1e3 * rows.noise, 0.0_f64);
+    let mut coefficients: Vec<f64> = vec![0.0; columns.len()];
+    let mut found = probe;
+    for _ in 0..ROUNDS {
+        let half_play = play.map_or(0.0, |at| coefficients[at].abs());
+        let second = delay.map_or(0.0, |at| 0.5 * coefficients[at] * coefficients[at]);
+        let sds: Vec<f64> = (0..rows.count())
+            .map(|k| sd.hypot(flight.as_ref().map_or(0.0, |own| own[k] * half_play)))
+            .collect();
+        let target = |k: usize| rows.beside[k] - second * rows.acceleration[k];
+        // whitened rows
+        let fresh = (1.0 - correlation * correlation).sqrt();
+        let whitened = |own: &dyn Fn(usize) -> f64| -> DVector<f64> {
+            let values = kept.iter().enumerate().map(|(at, &k)| match starts[at] {
+                true => own(k) / sds[k],
+                false => (own(k) / sds[k] - correlation * own(k - 1) / sds[k - 1]) / fresh,
+            });
+            DVector::from_iterator(kept.len(), values)
+        };
+        let wide: Vec<DVector<f64>> = columns.iter().map(|own| whitened(&|k| own[k])).collect();
+        let scales: Vec<f64> = wide.iter().map(|own| own.norm().max(1e-300)).collect();
+        let y = whitened(&target);
+        let gram = DMatrix::from_fn(wide.len(), wide.len(), |a, b| {
+            // a column of nothing keeps its place
+            wide[a].dot(&wide[b]) / (scales[a] * scales[b]) + if a == b { 1e-10 } else { 0.0 }
+        });
+        let right = DVector::from_fn(wide.len(), |a, _| wide[a].dot(&y) / scales[a]);
+        let Some(inverse) = gram.cholesky().map(|own| own.inverse()) else {
+            return found;
+        };
+        let scaled = &inverse * right;
+        coefficients = (scaled.iter().zip(&scales))
+            .map(|(own, scale)| own / scale)
+            .collect();
+        let rest = |k: usize| {
+            let fitted: f64 = (columns.iter().zip(&coefficients))
+                .map(|(own, c)| c * own[k])
+                .sum();
+            target(k) - fitted
+        };
+        let z: Vec<f64> = kept.iter().map(|&k| rest(k) / sds[k]).collect();
+        let u = whitened(&rest);
+        let freedom = (kept.len() as f64 - columns.len() as f64).max(1.0);
+        let square = u.norm_squared();
+        let logs: f64 = kept.iter().map(|&k| sds[k].ln()).sum();
+        let chained = starts.iter().filter(|own| !**own).count() as f64;
+        found.log_likelihood = -logs - chained * fresh.ln() - 0.5 * square;
+        found.covariance = DMatrix::from_fn(wide.len(), wide.len(), |a, b| {
+            inverse[(a, b)] / (scales[a] * scales[b])
+        });
+        found.rest = (0..rows.count()).map(rest).collect();
+        found.weights = sds.iter().map(|own| (sd / own).powi(2)).collect();
+        found.coefficients.clone_from(&coefficients);
+        found.sd = sd;
+        found.correlation = correlation;
+        let (mut own, mut next) = (0.0, 0.0);
+        for at in 1..z.len() {
+            if !starts[at] {
+                own += 0.5 * (z[at] * z[at] + z[at - 1] * z[at - 1]);
+                next += z[at] * z[at - 1];
+            }
+        }
+        correlation = (next / own.max(1e-300)).clamp(0.0, MOST_CORRELATED);
+        sd = (sd * (square / freedom).sqrt()).max(rows.noise);
+    }
+    debug_assert!(found.coefficients.len() == effects + pieces);
+    found
+}

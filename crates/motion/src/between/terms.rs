@@ -1,0 +1,120 @@
+//! What may lie between motor and link: columns of a joint's rows, and names.
+
+use super::rows::JointRows;
+
+/// What a term explains beyond its numbers, at least \[nats\].
+pub(super) const LEAST_NATS: f64 = 12.0;
+/// Half a play is at least this share of what the gear yields in a standard deviation of the load: a smaller one is what a spring's law gets
+/// wrong.
+const LEAST_PLAY: f64 = 0.1;
+/// Shortest delay in steps of the log: what damps a gear, over its stiffness, lags as well (A168).
+const LEAST_DELAY_STEPS: f64 = 0.05;
+/// Loads below these shares of their root mean square may be no load: the bodies' masses are not known better, and a link that flies
+/// through its play is unloaded.
+pub(super) const FLIGHT_SHARES: [f64; 4] = [0.03, 0.06, 0.12, 0.25];
+
+/// A term of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Term {
+    /// The link's encoder is late by its coefficient \[s\].
+    Delay,
+    /// The gear yields: its coefficient is one over the stiffness \[rad/(N m)\].
+    Spring,
+    /// Half a play, on the side that the load pushes to, and what yields beyond it, unless that is left out. Below this load the link may
+    /// be anywhere in it \[N m\].
+    Play { flight_nm: f64, yields: bool },
+    /// A ratio that is off and a drum that runs out: calibration, no gap.
+    Shape,
+}
+
+impl Term {
+    /// Numbers that it fits, a shape's included.
+    pub(super) fn numbers(self) -> usize {
+        match self {
+            Self::Delay | Self::Spring => 1,
+            Self::Play { yields: false, .. } => 2,
+            Self::Play { yields: true, .. } | Self::Shape => 3,
+        }
+    }
+
+    /// Any play.
+    pub(super) const PLAY: Self = Self::Play {
+        flight_nm: 0.0,
+        yields: false,
+    };
+
+    /// Number of its columns.
+    pub(super) fn columns_count(self) -> usize {
+        match self {
+            Self::Delay | Self::Spring | Self::Play { yields: false, .. } => 1,
+            Self::Play { yields: true, .. } => 2,
+            Self::Shape => 3,
+        }
+    }
+
+    /// What it must explain beyond its numbers \[nats\]: a play with what yields beyond it is a spring and more, so that it has to be
+    /// better by as much as a further term.
+    pub(super) fn handicap(self) -> f64 {
+        match self {
+            Self::Play { .. } => LEAST_NATS,
+            Self::Delay | Self::Spring | Self::Shape => 0.0,
+        }
+    }
+
+    /// Whether it is of the same kind.
+    pub(super) fn is_like(self, other: Self) -> bool {
+        core::mem::discriminant(&self) == core::mem::discriminant(&other)
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Delay => "external-encoder-latency",
+            Self::Spring => "capstan-compliance",
+            Self::Play { .. } => "backlash",
+            Self::Shape => "drum-eccentricity",
+        }
+    }
+
+    /// Its columns.
+    pub(super) fn columns(self, rows: &JointRows) -> Vec<Vec<f64>> {
+        let of = |own: &[f64], law: fn(f64) -> f64| own.iter().map(|x| law(*x)).collect();
+        match self {
+            Self::Delay => vec![of(&rows.speed, |v| -v)],
+            Self::Spring => vec![of(&rows.load, |load| -load)],
+            Self::Play { flight_nm, yields } => {
+                let side = rows.of_load(|load| -(load / flight_nm).clamp(-1.0, 1.0));
+                let beyond = || rows.of_load(|load| load.clamp(-flight_nm, flight_nm) - load);
+                std::iter::once(side).chain(yields.then(beyond)).collect()
+            }
+            Self::Shape => vec![
+                rows.angle.clone(),
+                of(&rows.angle, f64::sin),
+                of(&rows.angle, f64::cos),
+            ],
+        }
+    }
+
+    /// Share of each row in which its law does not say where in the play the link is.
+    pub(super) fn flight(self, rows: &JointRows) -> Option<Vec<f64>> {
+        match self {
+            Self::Play { flight_nm, .. } => {
+                Some(rows.of_load(|load| f64::from(load.abs() < flight_nm)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether nature allows these coefficients of a joint's rows.
+    pub(super) fn is_possible(self, rows: &JointRows, coefficients: &[f64]) -> bool {
+        match self {
+            Self::Spring => coefficients[0] > 0.0,
+            Self::Play { .. } => {
+                let beyond = coefficients.get(1).map_or(0.0, |own| own * rows.load_sd);
+                // what yields beyond a play may be a little below nothing by chance
+                coefficients[0] > LEAST_PLAY * beyond.abs()
+            }
+            Self::Delay => coefficients[0].abs() > LEAST_DELAY_STEPS * rows.step_s,
+            Self::Shape => true,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! What the terms leave of rows that they were not fitted to.
+
+use super::choose::Chosen;
+use super::fit::{Fitted, fit, predicted};
+use super::rows::{JointRows, Rows};
+use super::terms::Term;
+use crate::MotionError;
+use crate::unseen::{FOLDS, PARTS, Unseen};
+
+/// Rows of the recording, left out in turn.
+pub(super) fn within(rows: &Rows, chosen: &Chosen) -> Vec<Unseen> {
+    let of_joint = |(rows, own): (&JointRows, &Fitted)| {
+        let count = rows.count();
+        let part = |k: usize| k * PARTS / count;
+        let rest = |terms: &[Term]| {
+            let mut rest = vec![0.0; count];
+            for fold in 0..FOLDS {
+                let is_held = |k: usize| part(k) % FOLDS == fold;
+                let fitted = fit(rows, terms, &|k| !is_held(k));
+                for (k, value) in fitted.rest.iter().enumerate().filter(|(k, _)| is_held(*k)) {
+                    rest[k] = *value;
+                }
+            }
+            rest
+        };
+        collected(rows, &own.weights, [&rest(&shapes(own)), &rest(&own.terms)])
+    };
+    rows.joints
+        .iter()
+        .zip(&chosen.fitted)
+        .map(of_joint)
+        .collect()
+}
+
+/// Rows of a second recording, whose zeros are its own.
+pub(super) fn on_second(
+    second: &Rows,
+    rows: &Rows,
+    chosen: &Chosen,
+) -> Result<Vec<Unseen>, MotionError> {
+    let numbers = |own: &Rows| own.joints.iter().map(|own| own.joint).collect::<Vec<_>>();
+    if numbers(second) != numbers(rows) {
+        let message = "the second recording lacks encoders on links that the first one has";
+        return Err(MotionError::Sampling(message.to_owned()));
+    }
+    let mut found = Vec::new();
+    for (at, there) in second.joints.iter().enumerate() {
+        let (bare, own) = (&chosen.bare[at], &chosen.fitted[at]);
+        let weights = weights_of(own, there);
+        let rests = [bare, own].map(|fitted| {
+            let model = predicted(there, &fitted.terms, &fitted.coefficients);
+            let rest = there
+                .beside
+                .iter()
+                .zip(&model)
+                .map(|(own, model)| own - model);
+            about_zero(there, &weights, rest.collect())
+        });
+        let mut unseen = collected(there, &weights, [&rests[0], &rests[1]]);
+        let at = |k: usize| {
+            let measured = there.link[k];
+            (
+                second.row_of[k],
+                [measured, measured - rests[0][k], measured - rests[1][k]],
+            )
+        };
+        unseen.predictions = (0..there.count()).map(at).collect();
+        found.push(unseen);
+    }
+    Ok(found)
+}
+
+/// Weights of rows that a fit may not be of: less where its law does not say where in its play the link is.
+pub(super) fn weights_of(fitted: &Fitted, there: &JointRows) -> Vec<f64> {
+    let play = fitted.of(Term::PLAY);
+    let flight = play.and_then(|(at, term)| Some((fitted.coefficients[at], term.flight(there)?)));
+    match flight {
+        Some((half, flight)) => (flight.iter())
+            .map(|share| (fitted.sd / fitted.sd.hypot(share * half)).powi(2))
+            .collect(),
+        None => vec![1.0; there.count()],
+    }
+}
+
+/// The terms that are calibration.
+fn shapes(fitted: &Fitted) -> Vec<Term> {
+    let own = fitted.terms.iter().filter(|own| **own == Term::Shape);
+    own.copied().collect()
+}
+
+/// A rest without each piece's mean.
+pub(super) fn about_zero(rows: &JointRows, weights: &[f64], mut rest: Vec<f64>) -> Vec<f64> {
+    for piece in rows.pieces.windows(2) {
+        let own = piece[0]..piece[1];
+        let sum: f64 = own.clone().map(|k| weights[k] * rest[k]).sum();
+        let mean = sum / weights[own.clone()].iter().sum::<f64>().max(1e-300);
+        rest[own].iter_mut().for_each(|value| *value -= mean);
+    }
+    rest
+}
+
+/// Sums of squares by parts; a row counts by its weight.
+fn collected(rows: &JointRows, weights: &[f64], [before, after]: [&[f64]; 2]) -> Unseen {
+    let count = rows.count();
+    let mean = weights.iter().sum::<f64>() / count.max(1) as f64;
+    let mut found = Unseen {
+        joint: rows.joint,
+        noise: rows.noise,
+        rows: [0; PARTS],
+        before: [0.0; PARTS],
+        after: [0.0; PARTS],
+        predictions: Vec::new(),
+    };
+    for k in 0..count {
+        let part = k * PARTS / count;
+        let weight = weights[k] / mean.max(1e-300);
+        found.rows[part] += 1;
+        found.before[part] += weight * before[k].powi(2);
+        found.after[part] += weight * after[k].powi(2);
+    }
+    found
+}
