@@ -100,6 +100,8 @@ pub(crate) fn direct_joint(number: usize) -> Joint {
         upper_rad: 2.0,
         sampling_sd_rad: Some(0.6),
         armature_kgm2: None,
+        torque_offset_nm: None,
+        torque_delay_s: None,
         torque_limit_nm: None,
         transmission: TransmissionKind::Direct,
         transmission_ratio: 1.0,

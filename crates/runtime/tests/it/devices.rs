@@ -256,6 +256,8 @@ fn any_joint() -> impl Strategy<Value = ModelJoint> {
                 lower_rad: -2.0,
                 upper_rad: 2.0,
                 armature_kgm2: None,
+                torque_offset_nm: None,
+                torque_delay_s: None,
                 torque_limit_nm: None,
                 sampling_sd_rad: None,
                 transmission: TransmissionKind::Capstan,
