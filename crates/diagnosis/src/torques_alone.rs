@@ -108,7 +108,7 @@ pub(crate) fn diagnose(
             (Verdict::Unknown, _) | (_, None) => 1.0,
             (_, Some(first)) => 1.0 - first.class_probability,
         },
-        untestable: untestable(effects, &force),
+        untestable: untestable(effects, &force, is_moving),
         invisible: Vec::new(),
         detectable: Vec::new(),
         noise: Vec::new(),
@@ -170,9 +170,18 @@ const POSITIONS: &str =
     "the log has joints and torques alone: no encoder, distance or position shows it";
 
 /// Effects on positions, which nothing shows here, and those on torques that this log cannot test.
-fn untestable(effects: &[Box<dyn Effect>], force: &ForceAnswer) -> Vec<Untestable> {
+fn untestable(
+    effects: &[Box<dyn Effect>],
+    force: &ForceAnswer,
+    is_moving: bool,
+) -> Vec<Untestable> {
     let mut found: Vec<Untestable> = Vec::new();
+    let of_motion = haptical_motion::effect_names();
     for effect in effects {
+        // what the torques of a motion show is not untestable
+        if is_moving && of_motion.contains(&effect.name()) {
+            continue;
+        }
         if !found.iter().any(|entry| entry.effect == effect.name()) {
             found.push(Untestable {
                 effect: effect.name().to_owned(),

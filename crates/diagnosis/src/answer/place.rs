@@ -86,13 +86,17 @@ pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
     let largest = force.largest()?;
     let joint = largest.joint?;
     let followed = || force.depends_on.iter();
+    let place = match largest.channel.starts_with("torque") {
+        true => format!("in the torque of joint {joint}"),
+        false => format!("between the motor and the link of joint {joint}"),
+    };
     let region = match force.depends_on.first() {
         Some(first) => format!(
-            "in the torque of joint {joint}; it follows {} ({:.0} % of it)",
+            "{place}; it follows {} ({:.0} % of it)",
             first.words,
             100.0 * first.share
         ),
-        None => format!("in the torque of joint {joint}"),
+        None => place,
     };
     Some(Answer {
         channel: largest.channel.clone(),

@@ -2,11 +2,11 @@
 
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
-use haptical_servo::{Finding, JointAnswer, Predicted, SPECS, Verdict as OfJoint};
+use haptical_servo::{Finding, SPECS, Verdict as OfJoint};
 
 use super::Asked;
 use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
-use super::channel::{channel, gap, held_out, noise, predictions, trace};
+use super::channel::{Joint, channel, gap, held_out, noise, predictions, trace};
 use crate::Options;
 use crate::answer::{
     CauseAnswer, Diagnosis, Gap, Place, Provenance, Untestable, Verdict, Whiteness,
@@ -16,15 +16,6 @@ use crate::answer::{
 const ALL_CLOSED: f64 = 0.95;
 /// Least floor, so that shares of noiseless logs are finite.
 const LEAST_FLOOR: f64 = 1e-7;
-
-/// What one joint says, with its share of all joints' gap.
-pub(super) struct Joint {
-    pub(super) index: usize,
-    pub(super) answer: JointAnswer,
-    pub(super) weight: f64,
-    /// The second recording beside what the causes make of it.
-    pub(super) second: Option<Predicted>,
-}
 
 /// What is said of joints, and why not of others.
 struct Tested {

@@ -1,11 +1,19 @@
 //! Joints' positions as channels: what their commands leave of them, before and with the causes.
 
 use haptical_model::{Device, JointType};
-use haptical_servo::{Predicted, Verdict as OfJoint};
+use haptical_servo::{JointAnswer, Predicted, Verdict as OfJoint};
 
-use super::answer::Joint;
 use crate::answer::{ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace};
 use crate::noise::NoiseSource;
+
+/// What one joint says, with its share of all joints' gap.
+pub(super) struct Joint {
+    pub(super) index: usize,
+    pub(super) answer: JointAnswer,
+    pub(super) weight: f64,
+    /// The second recording beside what the causes make of it.
+    pub(super) second: Option<Predicted>,
+}
 
 pub(super) fn channel(joint: usize) -> String {
     format!("theta{}", joint + 1)
