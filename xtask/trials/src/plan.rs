@@ -35,10 +35,10 @@ const SCORED: [(Suite, u64); 27] = [
     (Suite::Moving, 400),
     (Suite::MovingMemory, 40),
 ];
-/// Trials of a quick check: each kind of clean recording twice, most strong effects once.
+/// Trials of a quick check: each kind of clean recording twice, each strong effect once.
 const QUICK: [(Suite, u64); 27] = [
     (Suite::Clean, 12),
-    (Suite::Singles, 20),
+    (Suite::Singles, 32),
     (Suite::NearSingles, 2),
     (Suite::Withheld, 3),
     (Suite::Unknown, 3),
