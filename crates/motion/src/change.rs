@@ -48,7 +48,10 @@ impl Change {
                 let flange = arm.bodies.flange(0)?;
                 let mass_kg = number("mass_kg").filter(|mass_kg| *mass_kg > 0.0)?;
                 let moment = vector(["moment_x_kg_m", "moment_y_kg_m", "moment_z_kg_m"]);
-                let point = Inertia::about_centre(mass_kg, &(moment / mass_kg), &Matrix3::zeros());
+                // the same about all axes, where it was fitted
+                let own_kgm2 = pick.coefficients.get(4).copied().unwrap_or(0.0).max(0.0);
+                let own = Matrix3::identity() * own_kgm2;
+                let point = Inertia::about_centre(mass_kg, &(moment / mass_kg), &own);
                 Some(Self::Inertia {
                     body: flange.body?,
                     more: point.seen_from(&flange.pose),
