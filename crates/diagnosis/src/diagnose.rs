@@ -8,6 +8,7 @@ use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recordi
 use haptical_motion::{LoadSource, unwrapped, usual_step_s};
 
 use crate::answer::assemble::answer;
+use crate::answer::corrected::changed;
 use crate::answer::{Diagnosis, Verdict};
 use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
@@ -122,11 +123,9 @@ fn diagnose_all(
     // with every row: accelerations need the log's own rate
     let model = options.model.unwrap_or(device);
     let moving = of_moving_arm(model, &recording, validation.as_deref(), &options.without);
-    let loaded = |recording: &Recording| {
-        moving
-            .as_ref()
-            .and_then(|_| with_link_torques(model, recording))
-    };
+    // the load between motor and link is that of the bodies that the torques show
+    let shown = (moving.as_ref()).map(|(torques, _)| changed(model, &torques.changes).0);
+    let loaded = |recording: &Recording| with_link_torques(shown.as_ref()?, recording);
     let second = validation.as_deref().and_then(loaded);
     let loaded = loaded(&recording);
     let recording = loaded.as_ref().unwrap_or(&recording);

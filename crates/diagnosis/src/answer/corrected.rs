@@ -90,7 +90,7 @@ pub(crate) fn of_drives(
 }
 
 /// The device with changes of its masses, armatures and gravity, and whether there is one.
-fn changed(device: &Device, changes: &[Change]) -> (Device, bool) {
+pub(crate) fn changed(device: &Device, changes: &[Change]) -> (Device, bool) {
     changes.iter().fold(
         (device.clone(), false),
         |(device, has_any), own| match own.applied(&device) {

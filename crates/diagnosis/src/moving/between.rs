@@ -108,7 +108,8 @@ impl Links {
         let mut warnings = self.warnings(&words);
         warnings.extend(torques.unexplained().map(|gap| {
             format!(
-                "the torque of joint {} shows a gap that no cause explains: {:.3} {unit}, noise {:.3} {unit}",
+                "the torque of joint {} shows a gap that no cause explains: {:.3} {unit}, noise {:.3} {unit}; stiffnesses by the load of the \
+                 nominal bodies may be off by more than their intervals",
                 gap.joint.unwrap_or_default(),
                 gap.rms_before,
                 gap.noise_floor,

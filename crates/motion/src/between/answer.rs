@@ -3,7 +3,7 @@
 use super::choose::Chosen;
 use super::fit::Fitted;
 use super::rows::{JointRows, Rows};
-use super::terms::Term;
+use super::terms::{Term, half_play};
 use crate::examine::{ChannelFit, Examined, Finding, NearRival};
 
 /// What yields beyond a play is told from this many standard deviations on.
@@ -138,8 +138,7 @@ fn of_joint(rows: &JointRows, fitted: &Fitted, (chosen, at): (&Chosen, usize)) -
             Term::Play { flight_nm, yields } => {
                 first += term.columns_count();
                 let beyond = if *yields { value(1) } else { 0.0 };
-                // what yields counts from no load, the play's side from the least one that says it
-                let half_rad = value(0) - flight_nm * beyond.max(0.0);
+                let half_rad = half_play(value(0), beyond, *flight_nm);
                 let is_sure = *yields && beyond > SURE_SDS * sd(1);
                 let mut numbers = vec![("width_rad", 2.0 * half_rad, 2.0 * sd(0))];
                 numbers.extend(is_sure.then(|| stiffness(1)));

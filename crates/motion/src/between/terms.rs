@@ -13,6 +13,11 @@ const LEAST_DELAY_STEPS: f64 = 0.05;
 /// through its play is unloaded.
 pub(super) const FLIGHT_SHARES: [f64; 4] = [0.03, 0.06, 0.12, 0.25];
 
+/// Half the width of a play from its side: what yields beyond it counts from no load, its side from the least load that says it.
+pub(super) fn half_play(side: f64, beyond: f64, flight_nm: f64) -> f64 {
+    side - flight_nm * beyond.max(0.0)
+}
+
 /// A term of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Term {
@@ -108,10 +113,11 @@ impl Term {
     pub(super) fn is_possible(self, rows: &JointRows, coefficients: &[f64]) -> bool {
         match self {
             Self::Spring => coefficients[0] > 0.0,
-            Self::Play { .. } => {
-                let beyond = coefficients.get(1).map_or(0.0, |own| own * rows.load_sd);
+            Self::Play { flight_nm, .. } => {
                 // what yields beyond a play may be a little below nothing by chance
-                coefficients[0] > LEAST_PLAY * beyond.abs()
+                let beyond = coefficients.get(1).copied().unwrap_or(0.0);
+                half_play(coefficients[0], beyond, flight_nm)
+                    > LEAST_PLAY * beyond.abs() * rows.load_sd
             }
             Self::Delay => coefficients[0].abs() > LEAST_DELAY_STEPS * rows.step_s,
             Self::Shape => true,
