@@ -5,9 +5,9 @@
 
 use std::rc::Rc;
 
-use crate::base::Base;
-use crate::column::Column;
-use crate::problem::Problem;
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
 use crate::select::Fitted;
 
 /// A quantity that a torque may follow.

@@ -5,11 +5,11 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::base::{Base, Term};
 use crate::change::Change;
 use crate::dependence::{Dependence, dependences, share_of_posture};
-use crate::effect::is_exact;
-use crate::problem::{Problem, Reading, is_still};
+use crate::effect::{GRAVITY_SPRING, JOINT_SPRING, is_exact};
+use crate::fit::base::{Base, Term};
+use crate::fit::problem::{Problem, Reading, is_still};
 use crate::scale::{Doubt, Scale, doubts};
 use crate::select::{Rival, Selection, select};
 use crate::survey::usable;
@@ -31,7 +31,6 @@ const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
 /// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
 const OF_POSTURE: f64 = 0.5;
 /// But a spring's, whose levers are not known, may leave this share of the gap.
-const SPRING: &str = "gravity-spring";
 const OF_SPRING: f64 = 1e-3;
 /// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
 const PART: f64 = 0.01;
@@ -178,7 +177,7 @@ impl Examined {
             own.has_rest() && own.share_of_posture > OF_POSTURE && are_exact(own.joint)
         };
         // springs have levers of their own
-        let of_springs = self.findings.iter().all(|own| own.effect == SPRING);
+        let of_springs = self.findings.iter().all(|own| own.effect == GRAVITY_SPRING);
         let is_small = of_springs && self.unexplained_share() < OF_SPRING;
         let exact = self.findings.iter().any(|own| is_exact(own.effect));
         exact && !is_small && self.channels.iter().any(follows)
@@ -244,7 +243,7 @@ pub fn examine(
         .filter(|own| *own < first.edge_hz)
     {
         let slow = examine_with(device, (recording, second), without, (false, Some(edge_hz)))?;
-        let is_spring = |own: &Finding| own.effect == crate::effect::SPRING;
+        let is_spring = |own: &Finding| own.effect == JOINT_SPRING;
         if slow.is_adequate() && slow.findings.iter().all(is_spring) {
             return Ok(Examined {
                 above_hz: Some(edge_hz),

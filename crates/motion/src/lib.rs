@@ -4,29 +4,19 @@
 #![forbid(unsafe_code)]
 
 mod arm;
-mod base;
 mod between;
 mod change;
-mod column;
 mod dependence;
 mod effect;
 mod error;
 mod examine;
+mod fit;
 mod identify;
 mod loads;
-mod local_polynomial;
-mod low_pass;
-mod noise;
-mod plausible;
-mod problem;
-mod samples;
-mod sampling;
 mod scale;
 mod select;
-mod states;
+mod signal;
 mod survey;
-mod system;
-mod trimmed;
 mod unseen;
 
 pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};

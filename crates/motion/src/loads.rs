@@ -4,8 +4,8 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::local_polynomial::LocalPolynomial;
-use crate::samples::Samples;
+use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::samples::Samples;
 
 /// Positions are smoothed up to this frequency \[Hz\], and up to this share of the log's rate.
 const CUTOFF_HZ: f64 = 40.0;

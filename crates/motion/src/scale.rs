@@ -4,10 +4,10 @@ use std::rc::Rc;
 
 use haptical_linalg::dot;
 
-use crate::base::Base;
-use crate::column::Column;
-use crate::problem::Problem;
-use crate::system::System;
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
 
 /// A slope is known where three of its standard deviations are below this share of it, or of 1.
 const KNOWN: f64 = 0.15;

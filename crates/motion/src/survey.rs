@@ -3,9 +3,9 @@
 use haptical_model::{Device, JointType, ModelError, Recording, RigidBodies};
 
 use crate::MotionError;
-use crate::problem::{LEAST_RATE_HZ, is_still};
-use crate::samples::Samples;
-use crate::states::States;
+use crate::fit::problem::{LEAST_RATE_HZ, is_still};
+use crate::signal::samples::Samples;
+use crate::signal::states::States;
 
 /// A log of positions and torques.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +113,7 @@ pub(crate) fn usable(device: &Device, recording: &Recording) -> Result<Samples, 
 
 /// The usual time between rows \[s\]; none without times, and of few rows.
 pub fn usual_step_s(recording: &Recording) -> Option<f64> {
-    crate::samples::usual_step(recording, recording.time_s.as_ref()?)
+    crate::signal::samples::usual_step(recording, recording.time_s.as_ref()?)
 }
 
 /// What is said of too few rows.

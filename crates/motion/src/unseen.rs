@@ -6,12 +6,12 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::base::Base;
-use crate::column::Column;
 use crate::effect::{Candidate, Context, Finer};
-use crate::problem::{Problem, Reading};
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::{Problem, Reading};
+use crate::fit::system::System;
 use crate::select::{Fitted, Frame, Pick, Pool, Selection};
-use crate::system::System;
 
 /// Parts in time that sums are kept of.
 pub const PARTS: usize = 10;

@@ -323,10 +323,15 @@ impl Found {
     /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
     /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        let (kind, files) = (ResultKind::IDENTIFICATION, self.files()?);
-        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
-        Ok(written.written)
+        write_identification(folder.as_ref(), &self.files()?)
     }
+}
+
+/// Writes the files of an identification, all of them or none.
+fn write_identification(folder: &Path, files: &[NewFile<'static>]) -> Result<Vec<PathBuf>, Error> {
+    let kind = ResultKind::IDENTIFICATION;
+    let written = write_result(folder, &kind, files, Overwrite::Own, &|| false)?;
+    Ok(written.written)
 }
 
 impl std::fmt::Display for Found {

@@ -24,13 +24,19 @@ const SETS: [(&str, &[&str], Option<usize>); 10] = [
     ("10-unknown-dent", &["unknown"], None),
 ];
 
-#[test]
-fn what_moves_an_arm_is_named() {
+/// The recordings; none, with words, where they are absent.
+fn sets() -> Option<PathBuf> {
     let sets = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/moving-sets");
     if !sets.exists() {
         println!("skipped: no {}", sets.display());
-        return;
+        return None;
     }
+    Some(sets)
+}
+
+#[test]
+fn what_moves_an_arm_is_named() {
+    let Some(sets) = sets() else { return };
     for model in ["arm_a.urdf", "arm_a.xml"] {
         let device = Device::load(sets.join(model)).unwrap();
         for (set, right, joint) in SETS {
@@ -75,11 +81,7 @@ fn what_moves_an_arm_is_named() {
 /// What is identified from one log of a sound arm is no gap on another.
 #[test]
 fn a_sound_arm_that_was_identified_has_no_gap() {
-    let sets = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/moving-sets");
-    if !sets.exists() {
-        println!("skipped: no {}", sets.display());
-        return;
-    }
+    let Some(sets) = sets() else { return };
     for model in ["arm_a.urdf", "arm_a.xml"] {
         let device = Device::load(sets.join(model)).unwrap();
         let read = |name: &str| Log::read(sets.join("01-clean").join(name), &device).unwrap();

@@ -5,11 +5,11 @@ use haptical_model::Recording;
 
 use super::LoadSource;
 use crate::MotionError;
-use crate::local_polynomial::LocalPolynomial;
-use crate::low_pass::LowPass;
-use crate::noise::Noise;
-use crate::problem::LEAST_RATE_HZ;
-use crate::samples::{Piece, Samples};
+use crate::fit::problem::LEAST_RATE_HZ;
+use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::low_pass::LowPass;
+use crate::signal::noise::Noise;
+use crate::signal::samples::{Piece, Samples};
 
 /// Edges of the band of the rows \[Hz\] where a load has little noise, and where it is a drive's torque: above the second one the noise of
 /// its current, over a stiffness, is larger than what the encoder shows of it (A166). At most this share of the log's rate.

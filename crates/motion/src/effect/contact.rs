@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use super::{Candidate, Candidates, Context, Effect};
-use crate::trimmed::{Outside, outside};
+use crate::fit::trimmed::{Outside, outside};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "contact",

@@ -1,7 +1,7 @@
 //! Torques that are logged before the positions that belong to them, or after.
 
 use super::{Candidate, Candidates, Context, Effect, first};
-use crate::base::slope;
+use crate::fit::base::slope;
 
 /// Positions of all joints are late.
 pub(super) const ENCODER_LATENCY: Effect = Effect {

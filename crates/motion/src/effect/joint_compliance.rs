@@ -5,7 +5,7 @@ use std::rc::Rc;
 use haptical_dynamics::TorqueDerivatives;
 
 use super::{Candidate, Candidates, Context, Effect};
-use crate::base::slope;
+use crate::fit::base::slope;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "joint-compliance",

@@ -21,9 +21,9 @@ mod torque_saturation;
 use std::rc::Rc;
 
 pub(crate) use self::gravity_direction::axes as gravity_axes;
-use crate::base::Base;
-use crate::column::Column;
-use crate::problem::Problem;
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
 
 /// Square of a column, over that of the effect's largest, that is rounding.
 const UNFELT: f64 = 1e-18;
@@ -132,7 +132,9 @@ pub(crate) const EFFECTS: &[Effect] = &[
 ];
 
 /// The effect that is known well below its resonance alone.
-pub(crate) const SPRING: &str = joint_compliance::EFFECT.name;
+pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
+/// The one whose levers are not known.
+pub(crate) const GRAVITY_SPRING: &str = gravity_spring::EFFECT.name;
 
 /// Whether an effect's law is exact, and not one of many that describe the same thing: friction has many, a weight has one.
 pub(crate) fn is_exact(name: &str) -> bool {

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::{COGGING_LAW_SD, Candidate, Candidates, Context, Effect, ends};
-use crate::problem::Problem;
+use crate::fit::problem::Problem;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "motor-cogging",

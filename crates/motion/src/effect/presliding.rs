@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first};
-use crate::base::beyond_sign;
+use crate::fit::base::beyond_sign;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "presliding",

@@ -22,7 +22,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers));
         let settled = found.map(|own| Candidate {
             // bodies are off by 5 % themselves, which has the log's scale
-            law_sd: 0.5 * crate::plausible::MASS,
+            law_sd: 0.5 * crate::fit::plausible::MASS,
             is_sound: |own| own[0] > -MOST,
             finer: Finer::Correction(Rc::new(move |own| {
                 by_reading(context, joint, own[0] / (1.0 + own[0]))

@@ -5,6 +5,7 @@ use haptical_model::{Device, JointType};
 use nalgebra::DVector;
 
 use crate::arm::PARAMETERS;
+use crate::fit::problem::Problem;
 use crate::identify::ARMATURE_SD;
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::Estimate;
@@ -13,7 +14,6 @@ use crate::identify::fit::Settled;
 use crate::identify::numbers::Number;
 use crate::identify::result::{BaseParameter, BodyDynamics, Estimated, JointDynamics};
 use crate::identify::shape::Shape;
-use crate::problem::Problem;
 
 /// From coordinates of the fit to an answer.
 pub(crate) struct Answer<'a> {

@@ -10,14 +10,14 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::column::Column;
+use crate::fit::column::Column;
+use crate::fit::problem::{Problem, Reading};
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::least_squares;
 use crate::identify::fit::Settled;
 use crate::identify::numbers::{Number, columns};
-use crate::local_polynomial::LocalPolynomial;
-use crate::noise::Noise;
-use crate::problem::{Problem, Reading};
+use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::noise::Noise;
 
 /// Draws of the noise: their mean is taken.
 const DRAWS: u64 = 3;

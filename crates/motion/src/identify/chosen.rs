@@ -2,13 +2,13 @@
 
 use std::rc::Rc;
 
-use crate::column::Column;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
 use crate::identify::bias::Known;
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::{Estimate, instrumented};
 use crate::identify::instruments::{self, Instruments};
 use crate::identify::numbers::Number;
-use crate::problem::Problem;
 
 /// Share of a standard deviation from which a bias is worth the larger intervals of instruments.
 const BIAS_MATTERS: f64 = 0.25;

@@ -9,7 +9,7 @@ use haptical_linalg::{OrderedRank, RANK_TOLERANCE, Reduction, Triangle};
 use nalgebra::DMatrix;
 
 use crate::MotionError;
-use crate::column::Column;
+use crate::fit::column::Column;
 use crate::identify::numbers::{Number, order};
 
 /// What the rows of a problem fix.

@@ -8,7 +8,7 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use crate::MotionError;
-use crate::column::Column;
+use crate::fit::column::Column;
 use crate::identify::combinations::{Combinations, folded};
 use crate::identify::fit::rest;
 

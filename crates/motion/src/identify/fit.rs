@@ -4,11 +4,11 @@ use std::rc::Rc;
 
 use haptical_linalg::dot;
 
-use crate::column::Column;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
 use crate::identify::friction::{self, FrictionLaw};
 use crate::identify::numbers::{Number, columns};
-use crate::problem::Problem;
-use crate::system::System;
 
 /// Rounds in which friction, delay and weights are settled.
 const ROUNDS: usize = 3;

@@ -2,11 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::base::{beyond_sign, sign};
-use crate::column::Column;
+use crate::fit::base::{beyond_sign, sign};
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
 use crate::identify::numbers::Number;
-use crate::problem::Problem;
-use crate::system::System;
 
 /// Speeds within which friction turns over that are tried \[rad/s\], \[m/s\].
 const SPEEDS: [f64; 11] = [

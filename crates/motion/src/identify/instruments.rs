@@ -6,7 +6,7 @@
 
 use haptical_model::Recording;
 
-use crate::samples::Samples;
+use crate::signal::samples::Samples;
 
 /// Samples that are looked at for a period.
 const COARSE: usize = 1500;

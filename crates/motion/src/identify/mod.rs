@@ -21,7 +21,7 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
-use crate::problem::{Problem, Reading};
+use crate::fit::problem::{Problem, Reading};
 
 use answer::Answer;
 use bias::{Known, of_noise, position_sds};

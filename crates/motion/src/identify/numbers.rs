@@ -5,9 +5,9 @@ use std::rc::Rc;
 use haptical_model::JointType;
 
 use crate::arm::PARAMETERS;
-use crate::column::Column;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
 use crate::identify::friction::FrictionLaw;
-use crate::problem::Problem;
 
 /// A number that torques depend on linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

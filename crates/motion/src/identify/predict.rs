@@ -5,9 +5,9 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::Arm;
+use crate::fit::problem::{Problem, Reading};
 use crate::identify::fit::{Settled, rest};
 use crate::identify::numbers::{Number, columns};
-use crate::problem::{Problem, Reading};
 
 /// A joint's torque, measured and predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,11 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::base::{Base, Term};
-use crate::column::Column;
-use crate::plausible;
-use crate::problem::Problem;
-use crate::system::{Solved, System};
+use crate::fit::base::{Base, Term};
+use crate::fit::column::Column;
+use crate::fit::plausible;
+use crate::fit::problem::Problem;
+use crate::fit::system::{Solved, System};
 
 /// Times that numbers beyond their limits are put at them.
 const ROUNDS: usize = 6;

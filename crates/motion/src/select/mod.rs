@@ -13,10 +13,10 @@ use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::Pool;
 use self::scored::{Scored, penalty};
-use crate::base::Base;
-use crate::column::Column;
 use crate::effect::{Candidate, Context};
-use crate::problem::Problem;
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
 
 /// Most effects at once, and most places of them: an armature may be off at every joint.
 const MOST: usize = 4;

@@ -18,8 +18,7 @@ pub use self::result::{
 use crate::device::Device;
 use crate::error::Error;
 use crate::files::{
-    IDENTIFICATION_FILES, NewFile, Overwrite, Record, ResultKind, Source, VERSION, sealed_json,
-    without_comments, write_result,
+    IDENTIFICATION_FILES, NewFile, Record, Source, VERSION, sealed_json, without_comments,
 };
 use crate::log::Log;
 
@@ -154,9 +153,7 @@ impl FoundDynamics {
     /// # Errors
     /// As [`crate::identify::Found::write`].
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        let (kind, files) = (ResultKind::IDENTIFICATION, self.files()?);
-        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
-        Ok(written.written)
+        super::write_identification(folder.as_ref(), &self.files()?)
     }
 }
 

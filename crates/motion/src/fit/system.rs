@@ -9,7 +9,7 @@ use std::rc::Rc;
 use haptical_linalg::dot;
 use nalgebra::DMatrix;
 
-use crate::column::Column;
+use crate::fit::column::Column;
 
 /// A column of which no more than this share of the square is beside those before it adds nothing.
 const DEPENDENT: f64 = 1e-8;

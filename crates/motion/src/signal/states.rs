@@ -2,10 +2,10 @@
 
 use haptical_linalg::dot;
 
-use crate::local_polynomial::LocalPolynomial;
-use crate::low_pass::LowPass;
-use crate::noise::Noise;
-use crate::samples::Samples;
+use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::low_pass::LowPass;
+use crate::signal::noise::Noise;
+use crate::signal::samples::Samples;
 
 /// Positions are smoothed up to this multiple of the band's edge, so that the low pass alone shapes the rows.
 const BEYOND: f64 = 2.0;

@@ -3,7 +3,7 @@
 use haptical_model::Recording;
 
 use crate::MotionError;
-use crate::sampling::Sampling;
+use crate::signal::sampling::Sampling;
 
 /// Steps that differ from the usual one by more than this share end a piece.
 const BREAK: f64 = 0.6;

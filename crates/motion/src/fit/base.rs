@@ -6,10 +6,10 @@
 use std::rc::Rc;
 
 use crate::arm::Deviation;
-use crate::column::Column;
-use crate::plausible;
-use crate::problem::Problem;
-use crate::system::System;
+use crate::fit::column::Column;
+use crate::fit::plausible;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
 
 /// Speeds within which Coulomb friction turns over that are tried, \[rad/s\] or \[m/s\].
 const TURNOVER: [f64; 10] = [

@@ -5,11 +5,11 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
-use crate::column::Column;
-use crate::local_polynomial::LocalPolynomial;
-use crate::noise::Noise;
-use crate::samples::Samples;
-use crate::states::States;
+use crate::fit::column::Column;
+use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::noise::Noise;
+use crate::signal::samples::Samples;
+use crate::signal::states::States;
 
 /// Edges of the band that are tried, widest first \[Hz\]: an arm's motion is below the first, and where positions are coarse the
 /// noise of their accelerations asks for a narrower one.
@@ -30,7 +30,7 @@ const STILL: f64 = 1e-3;
 pub(crate) struct Reading {
     /// Edge of the band, where it is settled already.
     pub(crate) edge_hz: Option<f64>,
-    /// Rows that are repeated or missing are set right ([`crate::sampling`]).
+    /// Rows that are repeated or missing are set right ([`crate::signal::sampling`]).
     pub(crate) sets_right: bool,
     /// The noise of torques may have a memory.
     pub(crate) has_memory: bool,

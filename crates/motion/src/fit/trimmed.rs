@@ -7,10 +7,10 @@ use std::rc::Rc;
 
 use haptical_linalg::dot;
 
-use crate::base::Base;
-use crate::column::Column;
-use crate::problem::Problem;
-use crate::system::System;
+use crate::fit::base::Base;
+use crate::fit::column::Column;
+use crate::fit::problem::Problem;
+use crate::fit::system::System;
 
 /// Share of the times that agree, at least.
 const KEPT: f64 = 0.6;

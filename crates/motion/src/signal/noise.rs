@@ -2,7 +2,7 @@
 
 use haptical_linalg::dot;
 
-use crate::local_polynomial::LocalPolynomial;
+use crate::signal::local_polynomial::LocalPolynomial;
 
 /// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
 const SEGMENT: usize = 48;
@@ -116,7 +116,7 @@ mod tests {
     use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
-    use crate::low_pass::LowPass;
+    use crate::signal::low_pass::LowPass;
 
     /// A wave with a noise of a correlation and a standard deviation of 0.3.
     fn column(correlation: f64, seed: u64) -> Vec<f64> {
