@@ -2,7 +2,8 @@
 //!
 //! Gauss and Newton over the coordinates of `shape`; docs/equations.md, Identification of a moving arm.
 
-use nalgebra::{DMatrix, DVector};
+use haptical_dynamics::Inertia;
+use nalgebra::{DMatrix, DVector, Matrix4};
 
 use crate::MotionError;
 use crate::arm::PARAMETERS;
@@ -11,6 +12,8 @@ use crate::identify::shape::Shape;
 /// Steps of Gauss and Newton, and when they end: the change of a coordinate.
 const STEPS: usize = 60;
 const SETTLED: f64 = 1e-9;
+/// What the rounding of its numbers may take off the least eigenvalue of a body, many times over.
+const ROUNDING: f64 = 1e-11;
 
 /// What a number is to the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +137,13 @@ impl Search<'_> {
         }
     }
 
+    /// Infinite where rounding leaves no body of one of the shapes; but for rounding every coordinate has one.
     fn cost(&self, at: &DVector<f64>) -> f64 {
+        let are_bodies = (0..self.shapes.len())
+            .all(|k| is_body(self.shapes[k].parameters(self.coordinates(at, k))));
+        if !are_bodies {
+            return f64::INFINITY;
+        }
         let (values, _) = self.deviations(at);
         let known: f64 = (0..at.len()).map(|k| (self.known(k) * at[k]).powi(2)).sum();
         (&self.rows * values - &self.right).norm_squared() + known
@@ -225,6 +234,17 @@ impl Search<'_> {
     }
 }
 
+/// Whether ten numbers are a body's, with room for their rounding: its pseudo-inertia, scaled to a unit diagonal, is positive definite.
+fn is_body(parameters: [f64; PARAMETERS]) -> bool {
+    let pseudo = Inertia::from_parameters(parameters).pseudo_inertia();
+    let scale = pseudo.diagonal().map(f64::sqrt);
+    let scaled = Matrix4::from_fn(|a, b| {
+        let own = pseudo[(a, b)] / (scale[a] * scale[b]);
+        if a == b { own - ROUNDING } else { own }
+    });
+    scaled.iter().all(|own| own.is_finite()) && scaled.cholesky().is_some()
+}
+
 /// A symmetric system, scaled to a unit diagonal.
 fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
     let count = right.len();
@@ -240,7 +260,6 @@ fn solved(matrix: &DMatrix<f64>, right: &DVector<f64>) -> Option<DVector<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use haptical_dynamics::Inertia;
     use haptical_dynamics::nalgebra::{Matrix3, Vector3};
     use proptest::prelude::*;
 
