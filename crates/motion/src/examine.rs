@@ -399,3 +399,62 @@ fn examined(
         time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A joint whose effects leave 1.9 times its noise of 60, of which a share follows the posture.
+    fn left(effect: &'static str, share_of_posture: f64, after_nats: f64) -> Examined {
+        Examined {
+            channels: vec![ChannelFit {
+                joint: 0,
+                rms_before: 60.0,
+                rms_after: 1.9,
+                noise: 1.0,
+                scale: None,
+                before: vec![0.0; 1000],
+                after: vec![0.0; 1000],
+                depends_on: Vec::new(),
+                share_of_posture,
+            }],
+            findings: vec![Finding {
+                effect,
+                joint: Some(0),
+                change: None,
+                nats: 1e5,
+                numbers: Vec::new(),
+                rivals: Vec::new(),
+            }],
+            before_nats: 1e5,
+            after_nats,
+            freedom: 1000.0,
+            edge_hz: 20.0,
+            numbers: 10,
+            tried: 10,
+            unseen: Vec::new(),
+            second: None,
+            free_armatures: Vec::new(),
+            has_memory: false,
+            above_hz: None,
+            jitter: 0.0,
+            is_stamped_late: false,
+            doubts: Vec::new(),
+            constant: Vec::new(),
+            fastest: Vec::new(),
+            still: Vec::new(),
+            time_s: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn an_effect_of_one_law_leaves_nothing_that_follows_the_posture() {
+        assert!(!left("torque-offset", 0.9, 600.0).is_adequate());
+        assert!(!left("torque-offset", 0.9, 50.0).is_adequate());
+        assert!(left("torque-offset", 0.2, 600.0).is_adequate());
+        // friction has many laws, a spring levers of its own
+        assert!(left("stribeck-friction", 0.9, 600.0).is_adequate());
+        assert!(!left("gravity-spring", 0.9, 600.0).is_adequate());
+        assert!(left("gravity-spring", 0.9, 50.0).is_adequate());
+    }
+}

@@ -16,13 +16,15 @@ const MOST: f64 = 0.8;
 /// Garrec 2010).
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
-        let of_bearing = of(context, joint, &sizes(&context.problem.rigid[joint]));
-        let of_drive = of(context, joint, &sizes(&context.torque[joint]));
-        let of_drive = of_drive.map(|own| Candidate {
-            finer: Finer::Correction(Rc::new(move |own| by_recorded(context, joint, own[0]))),
-            ..own.of_kind(1)
+        let loads = [&context.problem.rigid[joint], &context.torque[joint]];
+        let found = loads.into_iter().enumerate().filter_map(|(kind, load)| {
+            let own = of(context, joint, &sizes(load))?;
+            Some(Candidate {
+                finer: Finer::Correction(Rc::new(move |own| by_recorded(context, joint, own[0]))),
+                ..own.of_kind(kind)
+            })
         });
-        of_bearing.into_iter().chain(of_drive).collect()
+        found.collect()
     })
 }
 

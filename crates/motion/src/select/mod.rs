@@ -13,7 +13,7 @@ use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::Pool;
 use self::scored::{Scored, penalty};
-use crate::effect::{Candidate, Context};
+use crate::effect::{Candidate, Context, Finer};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -29,6 +29,9 @@ const OF_REST: f64 = 0.5;
 /// Candidates that are fitted in full, strongest first, and the share of the strongest that they explain at least.
 const IN_FULL: usize = 6;
 const NEAR: f64 = 0.5;
+/// Times that a law is corrected, and the share of what it then explains that it explained before.
+const CORRECTIONS: usize = 2;
+const MOST_OF_CORRECTED: f64 = 0.7;
 /// Delays are settled to this share of a step.
 const DELAY_STEPS: f64 = 0.01;
 /// A log does not say when within a step its torques were read: a uniform distribution over it.
@@ -228,14 +231,44 @@ fn nearest<'c>(frame: &Frame<'_>, pool: &Pool<'c>, state: &State<'c>) -> Vec<Sta
         }
     }
     near.into_iter()
-        .filter_map(|own| with(frame, state, refine::refined(frame, &state.fitted, own)))
+        .filter_map(|own| {
+            with(
+                frame,
+                state,
+                refine::refined(frame, &state.fitted, own).candidate,
+            )
+        })
+        .map(|next| corrected(frame, state, next))
         .collect()
 }
 
+/// The state with its last effect's law corrected by where the whole fit has it, if it has a correction: where numbers of the base model
+/// were at their limits, what a law explains beside them says little of it.
+fn corrected<'c>(frame: &Frame<'_>, before: &State<'c>, next: State<'c>) -> State<'c> {
+    // noise that its columns share with the rows is no reason against the better law
+    let gross = |own: &State<'c>| before.fitted.excess - own.fitted.excess;
+    let most = gross(&next) / MOST_OF_CORRECTED;
+    let mut best = next;
+    for _ in 0..CORRECTIONS {
+        let last = best.taken.last();
+        let Some(Finer::Correction(make)) = last.map(|own| own.finer.clone()) else {
+            break;
+        };
+        let count = last.map_or(0, |own| own.columns.len());
+        let effects = best.fitted.effects();
+        let nearer = make(&effects[effects.len() - count..]);
+        match nearer.and_then(|own| with(frame, before, own)) {
+            Some(nearer) if (gross(&best) - 1.0..most).contains(&gross(&nearer)) => best = nearer,
+            _ => break,
+        }
+    }
+    best
+}
+
 /// The state with a further effect; none where its coefficients in the whole fit are not those of one.
-fn with<'c>(frame: &Frame<'_>, state: &State<'c>, scored: Scored<'c>) -> Option<State<'c>> {
+fn with<'c>(frame: &Frame<'_>, state: &State<'c>, further: Candidate<'c>) -> Option<State<'c>> {
     let mut taken = state.taken.clone();
-    taken.push(scored.candidate);
+    taken.push(further);
     let columns = columns_of(&taken, None);
     let mut early_s = state.early_s;
     if taken.iter().any(Candidate::is_delay_of_all) {

@@ -6,29 +6,20 @@ use crate::effect::{Candidate, Finer, MadeAbout};
 
 /// Steps of a search for a number of a shape, each 0.62 of the one before.
 const STEPS: usize = 8;
-/// Share of what a corrected law explains that it explains uncorrected.
-const MOST_OF_CORRECTED: f64 = 0.7;
 /// Times that a candidate is made linear about its coefficients.
 const TIMES: usize = 4;
 
 /// The candidate with the shape that explains most.
 pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>) -> Scored<'c> {
     match start.candidate.finer.clone() {
-        Finer::Settled => start,
-        Finer::About(about) | Finer::Correction(about) => {
-            let is_correction = matches!(start.candidate.finer, Finer::Correction(_));
-            let most = if is_correction {
-                start.nats / MOST_OF_CORRECTED
-            } else {
-                f64::INFINITY
-            };
+        // a correction is tried in the whole fit
+        Finer::Settled | Finer::Correction(_) => start,
+        Finer::About(about) => {
             let mut best = start;
             for _ in 0..TIMES {
                 let nearer = about_of(&best, &about).and_then(|own| score(frame, fitted, &own));
                 match nearer {
-                    Some(nearer) if (gross(&best) - 1.0..most).contains(&gross(&nearer)) => {
-                        best = nearer;
-                    }
+                    Some(nearer) if nearer.nats > best.nats - 1.0 => best = nearer,
                     _ => break,
                 }
             }
@@ -74,15 +65,10 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
     }
 }
 
-/// What a candidate explains, noise that its columns share with the rows included: it is no reason against the better law.
-fn gross(found: &Scored<'_>) -> f64 {
-    found.nats + found.candidate.of_noise
-}
-
 /// The candidate that is linear about where another one was found, by that one's own way of making it.
 fn about_of<'c>(found: &Scored<'c>, first: &MadeAbout<'c>) -> Option<Candidate<'c>> {
     match &found.candidate.finer {
-        Finer::About(own) | Finer::Correction(own) => own(&found.coefficients),
+        Finer::About(own) => own(&found.coefficients),
         _ => first(&found.coefficients),
     }
 }

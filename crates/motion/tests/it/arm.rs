@@ -60,6 +60,12 @@ pub(crate) struct Truth {
     pub(crate) dent_nm: f64,
     /// Where the readings of the second joint's torque end, if they do \[N m\].
     pub(crate) end_nm: Option<f64>,
+    /// Its own inertia about its centre \[kg m^2\].
+    pub(crate) payload_kgm2: f64,
+    /// Further dry friction of the first joint \[N m\].
+    pub(crate) rough_nm: f64,
+    /// Share of the first drive's torque that it loses to friction.
+    pub(crate) load_share: f64,
     /// How long before the motion its friction turns over \[s\].
     pub(crate) lead_s: f64,
     /// Noise of the positions \[rad\].
@@ -175,7 +181,7 @@ fn torque(
     // second link and payload together about the second joint
     let l3 = l2 + truth.beyond_m;
     let moment = m2 * c2 + p * l3;
-    let about = m2 * c2 * c2 + i2 + p * l3 * l3;
+    let about = m2 * c2 * c2 + i2 + p * l3 * l3 + truth.payload_kgm2;
     let (sine, cosine) = q2.sin_cos();
     let d11 = m1 * c1 * c1 + i1 + (m2 + p) * l1 * l1 + about + 2.0 * l1 * moment * cosine;
     let d12 = about + l1 * moment * cosine;
@@ -196,13 +202,13 @@ fn torque(
     let friction = |w: f64, coulomb: f64, viscous: f64| coulomb * (w / 0.006).tanh() + viscous * w;
     let more = truth.stribeck_nm / (1.0 + (w1 / 0.15).powi(2))
         + truth.dent_nm * (-0.5 * ((q1 - 0.1) / 0.05).powi(2)).exp();
-    [
+    let [first, second] = [
         d11 * a1
             + d12 * a2
             + h * (2.0 * w1 * w2 + w2 * w2)
             + g1
             + 0.3 * factor[2] * a1
-            + friction(w1 + truth.lead_s * a1, 1.5 + more, 0.8)
+            + friction(w1 + truth.lead_s * a1, 1.5 + truth.rough_nm + more, 0.8)
             + 0.8 * (w1 - (w1 + truth.lead_s * a1))
             + push[0]
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
@@ -211,5 +217,8 @@ fn torque(
             + 0.1 * factor[3] * a2
             + friction(w2 + truth.lead_s * a2, 0.6, 0.3)
             + 0.3 * (w2 - (w2 + truth.lead_s * a2)),
-    ]
+    ];
+    // tau = tau_b + c s |tau|
+    let side = (w1 / 0.006).tanh() * first.signum();
+    [first / (1.0 - truth.load_share * side), second]
 }

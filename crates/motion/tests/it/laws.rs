@@ -31,12 +31,53 @@ fn friction_that_turns_over_before_the_motion_is_no_gap() {
     // MuJoCo's frictionloss as it is set
     let truth = Truth {
         lead_s: 0.009,
+        rough_nm: 20.0,
         ..Truth::default()
     };
     for seed in [1, 2, 3] {
         let found = examined(truth, seed, &[]);
         assert!(!found.has_gap(), "seed {seed}: {:?}", found.findings);
     }
+}
+
+#[test]
+fn friction_of_the_drives_own_load_is_named_to_its_size() {
+    for seed in [1, 2, 3] {
+        let truth = Truth {
+            load_share: 0.25,
+            ..Truth::default()
+        };
+        let found = examined(truth, seed, &[]);
+        assert!(found.is_adequate(), "seed {seed}: {:?}", found.findings);
+        let first = &found.findings[0];
+        assert_eq!((first.effect, first.joint), ("load-friction", Some(0)));
+        let (_, share, _) = first.numbers[0];
+        assert!((share - 0.25).abs() < 0.01, "seed {seed}: {share}");
+        assert!(!found.channels[0].has_rest(), "seed {seed}");
+    }
+}
+
+#[test]
+fn a_payloads_own_inertia_goes_into_the_device() {
+    let truth = Truth {
+        payload_kg: 1.2,
+        payload_kgm2: 0.06,
+        ..Truth::default()
+    };
+    let found = examined(truth, 1, &[]);
+    assert_eq!(found.findings[0].effect, "payload");
+    let nominal = device();
+    let loaded = found.findings[0].change.unwrap().applied(&nominal).unwrap();
+    // about the second joint, which alone feels it
+    let about = |device: &haptical_model::Device| {
+        let body = device.bodies[2].unwrap();
+        let [x, y, _] = body.centre_of_mass_m;
+        let out = [x, y];
+        body.inertia_kgm2.unwrap()[2] + body.mass_kg * (out[0] * out[0] + out[1] * out[1])
+    };
+    let more = about(&loaded) - about(&nominal);
+    let wanted = 1.2 * 0.09 + 0.06;
+    assert!((more / wanted - 1.0).abs() < 0.15, "{more} {wanted}");
 }
 
 #[test]
