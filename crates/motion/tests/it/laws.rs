@@ -28,10 +28,10 @@ fn readings_that_end_are_named_with_their_end_though_they_do_for_a_third_of_the_
 
 #[test]
 fn friction_that_turns_over_before_the_motion_is_no_gap() {
-    // MuJoCo's frictionloss as it is set
+    // MuJoCo's frictionloss as it is set; of a small drive the rows near rest, which weigh little, hold all of it
     let truth = Truth {
         lead_s: 0.009,
-        rough_nm: 20.0,
+        rough_nm: 150.0,
         ..Truth::default()
     };
     for seed in [1, 2, 3] {
