@@ -17,7 +17,11 @@ pub(super) fn followed(words: &Words<'_>, channels: &[ChannelGap]) -> Vec<Follow
         return Vec::new();
     };
     let most = own.depends_on.first().map_or(0.0, |own| own.share);
-    let is_told = |own: &&Dependence| own.share > TOLD.max(OF_MOST * most);
+    let first = own.depends_on.first().map(|own| own.quantity);
+    // functions of time follow everything that is slow
+    let is_of_time =
+        |own: &Dependence| own.quantity == Quantity::Time && first != Some(own.quantity);
+    let is_told = |own: &&Dependence| own.share > TOLD.max(OF_MOST * most) && !is_of_time(own);
     let joint = &device.joints[own.joint];
     let number = own.joint + 1;
     let position = format!("theta{number}_{}", joint.unit());

@@ -3,6 +3,8 @@
 mod figures;
 mod tables;
 
+use std::collections::BTreeSet;
+
 use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_report::{Block, Document, Section, Table, Tone};
 
@@ -39,8 +41,10 @@ pub(in crate::diagnose) fn page(
         let list = Block::List(diagnosis.warnings.clone());
         sections.push(Section::new("Warnings", vec![list]));
     }
-    let noise = tables::noise(diagnosis)?.into();
-    sections.push(Section::new("Noise", vec![noise]));
+    if !diagnosis.noise.is_empty() {
+        let noise = tables::noise(diagnosis)?.into();
+        sections.push(Section::new("Noise", vec![noise]));
+    }
     let tables = vec![record.table()?.into(), provenance(diagnosis)?.into()];
     sections.push(Section::new("Provenance", tables));
     let name = &diagnosis.device.name;
@@ -108,7 +112,10 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
         let (meaning, inspect) = said_of(&cause.effect)?;
         Some(format!("{}: {meaning}. Check {inspect}.", cause.effect))
     });
-    let words: Vec<String> = words.collect();
+    let mut words: Vec<String> = words.collect();
+    // an effect at several joints is explained once
+    let mut told = BTreeSet::new();
+    words.retain(|own| told.insert(own.clone()));
     if !words.is_empty() {
         blocks.push(Block::List(words));
     }
@@ -142,10 +149,16 @@ fn candidates(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks = Vec::new();
     if diagnosis.verdict == Verdict::NoGap {
-        blocks.push(Block::Paragraph(
-            "No gap means: nothing larger than the sizes under \"what would have been noticed\"."
-                .to_owned(),
-        ));
+        let means = match diagnosis.detectable.is_empty() {
+            true => {
+                "No gap means: what the model leaves is no larger than noise. From which size on each effect would have been noticed was \
+                 not worked out for this kind of log."
+            }
+            false => {
+                "No gap means: nothing larger than the sizes under \"what would have been noticed\"."
+            }
+        };
+        blocks.push(Block::Paragraph(means.to_owned()));
     }
     if !diagnosis.plausibility.is_empty() {
         blocks.push(tables::plausibility(diagnosis)?.into());
