@@ -11,20 +11,33 @@ const ARM: &str = "[[link]]\na_m = 0.0\nalpha_rad = 1.5707963\nd_m = 0.3\n\
 const JOINT: &str = "[[joint]]\ntransmission = \"direct\"\n";
 const UNKNOWN: &str = "[tracker]\nbase = \"unknown\"\ntool = \"unknown\"\nposition_sd_m = 1e-4\n";
 
-/// `haptical check` and `haptical identify`.
-fn both(folder: &Path, device: &str, log: &str) -> [Output; 2] {
+fn check(folder: &Path, device: &str, log: &str) -> Output {
     std::fs::write(folder.join("device.toml"), device).unwrap();
     std::fs::write(folder.join("log.csv"), log).unwrap();
-    let check = ["check", "device.toml", "log.csv"].as_slice();
-    let identify = ["identify", "--device", "device.toml", "--log", "log.csv"].as_slice();
-    [check, identify].map(|arguments| {
-        let mut command = haptical();
-        let command = command.current_dir(folder).args(arguments);
-        if arguments[0] == "identify" {
-            command.args(["--out", "result"]);
-        }
-        command.output().unwrap()
-    })
+    ran(folder, &["check", "device.toml", "log.csv"])
+}
+
+/// `haptical check` and `haptical identify`.
+fn both(folder: &Path, device: &str, log: &str) -> [Output; 2] {
+    let identify = [
+        "identify",
+        "--device",
+        "device.toml",
+        "--log",
+        "log.csv",
+        "--out",
+        "result",
+    ];
+    [check(folder, device, log), ran(folder, &identify)]
+}
+
+fn ran(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = haptical();
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 fn refused(device: &str, log: &str, words: &[&str]) {
@@ -67,7 +80,7 @@ fn positions_of_a_tracker_at_an_unknown_place() {
     );
     // far away, in metres
     let folder = tempfile::tempdir().unwrap();
-    let [check, _] = both(folder.path(), &device, &tracked(header, 1.0));
+    let check = check(folder.path(), &device, &tracked(header, 1.0));
     assert!(
         !text(&check.stderr).contains("millimetres"),
         "{}",
@@ -95,7 +108,7 @@ fn readings_of_a_rail() {
             &["`theta1_m`", "looks like millimetres"],
         );
         let folder = tempfile::tempdir().unwrap();
-        let [check, _] = both(folder.path(), &device, &metres);
+        let check = check(folder.path(), &device, &metres);
         assert!(
             !text(&check.stderr).contains("millimetres"),
             "{}",
@@ -121,7 +134,7 @@ fn a_distance_between_sockets() {
     );
     let folder = tempfile::tempdir().unwrap();
     let device = format!("{ARM}{JOINT}{JOINT}{pair}distance_m = 0.2\n");
-    let [check, _] = both(folder.path(), &device, &log);
+    let check = check(folder.path(), &device, &log);
     assert!(
         !text(&check.stderr).contains("millimetres"),
         "{}",

@@ -7,7 +7,7 @@ use crate::moving_log::moving_log;
 use crate::{Sandbox, haptical, names_in, text};
 
 /// Threads that are tried.
-const THREADS: [&str; 3] = ["1", "2", "3"];
+const THREADS: [&str; 2] = ["1", "3"];
 
 /// Device, two logs and effects, all by absolute paths in a folder of their own.
 fn sandbox() -> Sandbox {
