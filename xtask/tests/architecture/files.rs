@@ -32,6 +32,32 @@ fn files_say_what_they_are_for_and_stay_short() {
     assert!(seen > 50, "only {seen} files were seen");
 }
 
+/// A library that says `test = false` or `doctest = false` has no test or example that would be passed over.
+#[test]
+fn no_test_is_passed_over() {
+    let mut seen = 0;
+    for package in &packages() {
+        let Some(library) = package.targets.iter().find(|target| target.is_lib()) else {
+            continue;
+        };
+        for file in rust_files(package.manifest_path.with_file_name("src").as_std_path()) {
+            let text = std::fs::read_to_string(&file).unwrap();
+            let has_tests = text.contains("#[test]") || text.contains("#[cfg(test)]");
+            let has_examples = text.lines().any(|line| {
+                let line = line.trim_start();
+                line.starts_with("/// ```") || line.starts_with("//! ```")
+            });
+            assert!(
+                (library.test || !has_tests) && (library.doctest || !has_examples),
+                "{} is passed over",
+                file.display()
+            );
+        }
+        seen += usize::from(!library.test);
+    }
+    assert!(seen > 0, "every library has a harness");
+}
+
 #[test]
 fn source_folders_are_small() {
     for package in packages()
