@@ -90,8 +90,10 @@ impl States {
             position_sd: position_sds(samples, &local),
             acceleration_sd: Vec::new(),
         };
+        // by the narrowest window: the band's own would take what friction does to a motion for noise
+        let noise = position_sds(samples, &LocalPolynomial::new(step_s, 0.5 / step_s));
         let of = |sd: &f64| sharpest(step_s, BEYOND * edge_hz, *sd);
-        let sharp: Vec<LocalPolynomial> = states.position_sd.iter().map(of).collect();
+        let sharp: Vec<LocalPolynomial> = noise.iter().map(of).collect();
         for (number, piece) in samples.pieces.iter().enumerate() {
             let count = fine_steps(piece.length);
             if count <= 2 * half {
@@ -256,24 +258,24 @@ mod tests {
 
     /// Speed of a joint that slows down, sticks, and leaves at once in the other direction.
     fn speed(t: f64) -> f64 {
-        let side = if t.rem_euclid(1.0) < 0.5 { 1.0 } else { -1.0 };
-        side * 0.5 * (1.0 - t.rem_euclid(0.5) / 0.4).max(0.0)
+        let side = if t.rem_euclid(4.0) < 2.0 { 1.0 } else { -1.0 };
+        side * 0.5 * (1.0 - t.rem_euclid(2.0) / 1.6).max(0.0)
     }
 
     /// Its integral.
     fn position(t: f64) -> f64 {
-        let whole = |t: f64| 0.5 * (t.min(0.4) - 1.25 * t.min(0.4).powi(2));
-        let within = t.rem_euclid(1.0);
-        match within < 0.5 {
+        let whole = |t: f64| 0.5 * (t.min(1.6) - t.min(1.6).powi(2) / 3.2);
+        let within = t.rem_euclid(4.0);
+        match within < 2.0 {
             true => whole(within),
-            false => whole(0.5) - whole(within - 0.5),
+            false => whole(2.0) - whole(within - 2.0),
         }
     }
 
     /// Friction changes sides when the joint does, however narrow the band: with the speed of the band it does not.
     #[test]
     fn friction_has_the_speed_of_the_joint_and_not_that_of_the_band() {
-        let time_s: Vec<f64> = (0..2000).map(|k| 0.005 * f64::from(k)).collect();
+        let time_s: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
         let log = Recording {
             line: (2..).take(time_s.len()).collect(),
             joint: vec![time_s.iter().map(|t| position(*t)).collect()],
