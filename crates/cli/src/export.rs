@@ -13,7 +13,6 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use haptical::files::{Source, VERSION, check_folder, check_outputs, file_name, sealed_text};
-use haptical_model::Device;
 use serde_json::json;
 
 use self::described::Described;
@@ -139,11 +138,6 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         }
     };
     input.warnings.extend(left_out);
-    // an MJCF has its springs and effects, or a list of them
-    if arguments.format == FormatName::Urdf {
-        input.warnings.extend(compliance_warning(&input.model));
-        input.warnings.extend(effects_warning(&input.model));
-    }
     let content = match arguments.format.comment() {
         Some(comment) => sealed_text(&content, &format!("haptical {COMMAND}"), comment),
         None => content,
@@ -167,36 +161,6 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let device = one_line(&provenance.device);
     let text = format!("Written:\n  {written}: {joints} joints of `{device}`\n");
     terminal::write_output(text.as_bytes())
-}
-
-/// What an export with rigid joints leaves out.
-fn compliance_warning(device: &Device) -> Option<String> {
-    let yields = |joint: &usize| device.compliance_rad_per_nm(*joint) != 0.0;
-    let joints = (0..device.joints.len()).filter(yields);
-    let joints: Vec<String> = joints.map(|joint| (joint + 1).to_string()).collect();
-    let which = match joints.as_slice() {
-        [] => return None,
-        [one] => format!("joint {one} yields"),
-        several => format!("joints {} yield", several.join(", ")),
-    };
-    Some(format!(
-        "{which} to torque, and this form has rigid joints: take compliance times torque off each joint's angle before you \
-         use it; the compliances are in the device file"
-    ))
-}
-
-/// What an export without effects but friction, its `dynamics`, leaves out.
-fn effects_warning(device: &Device) -> Option<String> {
-    let labels: Vec<String> = (device.effects.iter())
-        .filter(|effect| effect.name != "joint-friction")
-        .map(|effect| format!("`{}`", effect.label()))
-        .collect();
-    (!labels.is_empty()).then(|| {
-        format!(
-            "this form has no effects: {} are left out; --format rust, c-header and json have them",
-            labels.join(", ")
-        )
-    })
 }
 
 /// Neither a control character nor one that changes the direction of text, which rustc refuses.

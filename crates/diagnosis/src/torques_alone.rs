@@ -32,6 +32,9 @@ pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
         )
 }
 
+/// What a diagnosis of a motion says of the rows that it looked at, within [`Diagnosis::held_out`](crate::Diagnosis::held_out).
+pub const BEHIND_A_LOW_PASS: &str = "behind a low pass";
+
 /// Diagnoses the torques.
 ///
 /// # Errors
@@ -47,7 +50,7 @@ pub(crate) fn diagnose(
     let context = Context::new(model, recording, &[])?;
     let is_moving = moving.is_some();
     let rows = if is_moving {
-        "behind a low pass"
+        BEHIND_A_LOW_PASS
     } else {
         "block means of 0.1 s"
     };

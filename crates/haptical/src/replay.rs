@@ -2,6 +2,7 @@
 
 use haptical_calibration::{Channel, Weights, channel_residuals, channels, prepare_device};
 use haptical_data::LogShape;
+use haptical_diagnosis::with_carried_loads;
 use haptical_effects::device::{attached, handle_moved_m};
 use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use haptical_model::Recording;
@@ -102,7 +103,9 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
             "the device file does not say where the tracker stands or what it sees: both are fitted to this log".to_owned(),
         );
     }
-    let with = attached(&mut model, recording)
+    // springs and plays carry what their diagnosis took for their loads
+    let loaded = with_carried_loads(&model, recording);
+    let with = attached(&mut model, loaded.as_ref().unwrap_or(recording))
         .map_err(|error| Error::effect(&error, device_path, log_path))?;
     let weights = Weights::stated(&model, &found);
     let residuals = channel_residuals(&model, &model, &with, &found, &weights)

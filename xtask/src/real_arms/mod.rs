@@ -1,5 +1,7 @@
-//! Runs identify and diagnose on every measured set that is there, and writes the table of docs/real-arms.md.
+//! Runs identify and diagnose on every measured set that is there, and `identify --with dynamics` on recordings of moving arms, and writes
+//! the tables of docs/real-arms.md.
 
+mod dynamics;
 mod page;
 mod sets;
 
@@ -61,7 +63,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             set.name, set.source, set.remark
         ));
     }
+    let of_dynamics = dynamics::table(&program, &folders, wanted)?;
     if arguments.only.is_none() {
+        put_between(
+            Path::new(PAGE),
+            [dynamics::BEGIN, dynamics::END],
+            &of_dynamics,
+        )?;
         put_between(
             Path::new(PAGE),
             [BEGIN, END],

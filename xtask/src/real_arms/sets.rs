@@ -46,6 +46,15 @@ pub(super) struct Folders {
     pub(super) out: PathBuf,
 }
 
+impl Folders {
+    /// A path or a flag with the folders in it.
+    pub(super) fn place(&self, text: &str) -> String {
+        text.replace("{shared}", &self.shared.to_string_lossy())
+            .replace("{fetched}", &self.fetched.to_string_lossy())
+            .replace("{here}", HERE)
+    }
+}
+
 /// What the command answered for a set.
 #[derive(Debug)]
 pub(super) struct Answers {
@@ -81,12 +90,7 @@ impl Set {
     ) -> Result<Result<Answers, PathBuf>> {
         let own = folders.out.join(self.name.replace([' ', ',', '/'], "-"));
         std::fs::create_dir_all(&own)?;
-        let place = |text: &str| {
-            text.replace("{shared}", &folders.shared.to_string_lossy())
-                .replace("{fetched}", &folders.fetched.to_string_lossy())
-                .replace("{here}", HERE)
-                .replace("{out}", &own.to_string_lossy())
-        };
+        let place = |text: &str| folders.place(text).replace("{out}", &own.to_string_lossy());
         let device = place(&self.device);
         let log = place(&self.log);
         if !Path::new(&device).exists() {

@@ -135,8 +135,20 @@ fn effects_that_a_loop_cannot_use_are_left_out_and_named() {
     let output = export(&path, "urdf", &sandbox.path("out"), &[]);
     let said = text(&output.stderr);
     assert!(
-        said.contains("this form has no effects: `capstan-compliance@1`"),
+        said.contains(
+            "a URDF has no effects but friction of a joint's own row: `capstan-compliance@1`"
+        ),
         "{said}"
+    );
+    // and so does the file
+    let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
+    assert!(
+        written.contains("joint 1 (Dahl's state over 0.02 rad)"),
+        "{written}"
+    );
+    assert!(
+        written.contains("are left out; the forms rust, c-header"),
+        "{written}"
     );
 }
 

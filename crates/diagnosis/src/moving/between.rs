@@ -15,6 +15,8 @@ const OF_LINKS: f64 = 0.07;
 
 /// Names of a stiffness.
 const STIFFNESS: [&str; 2] = ["stiffness_nm_per_rad", "stiffness_n_per_m"];
+/// That of a spring that hardens, over the load that it had: a device file's springs are straight.
+const SECANT: &str = "secant_stiffness_nm_per_rad";
 /// A play that follows the load, as a number of a device file's effect.
 const BY_LOAD: f64 = 2.0;
 
@@ -68,7 +70,8 @@ fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
 /// Findings that no single law of the catalogue stands for.
 fn is_beyond_one_law(findings: &[Finding]) -> bool {
     let has = |name: &str| findings.iter().any(|own| own.effect.ends_with(name));
-    has("backlash") || (has("latency") && has("compliance"))
+    let hardens = |own: &Finding| own.numbers.iter().any(|number| number.0 == SECANT);
+    has("backlash") || (has("latency") && has("compliance")) || findings.iter().any(hardens)
 }
 
 /// The recording with what the device file says of its transmissions added to the motors' readings; none beyond what they allow.
@@ -161,7 +164,12 @@ impl Links {
         }
         for cause in causes {
             let of = |name: &str, numbers: &[&str], driven_by: Option<f64>| {
-                let own = |own: &&str| Some(((*own).to_owned(), *cause.parameters.get(*own)?));
+                let secant = cause.parameters.get(SECANT);
+                let own = |own: &&str| {
+                    let straight = secant.filter(|_| STIFFNESS.contains(own));
+                    let number = straight.or_else(|| cause.parameters.get(*own))?;
+                    Some(((*own).to_owned(), *number))
+                };
                 let numbers: Vec<(String, ParameterAnswer)> =
                     numbers.iter().filter_map(own).collect();
                 let values = numbers.iter().map(|(name, own)| (name.clone(), own.value));
@@ -199,7 +207,9 @@ impl Links {
     fn widen(&self, causes: &mut [CauseAnswer]) {
         for cause in causes {
             for (name, own) in &mut cause.parameters {
-                if name.starts_with("stiffness") && self.source == LoadSource::Links {
+                if (name.starts_with("stiffness") || name == SECANT)
+                    && self.source == LoadSource::Links
+                {
                     *own = own.off_by_a_factor(OF_LINKS);
                 }
             }
@@ -208,6 +218,16 @@ impl Links {
 
     fn warnings(&self, words: &Words<'_>) -> Vec<String> {
         let mut warnings = Vec::new();
+        for own in &self.found.examined.findings {
+            if let (Some(joint), true) = (own.joint, own.numbers.iter().any(|own| own.0 == SECANT))
+            {
+                warnings.push(format!(
+                    "the spring at joint {} hardens with its load: its stiffness is that at rest, and a device file, whose springs are straight, gets \
+                     the secant over the load of this log",
+                    joint + 1
+                ));
+            }
+        }
         if let Some(why) = &self.found.examined.second {
             warnings.push(format!(
                 "the encoders on the links were not predicted on the second recording: {why}"

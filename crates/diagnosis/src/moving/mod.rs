@@ -71,6 +71,25 @@ pub(crate) fn with_link_torques(device: &Device, recording: &Recording) -> Optio
     })
 }
 
+/// A moving arm's recording with the loads that a diagnosis takes for those of springs and plays between motor and link: what the bodies
+/// of the device ask for along the motion, in the place of the drives' torques, which have friction and the motors' own inertia in them.
+/// A row that no piece without a gap reaches keeps its drive's torque. None for a device or a recording of another kind.
+pub fn with_carried_loads(device: &Device, recording: &Recording) -> Option<Recording> {
+    if !is_moving_arm(device, recording) {
+        return None;
+    }
+    let mut loaded = with_link_torques(device, recording)?;
+    let columns = loaded.torque_nm.iter_mut().zip(&recording.torque_nm);
+    for (load, torque) in columns.filter_map(|(load, own)| load.as_mut().zip(own.as_ref())) {
+        let unknown = load
+            .iter_mut()
+            .zip(torque)
+            .filter(|(load, _)| load.is_nan());
+        unknown.for_each(|(load, torque)| *load = *torque);
+    }
+    Some(loaded)
+}
+
 fn answer(words: &Words<'_>) -> ForceAnswer {
     let (examined, is_adequate) = (words.examined, words.is_adequate);
     let channels: Vec<ChannelGap> = words.gaps();

@@ -9,7 +9,7 @@ use haptical_calibration::{
     Calibration, CalibrationError, CalibrationMethod, HeldOut, Options, ParameterFit, Weights,
     calibrate,
 };
-use haptical_diagnosis::{DiagnosisError, start_values};
+use haptical_diagnosis::{DiagnosisError, start_values, with_carried_loads};
 use haptical_effects::device::{DeviceEffectError, PLACES, attached_at, effects_of, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Unit, spec};
@@ -99,7 +99,9 @@ pub(super) fn calibrate_with_effects(
         .into_iter()
         .partition(|effect| effect.fit && is_on_drives(effect));
     rest.effects = others;
-    let (mut calibration, mut entries) = with_laws(&rest, recording, options)?;
+    let loaded = with_carried_loads(&rest, recording);
+    let carried = loaded.as_ref().unwrap_or(recording);
+    let (mut calibration, mut entries) = with_laws(&rest, carried, options)?;
     entries.extend(compliances(&calibration));
     entries.extend(on_torques::fit(&mut calibration.device, recording, &asked)?);
     Ok((calibration, entries))
@@ -433,6 +435,25 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
         entries.push((index, entry));
     }
     Ok(entries)
+}
+
+/// What is said of effects that were put into a model with numbers that stay.
+pub(super) fn held(before: &Model, model: &Model) -> Vec<EffectEntry> {
+    let own = model
+        .effects
+        .iter()
+        .filter(|own| !own.fit && !before.effects.contains(own));
+    let entry = |effect: &DeviceEffect| EffectEntry {
+        effect: effect.name.clone(),
+        joint: effect.joint.map(|joint| joint + 1),
+        parameters: (numbers(effect).into_iter())
+            .filter(|(name, _)| effect.intervals.contains_key(name))
+            .collect(),
+        p_value: None,
+        shown: true,
+        why: "the diagnosis shows it behind its low pass; held here".to_owned(),
+    };
+    own.map(entry).collect()
 }
 
 /// The numbers of an effect with their units and intervals, by name.

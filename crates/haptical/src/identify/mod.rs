@@ -24,7 +24,7 @@ pub use self::dynamics::{
     NumberEntry, StackedEntry, TorqueEntry, identify_dynamics, identify_dynamics_as,
 };
 pub use self::effects::{EffectEntry, EffectNumber};
-use self::effects::{EffectFitError, calibrate_with_effects};
+use self::effects::{EffectFitError, calibrate_with_effects, held};
 use self::result::identified;
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
@@ -112,7 +112,7 @@ pub fn identify_as(
         Error::calibration(&error, device_path, log_path).with_equipment(device)
     };
     let found = calibrate_with_effects(&model, &recording, &options.options);
-    let (calibration, effects) = found.map_err(|error| match error {
+    let (calibration, mut effects) = found.map_err(|error| match error {
         EffectFitError::Calibration(error) => refuse(error),
         EffectFitError::Diagnosis(error) => {
             Error::diagnosis(&error, device_path, log_path).with_equipment(device)
@@ -136,6 +136,7 @@ pub fn identify_as(
         recording.len(),
     );
     let mut result = identified(&calibration, labels, fit, force, warnings.concat(), record);
+    effects.extend(held(&device.model, &model));
     result.tell_effects(effects);
     let written = |model: &Model| {
         model

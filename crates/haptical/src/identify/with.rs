@@ -1,5 +1,6 @@
 //! Effects that an identification is asked to fit: `EFFECT`, `EFFECT@JOINT`, or the causes of a gap.json.
 
+use haptical_diagnosis::BEHIND_A_LOW_PASS;
 use haptical_effects::device::{DeviceEffectError, PLACES, effects_of, laws};
 use haptical_effects::force::PAYLOAD;
 use haptical_effects::structure::JOINT_COMPLIANCE;
@@ -10,6 +11,15 @@ use crate::error::Error;
 
 /// The parameter that names the other joint.
 const FROM: &str = "from_joint";
+/// A play, which parameter says what drives it, and the number that stands for the load there.
+const PLAY: &str = "backlash";
+const DRIVEN_BY: &str = "driven_by";
+const BY_LOAD: f64 = 2.0;
+/// A spring between motor and link.
+const SPRING: &str = "capstan-compliance";
+/// What a motion shows between motor and link behind a low pass. A fit of all readings beside transmission terms has more noise, and terms
+/// that follow the angle as the torque of a weight does: it does not ask for these numbers once more.
+const BETWEEN: [&str; 3] = [PLAY, SPRING, "external-encoder-latency"];
 /// Another name of the joints' compliance.
 const ALIAS: &str = "link-compliance";
 
@@ -82,6 +92,8 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
     let gap: Value = serde_json::from_str(text).map_err(|_| refuse("it is no JSON"))?;
     let causes = gap.get("causes").and_then(Value::as_array);
     let causes = causes.ok_or_else(|| refuse("it has no `causes`"))?;
+    let held_out = gap.get("held_out").and_then(Value::as_str);
+    let is_of_motion = held_out.is_some_and(|own| own.contains(BEHIND_A_LOW_PASS));
     let mut count = 0;
     for cause in causes {
         let name = cause.get("effect").and_then(Value::as_str);
@@ -91,6 +103,13 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         if name == JOINT_COMPLIANCE.name {
             yielding(model, joint);
             count += 1;
+            continue;
+        }
+        if is_of_motion && BETWEEN.contains(&name) {
+            for effect in between(name, joint, cause) {
+                hold(model, effect).map_err(|error| refused(name, &error))?;
+                count += 1;
+            }
             continue;
         }
         let mut effect = one(name, joint);
@@ -115,6 +134,49 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         0 => Err(refuse("none of its causes is a law that a device can have")),
         _ => Ok(()),
     }
+}
+
+/// Device effects of a cause between motor and link, with its numbers: a play is at the side of its load, with the spring behind it.
+fn between(name: &str, joint: Option<usize>, cause: &Value) -> Vec<DeviceEffect> {
+    let number = |key: &str| {
+        let all = cause.get("parameters")?;
+        // a spring that hardens is straight in a device file
+        let own = all.get(format!("secant_{key}")).or_else(|| all.get(key))?;
+        let ends = own.get("ci95").and_then(Value::as_array);
+        let ends = ends.and_then(|all| Some([all.first()?.as_f64(), all.get(1)?.as_f64()]));
+        Some((own.get("value")?.as_f64()?, ends.unwrap_or_default()))
+    };
+    let of = |name: &str, keys: &[&str]| {
+        let mut effect = DeviceEffect {
+            fit: false,
+            ..one(name, joint)
+        };
+        for key in keys {
+            if let Some((value, ci95)) = number(key) {
+                effect.numbers.insert((*key).to_owned(), value);
+                effect.intervals.insert((*key).to_owned(), ci95);
+            }
+        }
+        (!effect.numbers.is_empty()).then_some(effect)
+    };
+    let delay = of(name, &["delay_s"]);
+    let spring = of(SPRING, &["stiffness_nm_per_rad", "stiffness_n_per_m"]);
+    let play = (name == PLAY)
+        .then(|| of(PLAY, &["width_rad", "width_m"]))
+        .flatten();
+    let play = play.map(|mut own| {
+        own.numbers.insert(DRIVEN_BY.to_owned(), BY_LOAD);
+        own
+    });
+    delay.into_iter().chain(play).chain(spring).collect()
+}
+
+/// Puts an effect into a model in the place of its own one there, with numbers that stay.
+fn hold(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError> {
+    let is_there = |own: &DeviceEffect| own.name == effect.name && own.joint == effect.joint;
+    model.effects.retain(|own| !is_there(own));
+    model.effects.push(effect);
+    effects_of(model).map(|_| ())
 }
 
 /// Lets a joint, or every joint, yield to its torque.

@@ -3,11 +3,14 @@
 use super::choose::Chosen;
 use super::fit::Fitted;
 use super::rows::{JointRows, Rows};
-use super::terms::{Term, half_play};
+use super::terms::{Term, half_play, yielded};
 use crate::examine::{ChannelFit, Examined, Finding, NearRival};
+use haptical_linalg::dot;
 
 /// What yields beyond a play is told from this many standard deviations on.
 const SURE_SDS: f64 = 3.0;
+/// Relative standard deviation of how a spring hardens, whose law is no gear's to the last digit.
+const HARDENING_SD: f64 = 0.5;
 /// Rivals further behind are not told of \[nats\].
 const FAR: f64 = 12.0;
 
@@ -134,6 +137,20 @@ fn of_joint(rows: &JointRows, fitted: &Fitted, (chosen, at): (&Chosen, usize)) -
             Term::Spring => {
                 first += 1;
                 vec![stiffness(0)]
+            }
+            Term::Hardening { share, load_nm } => {
+                first += 1;
+                let at_rest = 1.0 / value(0);
+                // tau = k x (1 + c x^2)
+                let per_rad2 = share * (at_rest / load_nm).powi(2);
+                let whole = rows.of_load(|load| yielded(load, *share, *load_nm) / at_rest);
+                let secant = dot(&rows.load, &rows.load) / dot(&rows.load, &whole);
+                let secant_sd = sd(0) / value(0) * secant;
+                vec![
+                    stiffness(0),
+                    ("hardening_per_rad2", per_rad2, HARDENING_SD * per_rad2),
+                    ("secant_stiffness_nm_per_rad", secant, secant_sd),
+                ]
             }
             Term::Play { flight_nm, yields } => {
                 first += term.columns_count();

@@ -2,12 +2,16 @@
 
 use super::fit::{Fitted, fit};
 use super::rows::JointRows;
-use super::terms::{FLIGHT_SHARES, LEAST_NATS, Term};
+use super::terms::{FLIGHT_SHARES, HARDENING_SHARES, LEAST_NATS, Term};
 
 /// Most terms at once.
 const MOST: usize = 12;
 /// Largest share of rows in which a play may leave the place of its link open.
 const MOST_FLIGHT: f64 = 0.35;
+
+/// Steps either way in which the share of a spring that hardens is settled, and their size.
+const FINER: i32 = 16;
+const FINER_STEP: f64 = 1.1;
 
 /// What was found.
 pub(super) struct Chosen {
@@ -59,8 +63,10 @@ impl State {
         match further {
             Further::At(at, term) => {
                 let mut terms = next.fitted[at].terms.clone();
-                // a play has a spring of its own
-                terms.retain(|own| !(matches!(term, Term::Play { .. }) && *own == Term::Spring));
+                // a play has a spring of its own, and one that hardens is the spring
+                let is_more = matches!(term, Term::Play { .. } | Term::Hardening { .. });
+                let is_spring = |own: &Term| own.name() == Term::Spring.name();
+                terms.retain(|own| !(is_more && is_spring(own)));
                 terms.push(term);
                 next.fitted[at] = fit(&rows[at], &terms, &|_| true);
             }
@@ -114,7 +120,7 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
         let has = |name: &str| without.iter().any(|own| own == name);
         let twin = match term {
             Term::Delay => "encoder-latency",
-            Term::Spring => "joint-compliance",
+            Term::Spring | Term::Hardening { .. } => "joint-compliance",
             Term::Play { .. } | Term::Shape => "",
         };
         has(term.name()) || has(twin)
@@ -122,6 +128,12 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
     let mut all = Vec::new();
     for (at, own) in rows.iter().enumerate() {
         all.extend([Term::Delay, Term::Spring, Term::Shape].map(|term| (at, term)));
+        let hardening = HARDENING_SHARES.map(|share| Term::Hardening {
+            share,
+            load_nm: own.load_rms,
+        });
+        let hardening = hardening.into_iter().filter(|_| own.load_rms > 0.0);
+        all.extend(hardening.map(|term| (at, term)));
         let plays = FLIGHT_SHARES.map(|share| Term::Play {
             flight_nm: share * own.load_rms,
             yields: !is_left_out(Term::Spring),
@@ -144,7 +156,9 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
         let before = state.score(rows);
         let has = |(at, term): &(usize, Term)| {
             let own = &state.fitted[*at];
-            own.of(*term).is_some() || (*term == Term::Spring && own.of(Term::PLAY).is_some())
+            let has_more = own.of(Term::PLAY).is_some() || own.hardening().is_some();
+            let is_spring = term.name() == Term::Spring.name();
+            own.of(*term).is_some() || (is_spring && has_more)
         };
         let further = all
             .iter()
@@ -161,7 +175,43 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
             _ => break,
         }
     }
+    for (own, rows) in state.fitted.iter_mut().zip(rows) {
+        if own.hardening().is_some() {
+            *own = refined(rows, own);
+        }
+    }
     told(rows, &all, state)
+}
+
+/// A fit with a spring that hardens, its share settled between those that are tried. The standard deviation of its stiffness counts
+/// all shares by their likelihoods.
+fn refined(rows: &JointRows, fitted: &Fitted) -> Fitted {
+    let with = |factor: f64| {
+        let of = |own: &Term| match *own {
+            Term::Hardening { share, load_nm } => Term::Hardening {
+                share: factor * share,
+                load_nm,
+            },
+            other => other,
+        };
+        let terms: Vec<Term> = fitted.terms.iter().map(of).collect();
+        fit(rows, &terms, &|_| true)
+    };
+    let all = (-FINER..=FINER).map(|k| with(FINER_STEP.powi(k)));
+    let all: Vec<Fitted> = all.filter(|own| own.is_possible(rows)).collect();
+    let best = (all.iter()).max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
+    let Some((best, (at, _))) = best.and_then(|own| Some((own, own.hardening()?))) else {
+        return fitted.clone();
+    };
+    let mut best = best.clone();
+    let (mut weights, mut square) = (0.0, 0.0);
+    for own in &all {
+        let weight = (own.log_likelihood - best.log_likelihood).exp();
+        weights += weight;
+        square += weight * (own.coefficients[at] - best.coefficients[at]).powi(2);
+    }
+    best.covariance[(at, at)] += square / weights;
+    best
 }
 
 /// What each term is worth, and what would do in its place.
@@ -193,7 +243,7 @@ fn told(rows: &[JointRows], all: &[(usize, Term)], state: State) -> Chosen {
             let without = with(&kept).unwrap_or(f64::NEG_INFINITY);
             of_joint.push(whole - without);
             let in_place = all.iter().filter(|(other, rival)| {
-                *other == at && !own.terms.iter().any(|taken| taken.is_like(*rival))
+                *other == at && !own.terms.iter().any(|taken| taken.name() == rival.name())
             });
             let mut near: Vec<(Term, f64)> = Vec::new();
             for (_, rival) in in_place {

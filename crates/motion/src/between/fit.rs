@@ -42,6 +42,14 @@ impl Fitted {
         None
     }
 
+    /// The spring that hardens.
+    pub(super) fn hardening(&self) -> Option<(usize, Term)> {
+        self.of(Term::Hardening {
+            share: 0.0,
+            load_nm: 0.0,
+        })
+    }
+
     /// The delay with its standard deviation.
     pub(super) fn delay_s(&self) -> Option<(f64, f64)> {
         let (at, _) = self.of(Term::Delay)?;

@@ -18,6 +18,17 @@ pub(super) fn half_play(side: f64, beyond: f64, flight_nm: f64) -> f64 {
     side - flight_nm * beyond.max(0.0)
 }
 
+/// Shares by which a gear may be harder at the root mean square of its load than at rest that are tried.
+pub(super) const HARDENING_SHARES: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
+
+/// What a gear that hardens yields, times its stiffness at rest: the x of `x (1 + share (x / load_nm)^2) = load`, the one real root of the
+/// cubic.
+pub(super) fn yielded(load: f64, share: f64, load_nm: f64) -> f64 {
+    let root = (3.0 * share).sqrt();
+    let inner = 1.5 * load / load_nm * root;
+    2.0 * load_nm / root * (inner.asinh() / 3.0).sinh()
+}
+
 /// A term of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Term {
@@ -25,6 +36,9 @@ pub(super) enum Term {
     Delay,
     /// The gear yields: its coefficient is one over the stiffness \[rad/(N m)\].
     Spring,
+    /// The gear yields the less, the more it has: `tau = k x (1 + h (k x / load)^2)`, h its share and `load` \[N m\] the root mean square
+    /// of the load. Its coefficient is one over the stiffness k at rest.
+    Hardening { share: f64, load_nm: f64 },
     /// Half a play, on the side that the load pushes to, and what yields beyond it, unless that is left out. Below this load the link may
     /// be anywhere in it \[N m\].
     Play { flight_nm: f64, yields: bool },
@@ -37,7 +51,7 @@ impl Term {
     pub(super) fn numbers(self) -> usize {
         match self {
             Self::Delay | Self::Spring => 1,
-            Self::Play { yields: false, .. } => 2,
+            Self::Play { yields: false, .. } | Self::Hardening { .. } => 2,
             Self::Play { yields: true, .. } | Self::Shape => 3,
         }
     }
@@ -51,17 +65,20 @@ impl Term {
     /// Number of its columns.
     pub(super) fn columns_count(self) -> usize {
         match self {
-            Self::Delay | Self::Spring | Self::Play { yields: false, .. } => 1,
+            Self::Delay
+            | Self::Spring
+            | Self::Hardening { .. }
+            | Self::Play { yields: false, .. } => 1,
             Self::Play { yields: true, .. } => 2,
             Self::Shape => 3,
         }
     }
 
-    /// What it must explain beyond its numbers \[nats\]: a play with what yields beyond it is a spring and more, so that it has to be
-    /// better by as much as a further term.
+    /// What it must explain beyond its numbers \[nats\]: a play with what yields beyond it and a spring that hardens are a spring and
+    /// more, so that they have to be better by as much as a further term.
     pub(super) fn handicap(self) -> f64 {
         match self {
-            Self::Play { .. } => LEAST_NATS,
+            Self::Play { .. } | Self::Hardening { .. } => LEAST_NATS,
             Self::Delay | Self::Spring | Self::Shape => 0.0,
         }
     }
@@ -74,7 +91,7 @@ impl Term {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Delay => "external-encoder-latency",
-            Self::Spring => "capstan-compliance",
+            Self::Spring | Self::Hardening { .. } => "capstan-compliance",
             Self::Play { .. } => "backlash",
             Self::Shape => "drum-eccentricity",
         }
@@ -86,6 +103,9 @@ impl Term {
         match self {
             Self::Delay => vec![of(&rows.speed, |v| -v)],
             Self::Spring => vec![of(&rows.load, |load| -load)],
+            Self::Hardening { share, load_nm } => {
+                vec![rows.of_load(|load| -yielded(load, share, load_nm))]
+            }
             Self::Play { flight_nm, yields } => {
                 let side = rows.of_load(|load| -(load / flight_nm).clamp(-1.0, 1.0));
                 let beyond = || rows.of_load(|load| load.clamp(-flight_nm, flight_nm) - load);
@@ -112,7 +132,7 @@ impl Term {
     /// Whether nature allows these coefficients of a joint's rows.
     pub(super) fn is_possible(self, rows: &JointRows, coefficients: &[f64]) -> bool {
         match self {
-            Self::Spring => coefficients[0] > 0.0,
+            Self::Spring | Self::Hardening { .. } => coefficients[0] > 0.0,
             Self::Play { flight_nm, .. } => {
                 // what yields beyond a play may be a little below nothing by chance
                 let beyond = coefficients.get(1).copied().unwrap_or(0.0);
@@ -121,6 +141,25 @@ impl Term {
             }
             Self::Delay => coefficients[0].abs() > LEAST_DELAY_STEPS * rows.step_s,
             Self::Shape => true,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_yields_solves_its_cubic() {
+        for share in HARDENING_SHARES {
+            for load in [-700.0, -3.0, 0.0, 40.0, 2000.0] {
+                let x = yielded(load, share, 120.0);
+                let again = x * (1.0 + share * (x / 120.0).powi(2));
+                assert!(
+                    (again - load).abs() < 1e-9 * (1.0 + load.abs()),
+                    "{share} {load}: {again}"
+                );
+            }
         }
     }
 }

@@ -56,6 +56,8 @@ pub(crate) struct Problem {
     inertial: Vec<Vec<f64>>,
     /// Torques of the nominal bodies without armatures at the fine steps, joint by joint.
     pub(crate) rigid: Vec<Vec<f64>>,
+    /// What each joint carries at the fine steps, where that is settled ([`Problem::carry`]); else that of the nominal bodies counts.
+    carried: Option<Vec<Vec<f64>>>,
     /// Weight of each row: one over the standard deviation of what is not known of it.
     weights: Vec<f64>,
 }
@@ -140,6 +142,7 @@ impl Problem {
             row_sd,
             inertial: Vec::new(),
             rigid: Vec::new(),
+            carried: None,
             weights: Vec::new(),
         };
         let rows = problem.states.rows();
@@ -149,6 +152,35 @@ impl Problem {
             .collect();
         problem.regress()?;
         Ok(problem)
+    }
+
+    /// Takes what the bodies of an arm ask for along this motion for what its joints carry; armatures are no load of a gear's far end.
+    ///
+    /// # Errors
+    /// [`MotionError`] for positions at which there are no torques.
+    pub(crate) fn carry(&mut self, arm: &Arm) -> Result<(), MotionError> {
+        let (joints, nominal) = (arm.joints(), arm.nominal());
+        let mut work = arm.work();
+        let mut regressor = vec![0.0; joints * nominal.len()];
+        let mut carried = vec![vec![0.0; self.states.steps()]; joints];
+        let link = &self.states.link;
+        for step in 0..self.states.steps() {
+            let at = [&link.q, &link.dq, &link.ddq];
+            let [q, dq, ddq] = at.map(|own| own.iter().map(|own| own[step]).collect::<Vec<f64>>());
+            arm.bodies
+                .regressor(&q, &dq, &ddq, &mut work, &mut regressor)?;
+            for (joint, own) in regressor.chunks_exact(nominal.len()).enumerate() {
+                carried[joint][step] = dot(own, &nominal);
+            }
+        }
+        self.carried = Some(carried);
+        Ok(())
+    }
+
+    /// What a joint carries at the fine steps.
+    pub(crate) fn carried(&self, joint: usize) -> &[f64] {
+        let own = self.carried.as_ref().unwrap_or(&self.rigid);
+        &own[joint]
     }
 
     /// Allows for friction that is anything between its two directions where a joint rests, given its size in each joint.

@@ -5,12 +5,14 @@ use haptical_model::{Device, JointType};
 use nalgebra::DVector;
 
 use crate::arm::PARAMETERS;
+use crate::fit::plausible;
 use crate::fit::problem::Problem;
 use crate::identify::ARMATURE_SD;
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::Estimate;
 use crate::identify::feasible::Feasible;
 use crate::identify::fit::Settled;
+use crate::identify::friction::FrictionLaw;
 use crate::identify::numbers::Number;
 use crate::identify::result::{BaseParameter, BodyDynamics, Estimated, JointDynamics};
 use crate::identify::shape::Shape;
@@ -39,14 +41,29 @@ impl Answer<'_> {
         )
     }
 
+    /// A joint's law with the size that its turnover says.
+    fn law(&self, joint: usize) -> FrictionLaw {
+        let (law, coulomb) = (
+            self.settled.friction[joint],
+            self.of(Number::Coulomb { joint }),
+        );
+        match coulomb.is_told() && coulomb.value > 0.0 {
+            true => law.scaled(self.of(Number::Turnover { joint }).value / coulomb.value),
+            false => law,
+        }
+    }
+
     pub(crate) fn joints(&self) -> Vec<JointDynamics> {
         let of = |joint: &usize| {
             let joint = *joint;
             JointDynamics {
                 joint,
-                law: self.settled.friction[joint],
+                law: self.law(joint),
                 coulomb: self.of(Number::Coulomb { joint }),
                 viscous: self.of(Number::Viscous { joint }),
+                load: (self.numbers.contains(&Number::Load { joint }))
+                    .then(|| self.of(Number::Load { joint })),
+                carried: mean_size(self.problem.carried(joint)),
                 armature: self.of(Number::Armature { joint }),
                 offset: self.of(Number::Offset { joint }),
             }
@@ -108,7 +125,7 @@ impl Answer<'_> {
             }
         };
         let all = base.kept().iter().enumerate();
-        all.filter(|(_, kept)| self.numbers[**kept] != Number::Delay)
+        all.filter(|(_, kept)| !self.numbers[**kept].is_beside())
             .map(of)
             .collect()
     }
@@ -134,7 +151,13 @@ impl Answer<'_> {
         Estimated {
             // torques that are early are logged before their positions
             value: 0.0 - self.settled.early_s - place.map_or(0.0, |k| estimate.values[k]),
-            sd: place.map_or(0.0, |k| estimate.sd[k]),
+            sd: place.map_or(0.0, |k| {
+                estimate.sd[k].hypot(plausible::OF_STEP * self.problem.samples.step_s)
+            }),
         }
     }
+}
+
+fn mean_size(own: &[f64]) -> f64 {
+    own.iter().map(|own| own.abs()).sum::<f64>() / own.len().max(1) as f64
 }

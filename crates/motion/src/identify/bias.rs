@@ -15,25 +15,13 @@ use crate::fit::problem::{Problem, Reading};
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::least_squares;
 use crate::identify::fit::Settled;
+use crate::identify::loaded::Loaded;
 use crate::identify::numbers::{Number, columns};
-use crate::signal::local_polynomial::LocalPolynomial;
-use crate::signal::noise::Noise;
 
 /// Draws of the noise: their mean is taken.
 const DRAWS: u64 = 3;
 /// Seed of the first; the others follow it.
 pub const NOISE_SEED: u64 = 1;
-
-/// Standard deviation of a reading of each joint's position.
-pub(crate) fn position_sds(problem: &Problem) -> Vec<f64> {
-    let step_s = problem.samples.step_s;
-    let local = LocalPolynomial::new(step_s, 2.0 * problem.states.pass.edge_hz);
-    let of = |joint: usize| {
-        let pieces = problem.samples.pieces.iter();
-        Noise::of(pieces.map(|own| own.motor[joint].as_slice()), &local, false).sd
-    };
-    (0..problem.arm.joints()).map(of).collect()
-}
 
 /// What is settled of a fit, and the recording that it is of.
 pub(crate) struct Known<'a> {
@@ -42,6 +30,7 @@ pub(crate) struct Known<'a> {
     pub(crate) reading: Reading,
     pub(crate) numbers: &'a [Number],
     pub(crate) settled: &'a Settled,
+    pub(crate) loaded: &'a Loaded,
 }
 
 impl Known<'_> {
@@ -49,6 +38,9 @@ impl Known<'_> {
     pub(crate) fn problem(&self, recording: &Recording) -> Result<Problem, MotionError> {
         let mut problem = Problem::new(self.arm.clone(), recording, self.reading)?;
         problem.reweigh(&self.settled.row_sd);
+        if let Some(arm) = &self.loaded.arm {
+            problem.carry(arm)?;
+        }
         Ok(problem)
     }
 

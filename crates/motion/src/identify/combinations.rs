@@ -59,6 +59,15 @@ impl Combinations {
         &self.rank.independent
     }
 
+    /// Numbers with the values of the base parameters; those that depend on others are 0.
+    pub(crate) fn of_numbers(&self, values: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.map.ncols()];
+        for (value, column) in values.iter().zip(self.kept()) {
+            all[*column] = *value;
+        }
+        all
+    }
+
     /// The normal equations' root: rows R and right side q with `|R b - q|^2` the squares of the rows up to a constant.
     pub(crate) fn root(&self) -> Result<(DMatrix<f64>, Vec<f64>), MotionError> {
         let kept = self.kept();

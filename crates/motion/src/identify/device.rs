@@ -12,7 +12,8 @@ const FRICTION: &str = "joint-friction";
 
 /// The device with identified masses, armatures, friction, offsets and delay in the place of its own.
 ///
-/// Friction is a `joint-friction` of its file; one that the log does not tell from none is left out.
+/// Friction is a `joint-friction` of its file; one that the log does not tell from none is left out. Of one that grows with the load the file
+/// gets that of the mean load.
 ///
 /// # Errors
 /// [`ModelError`] for another device than the one that was identified.
@@ -46,18 +47,25 @@ fn friction(own: &JointDynamics, slides: bool) -> Option<DeviceEffect> {
         (FrictionLaw::Travel(size), true) => ("transition_m", size),
         (FrictionLaw::Travel(size), false) => ("transition_rad", size),
     };
-    if own.coulomb.value <= 0.0 && own.viscous.value <= 0.0 {
+    // a device file's friction has no share of the load: that of the mean load, then
+    let share = own.load.map_or(0.0, |load| load.value);
+    let dry = own.coulomb.value + share * own.carried;
+    if dry <= 0.0 && own.viscous.value <= 0.0 {
         return None;
     }
     let stribeck = if slides { "stribeck_n" } else { "stribeck_nm" };
     let numbers = [
-        (coulomb, own.coulomb.value),
+        (coulomb, dry),
         (viscous, own.viscous.value),
         (stribeck, 0.0),
         (transition, size),
     ];
     let interval = |own: &Estimated| own.ci95().map(Some);
-    let intervals = [(coulomb, &own.coulomb), (viscous, &own.viscous)];
+    let of_mean = Estimated {
+        value: dry,
+        sd: (own.coulomb.sd).hypot(own.load.map_or(0.0, |load| load.sd * own.carried)),
+    };
+    let intervals = [(coulomb, &of_mean), (viscous, &own.viscous)];
     Some(DeviceEffect {
         name: FRICTION.to_owned(),
         joint: Some(own.joint),

@@ -30,17 +30,46 @@ pub enum FrictionLaw {
 }
 
 impl FrictionLaw {
+    /// The same law with another size, the logarithm of its share given.
+    pub(crate) fn scaled(self, log: f64) -> Self {
+        let factor = log.clamp(-FARTHEST, FARTHEST).exp();
+        match self {
+            Self::Speed(own) => Self::Speed(factor * own),
+            Self::Travel(own) => Self::Travel(factor * own),
+        }
+    }
+
+    /// How its side changes with the logarithm of its size.
+    pub(crate) fn by_turnover(self, problem: &Problem, joint: usize) -> Vec<f64> {
+        let [above, below] = [LOG_STEP, -LOG_STEP].map(|log| self.scaled(log).side(problem, joint));
+        let pairs = above.iter().zip(below);
+        pairs.map(|(a, b)| (a - b) / (2.0 * LOG_STEP)).collect()
+    }
+
     /// Side on which the friction is at the fine steps, -1 to 1.
     pub(crate) fn side(self, problem: &Problem, joint: usize) -> Vec<f64> {
-        let motor = &problem.states.motor;
         match self {
-            Self::Speed(speed) => sign(&motor.dq[joint], speed),
+            Self::Speed(speed) => sign(&problem.states.sliding[joint], speed),
             Self::Travel(travel) => {
-                let q = &motor.q[joint];
+                let q = &problem.states.motor.q[joint];
                 beyond_sign(q, &vec![0.0; q.len()], travel)
             }
         }
     }
+}
+
+/// Half a step either way for the derivative by the logarithm of a law's size.
+const LOG_STEP: f64 = 0.2;
+/// Farthest that a law's size is from the one that was tried: half of the way to the next.
+const FARTHEST: f64 = 0.6;
+
+/// Friction that is a share of what a joint carries, `s |tau|`, by its side (Hamon, Gautier and Garrec 2010).
+pub(crate) fn by_load(problem: &Problem, joint: usize, side: &[f64]) -> Vec<f64> {
+    let load = problem.carried(joint);
+    side.iter()
+        .zip(load)
+        .map(|(side, load)| side * load.abs())
+        .collect()
 }
 
 /// Laws that every joint starts with.
@@ -55,7 +84,10 @@ pub(crate) fn choose(
     columns: &[Rc<Column>],
     target: &[f64],
 ) -> Vec<FrictionLaw> {
-    let is_coulomb = |number: &Number| matches!(number, Number::Coulomb { .. });
+    let is_coulomb = |number: &Number| {
+        let is_beside = number.is_beside() && *number != Number::Delay;
+        is_beside || matches!(number, Number::Coulomb { .. } | Number::Load { .. })
+    };
     let others: Vec<Rc<Column>> = (numbers.iter().zip(columns))
         .filter(|(number, _)| !is_coulomb(number))
         .map(|(_, column)| Rc::clone(column))

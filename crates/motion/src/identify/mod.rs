@@ -12,6 +12,7 @@ mod feasible;
 mod fit;
 mod friction;
 mod instruments;
+mod loaded;
 mod numbers;
 mod predict;
 mod result;
@@ -24,12 +25,13 @@ use crate::arm::{Arm, PARAMETERS};
 use crate::fit::problem::{Problem, Reading};
 
 use answer::Answer;
-use bias::{Known, of_noise, position_sds};
+use bias::{Known, of_noise};
 use chosen::{Chosen, with_instruments};
 use combinations::Combinations;
 use estimate::{Estimate, least_squares};
 use feasible::{Feasible, Kind, nearest};
 use fit::settle;
+use loaded::Loaded;
 use numbers::{Number, numbers};
 use predict::Numbers;
 use shape::{ASSUMED_SD, GIVEN_SD, Shape};
@@ -62,6 +64,22 @@ pub fn identify_dynamics(
     validate: Option<&Recording>,
     edge_hz: Option<f64>,
 ) -> Result<Dynamics, MotionError> {
+    let logs = (recording, validate);
+    let (first, loaded) = pass(device, logs, edge_hz, &Loaded::default())?;
+    // what a joint carries is by the bodies of a first fit
+    match loaded.joints.is_empty() {
+        true => Ok(first),
+        false => Ok(pass(device, logs, Some(first.edge_hz), &loaded)?.0),
+    }
+}
+
+/// One fit, and which joints it shows to have friction by their load, if none was asked for.
+fn pass(
+    device: &Device,
+    (recording, validate): (&Recording, Option<&Recording>),
+    edge_hz: Option<f64>,
+    loaded: &Loaded,
+) -> Result<(Dynamics, Loaded), MotionError> {
     // offsets and delay are found anew
     let arm = Arm {
         offset: vec![0.0; device.joints.len()],
@@ -82,7 +100,10 @@ pub fn identify_dynamics(
         ..reading
     };
     let is_held = held(device, &arm);
-    let numbers = numbers(&problem, &is_held);
+    if let Some(own) = &loaded.arm {
+        problem.carry(own)?;
+    }
+    let numbers = numbers(&problem, &is_held, &loaded.joints);
     let settled = settle(&mut problem, &numbers);
     let known = Known {
         arm: &arm,
@@ -90,13 +111,14 @@ pub fn identify_dynamics(
         reading,
         numbers: &numbers,
         settled: &settled,
+        loaded,
     };
     let columns = known.columns(&problem);
     let target = problem.recorded(settled.early_s);
     let rows = problem.states.rows();
     let base = Combinations::new(&numbers, &columns, &target, rows)?;
     let plain = least_squares(&base, &columns, &target, rows)?;
-    let position_sd = position_sds(&problem);
+    let position_sd = problem.states.position_sd.clone();
     let bias = of_noise(&known, &base, plain.values.as_slice(), &position_sd).ok();
     let with = with_instruments(&known, &problem, &base, (&columns, &target));
     let chosen = Chosen::new(plain, bias, with);
@@ -104,13 +126,11 @@ pub fn identify_dynamics(
     let warnings = chosen.warning(&problem, (&numbers, &base));
     let shapes = shapes(&arm, &is_held)?;
     let feasible = feasible(&problem, (&numbers, &base), estimate, &shapes)?;
-    let mut by_base = vec![0.0; numbers.len()];
-    for (value, column) in estimate.values.iter().zip(base.kept()) {
-        by_base[*column] = *value;
-    }
+    let by_base = base.of_numbers(estimate.values.as_slice());
     let by = Numbers {
         numbers: &numbers,
         settled: &settled,
+        loaded,
         feasible: &feasible.values,
         base: &by_base,
     };
@@ -125,7 +145,7 @@ pub fn identify_dynamics(
         feasible: &feasible,
         shapes: &shapes,
     };
-    Ok(Dynamics {
+    let found = Dynamics {
         joints: answer.joints(),
         bodies: answer.bodies(&is_held),
         base: answer.base(device, (&base, estimate), bias),
@@ -133,6 +153,7 @@ pub fn identify_dynamics(
             .rank
             .zero
             .iter()
+            .filter(|own| !numbers[**own].is_beside())
             .map(|own| numbers[*own].name(&problem))
             .collect(),
         delay_s: answer.delay(&base, estimate),
@@ -144,7 +165,13 @@ pub fn identify_dynamics(
         rows,
         inflation: estimate.inflation,
         warnings: warnings.into_iter().collect(),
-    })
+    };
+    if loaded.arm.is_some() {
+        return Ok((found, Loaded::default()));
+    }
+    let shown = Arm::new(&with_dynamics(device, &found)?)?;
+    let loaded = Loaded::shown(&known, &problem, shown, estimate.inflation)?;
+    Ok((found, loaded))
 }
 
 /// What a recording of joints of this arm must have.
@@ -231,6 +258,14 @@ fn feasible(
         Number::Coulomb { joint } => Kind::Own {
             least: 0.0,
             known_sd: Some(LOOSE * torque(joint)),
+        },
+        Number::Turnover { joint } | Number::Lead { joint } => Kind::Own {
+            least: f64::NEG_INFINITY,
+            known_sd: Some(LOOSE * torque(joint)),
+        },
+        Number::Load { .. } => Kind::Own {
+            least: 0.0,
+            known_sd: Some(LOOSE),
         },
         Number::Offset { joint } => Kind::Own {
             least: f64::NEG_INFINITY,

@@ -5,9 +5,10 @@ use std::rc::Rc;
 use haptical_model::JointType;
 
 use crate::arm::PARAMETERS;
+use crate::fit::base::slope;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
-use crate::identify::friction::FrictionLaw;
+use crate::identify::friction::{FrictionLaw, by_load};
 
 /// A number that torques depend on linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,6 +28,18 @@ pub(crate) enum Number {
         joint: usize,
     },
     Offset {
+        joint: usize,
+    },
+    /// How Coulomb friction changes with the logarithm of the speed or the travel that its law has.
+    Turnover {
+        joint: usize,
+    },
+    /// How it changes with the time by which it leads the motion: what is late in friction alone is no delay of a log (A185).
+    Lead {
+        joint: usize,
+    },
+    /// Friction per what the joint carries.
+    Load {
         joint: usize,
     },
     /// How long torques are logged before their positions, beyond what is taken off.
@@ -56,6 +69,9 @@ impl Number {
             Self::Viscous { joint } => format!("viscous{}", joint + 1),
             Self::Coulomb { joint } => format!("coulomb{}", joint + 1),
             Self::Offset { joint } => format!("offset{}", joint + 1),
+            Self::Turnover { joint } => format!("turnover{}", joint + 1),
+            Self::Lead { joint } => format!("lead{}", joint + 1),
+            Self::Load { joint } => format!("load{}", joint + 1),
             Self::Delay => "delay".to_owned(),
         }
     }
@@ -70,9 +86,21 @@ impl Number {
             Self::Body { entry, .. } => UNITS[entry],
             Self::Armature { joint } => pick(joint, "kg m^2", "kg"),
             Self::Viscous { joint } => pick(joint, "N m s/rad", "N s/m"),
-            Self::Coulomb { joint } | Self::Offset { joint } => pick(joint, "N m", "N"),
+            Self::Coulomb { joint } | Self::Offset { joint } | Self::Turnover { joint } => {
+                pick(joint, "N m", "N")
+            }
+            Self::Lead { joint } => pick(joint, "N m s", "N s"),
+            Self::Load { .. } => "1",
             Self::Delay => "s",
         }
+    }
+
+    /// Whether it is there so that others are right: it is told as no number of its own.
+    pub(crate) fn is_beside(self) -> bool {
+        matches!(
+            self,
+            Self::Delay | Self::Turnover { .. } | Self::Lead { .. }
+        )
     }
 
     /// Value in the nominal model.
@@ -87,8 +115,8 @@ impl Number {
     }
 }
 
-/// All numbers of a problem; a body that is said to weigh nothing has none.
-pub(crate) fn numbers(problem: &Problem, is_held: &[bool]) -> Vec<Number> {
+/// All numbers of a problem; a body that is said to weigh nothing has none. `loaded`: joints whose friction grows with their load.
+pub(crate) fn numbers(problem: &Problem, is_held: &[bool], loaded: &[usize]) -> Vec<Number> {
     let bodies = (0..problem.arm.body_count()).filter(|body| !is_held[*body]);
     let of_body = |body| (0..PARAMETERS).map(move |entry| Number::Body { body, entry });
     let joints = || problem.channels.iter().copied();
@@ -98,6 +126,9 @@ pub(crate) fn numbers(problem: &Problem, is_held: &[bool]) -> Vec<Number> {
         .chain(joints().map(|joint| Number::Viscous { joint }))
         .chain(joints().map(|joint| Number::Coulomb { joint }))
         .chain(joints().map(|joint| Number::Offset { joint }))
+        .chain(joints().map(|joint| Number::Turnover { joint }))
+        .chain(joints().map(|joint| Number::Lead { joint }))
+        .chain(loaded.iter().map(|joint| Number::Load { joint: *joint }))
         .chain([Number::Delay])
         .collect()
 }
@@ -105,15 +136,17 @@ pub(crate) fn numbers(problem: &Problem, is_held: &[bool]) -> Vec<Number> {
 /// Order of preference: friction, offsets and delay first, which nothing else does; bodies from the base to the tip; armatures last.
 pub(crate) fn order(numbers: &[Number]) -> Vec<usize> {
     let rank = |number: &Number| match *number {
-        Number::Viscous { joint } | Number::Coulomb { joint } | Number::Offset { joint } => {
-            (0, joint)
-        }
+        Number::Viscous { joint }
+        | Number::Coulomb { joint }
+        | Number::Load { joint }
+        | Number::Offset { joint } => (0, joint),
         Number::Delay => (0, usize::MAX),
         Number::Body { body, entry } => {
             let place = ORDER.iter().position(|own| *own == entry).unwrap_or(0);
             (1, PARAMETERS * body + place)
         }
         Number::Armature { joint } => (2, joint),
+        Number::Turnover { joint } | Number::Lead { joint } => (3, joint),
     };
     let mut order: Vec<usize> = (0..numbers.len()).collect();
     order.sort_by_key(|index| rank(&numbers[*index]));
@@ -144,6 +177,15 @@ pub(crate) fn columns(
         Number::Armature { joint } => of(joint, &motor.ddq[joint]),
         Number::Viscous { joint } => of(joint, &motor.dq[joint]),
         Number::Coulomb { joint } => of(joint, &friction[joint].side(problem, joint)),
+        Number::Turnover { joint } => of(joint, &friction[joint].by_turnover(problem, joint)),
+        Number::Lead { joint } => {
+            let side = friction[joint].side(problem, joint);
+            of(joint, &slope(&side, problem))
+        }
+        Number::Load { joint } => {
+            let side = friction[joint].side(problem, joint);
+            of(joint, &by_load(problem, joint, &side))
+        }
         Number::Offset { joint } => of(joint, &ones),
         Number::Delay => delay(problem, early_s),
     };

@@ -7,6 +7,7 @@ use crate::MotionError;
 use crate::arm::Arm;
 use crate::fit::problem::{Problem, Reading};
 use crate::identify::fit::{Settled, rest};
+use crate::identify::loaded::Loaded;
 use crate::identify::numbers::{Number, columns};
 
 /// A joint's torque, measured and predicted.
@@ -35,6 +36,7 @@ impl Residual {
 pub(crate) struct Numbers<'a> {
     pub(crate) numbers: &'a [Number],
     pub(crate) settled: &'a Settled,
+    pub(crate) loaded: &'a Loaded,
     /// Of a feasible set, and of base parameters.
     pub(crate) feasible: &'a [f64],
     pub(crate) base: &'a [f64],
@@ -88,6 +90,9 @@ impl Numbers<'_> {
                     why: "the fitted log has it",
                 });
             }
+        }
+        if let Some(arm) = &self.loaded.arm {
+            problem.carry(arm)?;
         }
         Ok(self.residuals(&mut problem))
     }

@@ -42,6 +42,10 @@ pub struct JointDynamics {
     pub coulomb: Estimated,
     /// Viscous friction \[N m s/rad\], \[N s/m\].
     pub viscous: Estimated,
+    /// Share of what the joint carries that its friction has beside; none where the log does not show one.
+    pub load: Option<Estimated>,
+    /// Mean of what the joint carried, either way \[N m\], \[N\].
+    pub carried: f64,
     /// Armature \[kg m^2\], \[kg\].
     pub armature: Estimated,
     /// What the torque reads without any \[N m\], \[N\].

@@ -16,6 +16,7 @@ use self::scored::{Scored, penalty};
 use crate::effect::{Candidate, Context, Finer};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
+use crate::fit::plausible;
 use crate::fit::problem::Problem;
 
 /// Most effects at once, and most places of them: an armature may be off at every joint.
@@ -34,8 +35,6 @@ const CORRECTIONS: usize = 2;
 const MOST_OF_CORRECTED: f64 = 0.7;
 /// Delays are settled to this share of a step.
 const DELAY_STEPS: f64 = 0.01;
-/// A log does not say when within a step its torques were read: a uniform distribution over it.
-const OF_STEP: f64 = 0.288_675_134_594_812_9;
 /// Longest delay that is tried \[s\].
 const LONGEST_S: f64 = 0.1;
 
@@ -117,7 +116,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         let widened = (misfit, beside.shape_sd);
         let mut numbers = numbers(&state.fitted, columns, candidate, widened);
         for own in numbers.iter_mut().filter(|own| own.0 == "delay_s") {
-            own.2 = own.2.hypot(OF_STEP * problem.samples.step_s);
+            own.2 = own.2.hypot(plausible::OF_STEP * problem.samples.step_s);
         }
         if candidate.is_delay_of_all() {
             numbers

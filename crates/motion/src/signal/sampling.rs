@@ -9,6 +9,9 @@ const LEAST_SHARE: f64 = 0.001;
 const LONG: f64 = 1.6;
 /// A step whose stamps are within this share of a whole number of steps is judged.
 const EVEN: f64 = 0.1;
+/// Stamps of which more than this share are off a whole number of steps are a clock's own and say themselves where rows are missing: a
+/// logger that is out of step with its controller reads a state twice, and skips one, and neither moves its clock.
+const CLOCK: f64 = 0.05;
 /// Most rows that are missing at one place.
 const MOST_MISSING: f64 = 20.0;
 /// A step is judged where a joint moves by this many times its smallest change, or what its steps scatter by.
@@ -66,8 +69,11 @@ impl Sampling {
             let steps = (stamps[k] - stamps[k - 1]) / step_s;
             (steps - steps.round().max(1.0)).abs() < EVEN
         };
+        let uneven = (1..rows.len()).filter(|k| is_next(rows[*k]) && !is_even(*k));
+        let is_clock = uneven.count() as f64 > CLOCK * rows.len() as f64;
+        let judged = if is_clock { 0 } else { rows.len() };
         let mut shifts = vec![0.0; rows.len()];
-        for k in 3..rows.len().saturating_sub(3) {
+        for k in 3..judged.saturating_sub(3) {
             let is_whole = (rows[k - 3]..rows[k + 2]).all(|row| is_next(row + 1));
             if !is_whole || !(k - 2..=k + 2).all(is_even) {
                 continue;
@@ -175,6 +181,25 @@ mod tests {
         );
         for (time, value) in found.time_s.iter().zip(&values) {
             assert!((time - value).abs() < 1e-9, "{time}, {value}");
+        }
+    }
+
+    /// A logger reads a controller's state of every 10 ms at about that rate, by a clock of its own: it repeats some, and skips some.
+    #[test]
+    fn a_logger_out_of_step_keeps_its_clock() {
+        let read: Vec<f64> = (0..2000)
+            .map(|k| 0.01 * (f64::from(k) + 0.35 * (1.7 * f64::from(k)).sin()))
+            .collect();
+        let states: Vec<f64> = read.iter().map(|t| 0.01 * (t / 0.01).floor()).collect();
+        let log = Recording {
+            time_s: Some(read.clone()),
+            ..recording(&states)
+        };
+        let found = Sampling::of(&log, &read, 0.01).unwrap();
+        assert!(found.repeated_share > 0.05, "{}", found.repeated_share);
+        assert_eq!(found.missing_share, 0.0);
+        for (row, time_s) in found.rows.iter().zip(&found.time_s) {
+            assert_eq!(*time_s, read[*row]);
         }
     }
 

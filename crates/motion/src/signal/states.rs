@@ -11,6 +11,8 @@ use crate::signal::samples::Samples;
 const BEYOND: f64 = 2.0;
 /// Fewest fine steps in a period of the band's edge.
 const FINE: f64 = 8.0;
+/// Noise that a speed may have where friction changes sides with it \[rad/s\], \[m/s\]: friction turns over within speeds that are larger.
+const SLIDING_NOISE: f64 = 1e-3;
 /// Most rows of a joint: longer logs keep every second one, or fewer.
 const MOST_ROWS: usize = 12_000;
 
@@ -32,6 +34,9 @@ pub(crate) struct States {
     pub(crate) row_of: Vec<usize>,
     /// Motors' side.
     pub(crate) motor: Side,
+    /// Motors' speeds with as little smoothing as the noise of the positions allows: friction changes sides faster than the band, and a
+    /// speed that is smoothed to the band changes sides too early at the end of a motion that sticks.
+    pub(crate) sliding: Vec<Vec<f64>>,
     /// Links' side: the encoder there where a joint has one, else the motor's.
     pub(crate) link: Side,
     /// Fine step in the middle of each row.
@@ -42,6 +47,8 @@ pub(crate) struct States {
     step_s: f64,
     /// Weights of the fine steps of a row, around its centre.
     weights: Vec<f64>,
+    /// Standard deviation of a reading of each joint's position; motors' side.
+    pub(crate) position_sd: Vec<f64>,
     /// Standard deviation of a row of a joint's acceleration, from the noise of its positions; motors' side.
     pub(crate) acceleration_sd: Vec<f64>,
 }
@@ -73,14 +80,20 @@ impl States {
             time_s: Vec::new(),
             row_of: Vec::new(),
             motor: empty(),
+            sliding: vec![Vec::new(); joints],
             link: empty(),
             centre: Vec::new(),
             fine: Vec::new(),
             fine_s,
             step_s,
             weights,
+            position_sd: position_sds(samples, &local),
             acceleration_sd: Vec::new(),
         };
+        // by the narrowest window: the band's own would take what friction does to a motion for noise
+        let noise = position_sds(samples, &LocalPolynomial::new(step_s, 0.5 / step_s));
+        let of = |sd: &f64| sharpest(step_s, BEYOND * edge_hz, *sd);
+        let sharp: Vec<LocalPolynomial> = noise.iter().map(of).collect();
         for (number, piece) in samples.pieces.iter().enumerate() {
             let count = fine_steps(piece.length);
             if count <= 2 * half {
@@ -93,6 +106,8 @@ impl States {
                 states
                     .motor
                     .extend(joint, &local, motor, (0..count).map(at));
+                let sliding = (0..count).map(|k| sharp[joint].at(1, motor, at(k)));
+                states.sliding[joint].extend(sliding);
                 let link = piece.link[joint].as_ref().unwrap_or(motor);
                 states.link.extend(joint, &local, link, (0..count).map(at));
             }
@@ -107,7 +122,8 @@ impl States {
         if states.centre.is_empty() {
             return None;
         }
-        states.acceleration_sd = acceleration_sds(samples, &local, &states.weights, stride);
+        states.acceleration_sd =
+            acceleration_sds(&states.position_sd, &local, &states.weights, stride);
         Some(states)
     }
 
@@ -191,9 +207,32 @@ impl Side {
     }
 }
 
+/// The narrowest window through which the speed of noisy positions is quiet, at most that of a cutoff.
+fn sharpest(step_s: f64, cutoff_hz: f64, position_sd: f64) -> LocalPolynomial {
+    let whole = LocalPolynomial::new(step_s, cutoff_hz);
+    let windows = (0..).map(|k| LocalPolynomial::new(step_s, 0.5 / step_s * 0.8_f64.powi(k)));
+    let narrower = windows.take_while(|own| own.half < whole.half);
+    let quiet = |own: &LocalPolynomial| {
+        position_sd * dot(&own.weights[1], &own.weights[1]).sqrt() <= SLIDING_NOISE
+    };
+    let found = narrower.into_iter().find(quiet);
+    found.unwrap_or(whole)
+}
+
+/// Noise of the positions of each joint's motor.
+fn position_sds(samples: &Samples, local: &LocalPolynomial) -> Vec<f64> {
+    let joints = samples.pieces[0].motor.len();
+    let noise = |joint: usize| {
+        let pieces = samples.pieces.iter();
+        let own = pieces.map(|piece| piece.motor[joint].as_slice());
+        Noise::of(own, local, false).sd
+    };
+    (0..joints).map(noise).collect()
+}
+
 /// Noise of the positions, carried through the second derivative and the low pass.
 fn acceleration_sds(
-    samples: &Samples,
+    position_sds: &[f64],
     local: &LocalPolynomial,
     weights: &[f64],
     stride: usize,
@@ -206,15 +245,69 @@ fn acceleration_sds(
         }
     }
     let gain = dot(&kernel, &kernel).sqrt();
-    let joints = samples.pieces[0].motor.len();
-    let noise = |joint: usize| {
-        let pieces = samples.pieces.iter();
-        Noise::of(
-            pieces.map(|piece| piece.motor[joint].as_slice()),
-            local,
-            false,
-        )
-        .sd
-    };
-    (0..joints).map(|joint| gain * noise(joint)).collect()
+    position_sds.iter().map(|sd| gain * sd).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use haptical_model::Recording;
+
+    use super::*;
+
+    const TURNOVER: f64 = 0.01;
+
+    /// Speed of a joint that slows down, sticks, and leaves at once in the other direction.
+    fn speed(t: f64) -> f64 {
+        let side = if t.rem_euclid(4.0) < 2.0 { 1.0 } else { -1.0 };
+        side * 0.5 * (1.0 - t.rem_euclid(2.0) / 1.6).max(0.0)
+    }
+
+    /// Its integral.
+    fn position(t: f64) -> f64 {
+        let whole = |t: f64| 0.5 * (t.min(1.6) - t.min(1.6).powi(2) / 3.2);
+        let within = t.rem_euclid(4.0);
+        match within < 2.0 {
+            true => whole(within),
+            false => whole(2.0) - whole(within - 2.0),
+        }
+    }
+
+    /// Friction changes sides when the joint does, however narrow the band: with the speed of the band it does not.
+    #[test]
+    fn friction_has_the_speed_of_the_joint_and_not_that_of_the_band() {
+        let time_s: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+        let log = Recording {
+            line: (2..).take(time_s.len()).collect(),
+            joint: vec![time_s.iter().map(|t| position(*t)).collect()],
+            output: vec![None],
+            torque_nm: vec![Some(time_s.iter().map(|t| t.sin()).collect())],
+            time_s: Some(time_s),
+            ..Recording::default()
+        };
+        let samples = Samples::new(&log, false).unwrap();
+        let states = States::new(&samples, 8.0).unwrap();
+        let side = |speeds: &[f64]| {
+            let side: Vec<f64> = speeds.iter().map(|own| (own / TURNOVER).tanh()).collect();
+            states.filtered(&side)
+        };
+        let truth: Vec<f64> = states.time_s.iter().map(|t| speed(*t)).collect();
+        let truth = side(&truth);
+        let off = |speeds: &[f64]| {
+            let own = side(speeds);
+            let square: f64 = own.iter().zip(&truth).map(|(a, b)| (a - b).powi(2)).sum();
+            (square / truth.len() as f64).sqrt()
+        };
+        let (sharp, smooth) = (off(&states.sliding[0]), off(&states.motor.dq[0]));
+        assert!(sharp < 0.05 && smooth > 2.0 * sharp, "{sharp} {smooth}");
+    }
+
+    /// Noise that would be a speed of its own widens the window, to that of the band at most.
+    #[test]
+    fn noisy_positions_are_smoothed_as_the_band_is() {
+        let whole = LocalPolynomial::new(0.005, 16.0);
+        assert_eq!(sharpest(0.005, 16.0, 1e-7).half, 3);
+        let between = sharpest(0.005, 16.0, 1e-5).half;
+        assert!(between > 3 && between < whole.half, "{between}");
+        assert_eq!(sharpest(0.005, 16.0, 1e-3).half, whole.half);
+    }
 }

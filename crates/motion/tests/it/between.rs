@@ -15,6 +15,8 @@ const STEP_S: f64 = 0.004;
 struct Truth {
     late_s: [f64; JOINTS],
     stiffness_nm_per_rad: [Option<f64>; JOINTS],
+    /// What its stiffness grows by, over that at rest, with the square of what it yields \[1/rad^2\].
+    hardening_per_rad2: f64,
     /// Widths of plays that follow the load, and of those that follow the motor.
     width_rad: [f64; JOINTS],
     dragged_rad: [f64; JOINTS],
@@ -46,6 +48,19 @@ fn load(joint: usize, run: usize, t: f64) -> f64 {
     120.0 * ddq + 250.0 * (q + 0.4 * joint as f64).sin()
 }
 
+/// The x of `x + c x^3 = straight`, by halves.
+fn bisected(straight: f64, c: f64) -> f64 {
+    let (mut low, mut high) = (0.0, straight.abs());
+    for _ in 0..60 {
+        let x = 0.5 * (low + high);
+        match x + c * x.powi(3) < straight.abs() {
+            true => low = x,
+            false => high = x,
+        }
+    }
+    0.5 * (low + high) * straight.signum()
+}
+
 fn recording(truth: Truth, run: usize, seed: u64) -> Recording {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut normal = move |sd: f64| {
@@ -71,7 +86,8 @@ fn recording(truth: Truth, run: usize, seed: u64) -> Recording {
             let mut out =
                 q * (1.0 + truth.ratio_deviation) + 0.002 * joint as f64 + 0.001 * run as f64;
             out += dragged - q;
-            out -= truth.stiffness_nm_per_rad[joint].map_or(0.0, |k| own / k);
+            out -= truth.stiffness_nm_per_rad[joint]
+                .map_or(0.0, |k| bisected(own / k, truth.hardening_per_rad2));
             out -= 0.5 * truth.width_rad[joint] * own.signum();
             motor.push(motion(joint, run, t)[0] + normal(1e-6));
             link.push(out + normal(truth.encoder_rad.max(3e-6)));
@@ -234,6 +250,54 @@ fn a_play_is_where_the_load_pushes_it() {
     assert!((width_rad / 0.004 - 1.0).abs() < 0.01, "{width_rad}");
     let (stiffness, _) = number(&found, "backlash", 1, "stiffness_nm_per_rad");
     assert!((stiffness / 3e5 - 1.0).abs() < 0.05, "{stiffness}");
+}
+
+/// A gear that hardens has the stiffness that it has at rest, and the cause says that it hardens; a straight one does not.
+#[test]
+fn a_spring_that_hardens_is_told_by_its_stiffness_at_rest() {
+    for hardening_per_rad2 in [1e3, 1e4, 1e5] {
+        let truth = Truth {
+            stiffness_nm_per_rad: [Some(2e4), None],
+            hardening_per_rad2,
+            ..Truth::default()
+        };
+        let found = found(truth, &[]);
+        assert_eq!(names(&found), [("capstan-compliance", Some(0))]);
+        assert!(found.is_adequate);
+        let (stiffness, sd) = number(&found, "capstan-compliance", 0, "stiffness_nm_per_rad");
+        assert!(
+            (stiffness - 2e4).abs() < 4.0 * sd && sd < 1e3,
+            "{hardening_per_rad2}: {stiffness} {sd}"
+        );
+        let (hardening, _) = number(&found, "capstan-compliance", 0, "hardening_per_rad2");
+        assert!(
+            (hardening / hardening_per_rad2 - 1.0).abs() < 0.1,
+            "{hardening}"
+        );
+        let (secant, _) = number(
+            &found,
+            "capstan-compliance",
+            0,
+            "secant_stiffness_nm_per_rad",
+        );
+        assert!(secant > 1.02 * stiffness, "{secant} {stiffness}");
+        // no spring is its own rival
+        let rivals = &found.examined.findings[0].rivals;
+        assert!(
+            rivals.iter().all(|own| own.effect != "capstan-compliance"),
+            "{rivals:?}"
+        );
+    }
+    let straight = Truth {
+        stiffness_nm_per_rad: [Some(2e4), Some(5e4)],
+        ..Truth::default()
+    };
+    for own in &found(straight, &[]).examined.findings {
+        assert!(
+            own.numbers.iter().all(|own| own.0 != "hardening_per_rad2"),
+            "{own:?}"
+        );
+    }
 }
 
 /// A spring alone is no play, and a play is no spring; what is left out has no stand-in.

@@ -71,7 +71,7 @@ fn numbers_of_a_known_arm_are_in_their_intervals_and_those_are_narrow() {
         assert!(off(one.offset, 0.7).abs() < 4.0, "{:?}", one.offset);
         // positions are logged 3 ms late: torques 3 ms before them
         assert!(
-            (found.delay_s.value + 0.003).abs() < 0.0006,
+            (found.delay_s.value + 0.003).abs() < 0.0003,
             "{:?}",
             found.delay_s
         );
@@ -184,6 +184,43 @@ fn the_device_that_is_written_has_no_gap_on_another_motion() {
     };
     let shown = examine(&bare, &log, None, &[]).unwrap();
     assert!(!shown.has_gap(), "{:?}", shown.findings);
+}
+
+/// Friction that grows with the load is asked for where it shows, and nowhere else; the other motion is predicted the better for it.
+#[test]
+fn friction_that_grows_with_the_load_is_found_where_it_is() {
+    for seed in 1..=3 {
+        let truth = Truth {
+            load_share: 0.12,
+            ..Truth::default()
+        };
+        let (found, _) = identified(truth, seed);
+        let load = found.joints[0].load.unwrap();
+        // of the whole torque, friction included: a little more of the load alone
+        assert!(
+            (load.value - 0.12).abs() < 0.025 && load.is_told(),
+            "{load:?}"
+        );
+        assert_eq!(found.joints[1].load, None);
+        let left = haptical_motion::stacked_percent(&found.residuals);
+        assert!(left[1] < 2.0, "{left:?}");
+        // the file gets the friction of the mean load
+        let device = with_dynamics(&device(), &found).unwrap();
+        let own = device
+            .effects
+            .iter()
+            .find(|own| own.joint == Some(0))
+            .unwrap();
+        let dry = own.numbers["coulomb_nm"];
+        let wanted = found.joints[0].coulomb.value + load.value * found.joints[0].carried;
+        assert!((dry - wanted).abs() < 1e-12 && dry > 1.5, "{dry}");
+        let (without, _) = identified(Truth::default(), seed);
+        assert!(
+            without.joints.iter().all(|own| own.load.is_none()),
+            "{:?}",
+            without.joints
+        );
+    }
 }
 
 #[test]

@@ -16,6 +16,7 @@ use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
 use crate::write::effects::Effects;
 use crate::write::inertials::{put, urdf_element, weighed};
+use crate::write::not_carried::{Form, comment, not_carried};
 use crate::write::patched::Edit;
 use crate::write::urdf::dynamics;
 use haptical_model::Segments;
@@ -41,7 +42,7 @@ const SAME: f64 = 1e-6;
 
 /// The text of a URDF with the origins of the chain's joints, and of the last fixed joint behind them,
 /// replaced so that its forward kinematics is that of `device`, of every chain where it has several; with `<inertial>` of links whose
-/// masses the device has otherwise, and `<dynamics>` where it knows a joint's friction. Comments, meshes and all other elements stay
+/// masses the device has otherwise, and `<dynamics>` where it knows a joint's friction. What a URDF cannot hold is a comment at its end. Comments, meshes and all other elements stay
 /// as they are.
 ///
 /// `device` must have come from this URDF, this base and this tip: its constant origins are compared. Where no
@@ -88,9 +89,6 @@ pub fn corrected_urdf(
         mut warnings,
         ..
     } = read;
-    if has_transmission_errors(device) {
-        warnings.push(TRANSMISSIONS.to_owned());
-    }
     warnings.extend(said);
     let link = |index: usize| robot.links[index].name.clone();
     let mut base = link(paths[0].base);
@@ -133,6 +131,7 @@ fn drives(
 ) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
     let (links, mut said) = weighed(read, device, file)?;
     let document = document(text, file)?;
+    let end = read.robot.end.unwrap_or(text.len());
     let at = |place: usize| {
         let mut all = document.descendants();
         all.find(|own| own.is_element() && own.range().start == place)
@@ -157,15 +156,9 @@ fn drives(
             .filter(|_| !element.is_empty());
         edits.extend(node.map(|node| put(text, node, "dynamics", element.trim())));
     }
-    let of_drives = |own: &haptical_model::Joint| {
-        let is_told = |number: Option<f64>| number.is_some_and(|own| own != 0.0);
-        is_told(own.armature_kgm2) || is_told(own.torque_offset_nm) || is_told(own.torque_delay_s)
-    };
-    if device.joints.iter().any(of_drives) {
-        said.push(
-            "a URDF has no place for armatures, torque offsets and delays: an MJCF has one for armatures".to_owned(),
-        );
-    }
+    let lost = not_carried(device, &effects, Form::Urdf);
+    edits.push((end..end, comment(&lost)));
+    said.extend(lost);
     Ok((edits, said))
 }
 

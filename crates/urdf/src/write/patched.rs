@@ -15,10 +15,11 @@ use crate::robot::mjcf::frames::ORIENTATIONS;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
-use crate::write::corrected::{TRANSMISSIONS, all_corrections, has_transmission_errors, replaced};
+use crate::write::corrected::{all_corrections, replaced};
 use crate::write::effects::Effects;
 use crate::write::inertials::{Weighed, mjcf_element, put, weighed};
 use crate::write::mjcf::snippet;
+use crate::write::not_carried::{self, Form, not_carried};
 use haptical_model::rigid::{inverse, then};
 
 /// A corrected MJCF.
@@ -86,9 +87,6 @@ pub fn corrected_mjcf(
         rows,
         mut warnings,
     } = read;
-    if has_transmission_errors(device) {
-        warnings.push(TRANSMISSIONS.to_owned());
-    }
     let document = document(text, file)?;
     let patch = Patch {
         device,
@@ -143,21 +141,21 @@ pub fn corrected_mjcf(
             )),
         }
     }
-    if device
-        .joints
-        .iter()
-        .any(|own| own.torque_offset_nm.or(own.torque_delay_s).is_some())
-    {
-        warnings.push("an MJCF has no place for torque offsets and delays of torques".to_owned());
-    }
-    warnings.extend(effects.said.iter().cloned());
+    let mut lost = not_carried(device, &effects, Form::Mjcf);
+    lost.extend(late_encoders(&effects));
+    warnings.extend(lost.iter().cloned());
     let drivers: Vec<&RobotJoint> = (rows.drivers.iter())
         .map(|driver| &robot.joints[*driver])
         .collect();
     let yields = patch.yields(&effects, &drivers, new_joints)?;
     edits.extend(yields.edits);
     warnings.extend(yields.said);
-    warnings.extend(not_put_in(&effects));
+    warnings.extend(
+        effects
+            .left_out
+            .iter()
+            .map(|own| snippet::said(&own.label())),
+    );
     let names: Vec<&str> = drivers.iter().map(|own| own.name.as_str()).collect();
     let readings = snippet::by_joints(device, &names);
     let no_outs = vec![false; device.joints.len()];
@@ -168,6 +166,7 @@ pub fn corrected_mjcf(
         &no_outs,
         &readings,
     );
+    let comment = comment + &not_carried::comment(&lost);
     edits.extend(patch.at_end(&comment).filter(|_| !comment.is_empty()));
     let mut tips = tips.into_iter();
     Ok(CorrectedMjcf {
@@ -179,23 +178,11 @@ pub fn corrected_mjcf(
     })
 }
 
-/// What would need sensors of its own, and what MuJoCo has no means for.
-fn not_put_in(effects: &Effects<'_>) -> Vec<String> {
-    let mut said = Vec::new();
-    let late = effects
-        .encoder_delay_s
-        .iter()
-        .chain(&effects.external_delay_s);
-    if late.into_iter().any(|delay_s| *delay_s > 0.0) {
-        said.push("late encoders are attributes of sensors (delay, nsample), which are not put into your file".to_owned());
-    }
-    said.extend(effects.left_out.iter().map(|effect| {
-        format!(
-            "`{}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python to add it",
-            effect.label()
-        )
-    }));
-    said
+/// What would need sensors of its own.
+fn late_encoders(effects: &Effects<'_>) -> Option<String> {
+    effects.has_delays().then(|| {
+        "late encoders are attributes of sensors (delay, nsample), which are not put into your file".to_owned()
+    })
 }
 
 fn is_same(left: &Pose, right: &Pose) -> bool {

@@ -2,12 +2,13 @@
 
 use std::fmt::Write;
 
-use haptical_model::{Device, DeviceEffect};
+use haptical_model::Device;
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
-use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors, origin_element, type_name};
+use crate::write::corrected::{origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
+use crate::write::not_carried::{Form, comment, not_carried};
 use haptical_model::RowBody;
 use haptical_model::Segments;
 
@@ -20,7 +21,7 @@ pub(crate) const FAR: f64 = 1000.0;
 /// is not 0, neither is the URDF's there.
 ///
 /// ```
-/// use haptical_model::{Device, DeviceEffect};
+/// use haptical_model::Device;
 /// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
 /// let device = Device::load(path.as_ref())?.device;
 /// let (text, _) = haptical_urdf::new_urdf(&device)?;
@@ -105,19 +106,16 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             origin_element(handle)
         );
     }
+    let mut warnings = not_carried(device, &effects, Form::Urdf);
+    text.push_str(&comment(&warnings));
     text.push_str("</robot>\n");
-    let warnings = said(device, &segments, &bodies, &effects);
+    warnings.extend(scaled(device));
+    warnings.extend(made_up(&segments, &bodies));
     Ok((text, warnings))
 }
 
-/// What the file makes up or leaves out.
-fn said(
-    device: &Device,
-    segments: &Segments,
-    bodies: &[RowBody],
-    effects: &Effects<'_>,
-) -> Vec<String> {
-    let mut warnings = left_out(device);
+/// Inertias that are plausible and not known.
+fn made_up(segments: &Segments, bodies: &[RowBody]) -> Option<String> {
     let inertias = bodies.iter().zip(&segments.rows).enumerate();
     let inertias = inertias.filter(|(_, (body, row))| {
         body.plausible.is_some() && row.body.is_some_and(|own| own.mass_kg > 0.0)
@@ -125,21 +123,12 @@ fn said(
     let inertias: Vec<String> = inertias
         .map(|(row, _)| format!("link{}", row + 1))
         .collect();
-    if !inertias.is_empty() {
-        warnings.push(format!(
+    (!inertias.is_empty()).then(|| {
+        format!(
             "plausible inertia of {}, which the device file does not give (inertia_kgm2)",
             inertias.join(", ")
-        ));
-    }
-    warnings.extend(effects.said.iter().cloned());
-    let other = |effect: &&DeviceEffect| effect.name != "joint-friction";
-    warnings.extend(device.effects.iter().filter(other).map(|effect| {
-        format!(
-            "`{}` is not in a URDF, which has no means for it; an MJCF has for some effects",
-            effect.label()
         )
-    }));
-    warnings
+    })
 }
 
 /// Limits of position and effort; an effort of 0 is not known.
@@ -186,9 +175,8 @@ pub(crate) fn dynamics(friction: Friction) -> String {
     )
 }
 
-/// What a robot description of a device does not hold, and where its values are no readings.
-pub(crate) fn left_out(device: &Device) -> Vec<String> {
-    let transmissions = has_transmission_errors(device).then(|| TRANSMISSIONS.to_owned());
+/// Joints whose values in a file are no readings.
+pub(crate) fn scaled(device: &Device) -> Vec<String> {
     let scaled = device.joints.iter().enumerate().filter_map(|(index, joint)| {
         let drive = device.drive(device.own_row(index)?)?;
         let is_own = drive.multiplier == 1.0 && drive.motion == joint.joint_type;
@@ -203,7 +191,7 @@ pub(crate) fn left_out(device: &Device) -> Vec<String> {
             )
         })
     });
-    transmissions.into_iter().chain(scaled).collect()
+    scaled.collect()
 }
 
 /// A name for each row's joint: the device's own for a joint's own row; all different.

@@ -266,7 +266,11 @@ fn what_a_device_weighs_comes_back() {
     };
     let expected = turned(device.bodies[1].unwrap().inertia_kgm2.unwrap());
     let (urdf, warnings) = new_urdf(&device).unwrap();
-    assert_eq!(warnings, Vec::<String>::new());
+    let [springs] = warnings.as_slice() else {
+        panic!("{warnings:?}");
+    };
+    assert!(springs.starts_with("joint 1 yields to torque"), "{springs}");
+    assert!(urdf.contains(springs.as_str()), "{urdf}");
     let (mjcf, _) = new_mjcf(&device).unwrap();
     let urdf = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
         .unwrap()

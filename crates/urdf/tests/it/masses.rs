@@ -1,8 +1,9 @@
 //! Corrected descriptions hold what rows carry: read again, they have the device's masses, centres and inertias.
 
-use haptical_model::{Body, Device};
+use haptical_model::{Body, Device, DeviceEffect};
 use haptical_urdf::{
     BaseAndTip, NewJoints, corrected_mjcf, corrected_urdf, device_from_mjcf, device_from_urdf,
+    new_mjcf, new_urdf,
 };
 
 /// Oblique axes, a link that is fixed behind another, one without inertial, one without content.
@@ -147,4 +148,96 @@ fn what_cannot_be_put_in_is_said() {
     let written = corrected_urdf(URDF, "arm.urdf", BaseAndTip::default(), &device).unwrap();
     let says = |words: &str| written.warnings.iter().any(|own| own.contains(words));
     assert!(says("no place for armatures"), "{:?}", written.warnings);
+}
+
+/// What an identification finds and a form has no place for is said by the command and by the file, for each form.
+#[test]
+fn what_a_form_does_not_carry_is_said_and_written() {
+    let friction = |joint, transition: &str, size| DeviceEffect {
+        name: "joint-friction".to_owned(),
+        joint: Some(joint),
+        numbers: [
+            ("coulomb_nm", 0.4),
+            ("viscous_nm_s_per_rad", 0.1),
+            (transition, size),
+        ]
+        .map(|(key, value)| (key.to_owned(), value))
+        .into(),
+        ..DeviceEffect::default()
+    };
+    let with = |mut device: Device| {
+        device.effects = vec![
+            friction(0, "transition_rad_per_s", 0.017),
+            friction(1, "transition_rad", 0.003),
+        ];
+        device.joints[0].armature_kgm2 = Some(0.25);
+        device.joints[0].torque_offset_nm = Some(-0.3);
+        device.joints[1].torque_delay_s = Some(0.0021);
+        device
+    };
+    let urdf = with(
+        device_from_urdf(URDF, "arm.urdf", BaseAndTip::default())
+            .unwrap()
+            .device,
+    );
+    let ends = BaseAndTip::to("tool");
+    let mjcf = with(device_from_mjcf(MJCF, "arm.xml", ends).unwrap().device);
+    let corrected = corrected_urdf(URDF, "arm.urdf", BaseAndTip::default(), &urdf).unwrap();
+    let patched = corrected_mjcf(MJCF, "arm.xml", ends, &mjcf, NewJoints::Listed).unwrap();
+    let sides = "joint 1 (tanh over 0.017 rad/s), joint 2 (Dahl's state over 0.003 rad)";
+    let [in_urdf, in_mjcf] = [
+        "joint 1 (armature 0.25 kg m^2, torque offset -0.3 N m), joint 2 (torque delay 2.1 ms)",
+        "joint 1 (torque offset -0.3 N m), joint 2 (torque delay 2.1 ms)",
+    ];
+    let softly = "`frictionloss` is a soft constraint";
+    for ((text, warnings), parts) in [
+        (
+            new_urdf(&urdf).unwrap(),
+            [sides, in_urdf, "a URDF's `friction`"],
+        ),
+        (
+            (corrected.text, corrected.warnings),
+            [sides, in_urdf, "a URDF's `friction`"],
+        ),
+        (new_mjcf(&mjcf).unwrap(), [sides, in_mjcf, softly]),
+        ((patched.text, patched.warnings), [sides, in_mjcf, softly]),
+    ] {
+        let (_, comment) = text
+            .split_once("<!-- What this file does not carry of the device:")
+            .unwrap();
+        for part in parts {
+            assert!(comment.contains(part), "{part}\n{text}");
+            assert!(
+                warnings.iter().any(|own| own.contains(part)),
+                "{part}\n{warnings:?}"
+            );
+        }
+        roxmltree::Document::parse(&text).unwrap();
+    }
+}
+
+/// A device without any of it is written without a word.
+#[test]
+fn what_is_carried_in_full_has_no_comment() {
+    let mut device = device_from_urdf(URDF, "arm.urdf", BaseAndTip::default())
+        .unwrap()
+        .device;
+    device.effects = vec![DeviceEffect {
+        name: "joint-friction".to_owned(),
+        joint: Some(0),
+        numbers: [("viscous_nm_s_per_rad".to_owned(), 0.1)].into(),
+        ..DeviceEffect::default()
+    }];
+    let written = corrected_urdf(URDF, "arm.urdf", BaseAndTip::default(), &device).unwrap();
+    assert!(
+        written.text.contains("<dynamics damping=\"0.1\""),
+        "{}",
+        written.text
+    );
+    assert!(!written.text.contains("does not carry"), "{}", written.text);
+    assert!(
+        !written.warnings.iter().any(|own| own.contains("left out")),
+        "{:?}",
+        written.warnings
+    );
 }

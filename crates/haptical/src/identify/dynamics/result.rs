@@ -119,6 +119,9 @@ pub struct JointEntry {
     pub coulomb: NumberEntry,
     /// Viscous friction.
     pub viscous: NumberEntry,
+    /// Share of what the joint carries that its friction has beside, where the log shows one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of_load: Option<NumberEntry>,
     /// Speed within which Coulomb friction turns over, or travel over which it builds up.
     pub transition: BTreeMap<&'static str, f64>,
     /// Armature.
@@ -171,6 +174,7 @@ impl IdentifiedDynamics {
         provenance: Record,
     ) -> Self {
         warnings.extend(found.warnings.iter().cloned());
+        warnings.extend(by_load(found));
         let validated = match &found.validated {
             Some(Ok(residuals)) => Some(residuals),
             Some(Err(why)) => {
@@ -276,6 +280,7 @@ fn joint(device: &Device, own: &JointDynamics) -> JointEntry {
         joint: own.joint + 1,
         coulomb: number(&own.coulomb, torque),
         viscous: number(&own.viscous, pick("N m s/rad", "N s/m")),
+        of_load: own.load.as_ref().map(|load| number(load, "1")),
         transition: BTreeMap::from([transition]),
         armature: number(&own.armature, pick("kg m^2", "kg")),
         offset: number(&own.offset, torque),
@@ -297,6 +302,19 @@ fn body(device: &Device, own: &BodyDynamics) -> BodyEntry {
         nominal_mass_kg: nominal.map(|own| own.mass_kg),
         held: own.is_held,
     }
+}
+
+/// What a device file cannot hold of friction that grows with the load.
+fn by_load(found: &Dynamics) -> Option<String> {
+    let joints = found.joints.iter().filter(|own| own.load.is_some());
+    let joints: Vec<String> = joints.map(|own| (own.joint + 1).to_string()).collect();
+    (!joints.is_empty()).then(|| {
+        format!(
+            "friction grows with the load of joints {}: a device file has no number for that, and identified.toml gets the friction of the mean \
+             load of this log",
+            joints.join(", ")
+        )
+    })
 }
 
 fn combination(own: &BaseParameter) -> CombinationEntry {

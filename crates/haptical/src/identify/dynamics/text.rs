@@ -106,7 +106,7 @@ pub(super) fn torques(result: &IdentifiedDynamics) -> Result<Table, Error> {
 
 /// Friction, armature and offset.
 pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
-    let columns = "joint | Coulomb | viscous | turns over | armature | offset";
+    let columns = "joint | Coulomb | of the load | viscous | turns over | armature | offset";
     let title = "Joints, with half the width of 95 % intervals; SI units, rad or m";
     let mut table = Table::with_heads(title.to_owned(), columns);
     for own in &result.joints {
@@ -117,11 +117,15 @@ pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
             } else {
                 "travel"
             };
-            format!("{what} {size}")
+            let digits = (2.0 - size.log10().floor()).clamp(0.0, 9.0) as usize;
+            format!("{what} {size:.digits$}")
         });
         table.push(vec![
             format!("{}", own.joint).into(),
             in_words(&own.coulomb).into(),
+            own.of_load
+                .as_ref()
+                .map_or(Cell::Missing, |own| in_words(own).into()),
             in_words(&own.viscous).into(),
             transition.into(),
             in_words(&own.armature).into(),

@@ -12,7 +12,8 @@ use crate::UrdfError;
 use crate::numbers::{commented, escaped, written};
 use crate::write::effects::{Effects, YieldKind};
 use crate::write::mjcf::dynamics::{RowDynamics, row_dynamics};
-use crate::write::urdf::{FAR, joint_names, left_out};
+use crate::write::not_carried::{self, Form, not_carried};
+use crate::write::urdf::{FAR, joint_names, scaled};
 use haptical_model::RowBody;
 use haptical_model::Segments;
 
@@ -161,6 +162,7 @@ impl Model<'_> {
             &self.with_external_encoders(),
             snippet::BY_SENSORS,
         ));
+        text.push_str(&not_carried::comment(&self.not_carried()));
         text.push_str("</mujoco>\n");
         text
     }
@@ -316,9 +318,14 @@ impl Model<'_> {
         }
     }
 
+    fn not_carried(&self) -> Vec<String> {
+        not_carried(self.device, &self.effects, Form::Mjcf)
+    }
+
     /// What the file makes up or leaves out.
     fn warnings(&self) -> Vec<String> {
-        let mut warnings = left_out(self.device);
+        let mut warnings = self.not_carried();
+        warnings.extend(scaled(self.device));
         let mut kinds: Vec<&'static str> = Vec::new();
         kinds.extend(self.bodies.iter().filter_map(|body| body.plausible));
         kinds.sort_unstable();
@@ -353,19 +360,13 @@ impl Model<'_> {
                 outside.join(", ")
             ));
         }
-        warnings.extend(self.effects.said.iter().cloned());
         if self.effects.has_delays() {
             warnings.push(
                 "late sensors: MuJoCo has had `delay` and `nsample` since version 3.5".to_owned(),
             );
         }
-        warnings.extend(self.effects.left_out.iter().map(|effect| {
-            format!(
-                "`{}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python to \
-                 add it",
-                commented(&snippet::described(effect))
-            )
-        }));
+        let left_out = self.effects.left_out.iter();
+        warnings.extend(left_out.map(|own| snippet::said(&commented(&snippet::described(own)))));
         warnings
     }
 }

@@ -82,6 +82,13 @@ pub(crate) fn comment(
     text
 }
 
+/// What a command says of an effect that is in the comment.
+pub(crate) fn said(effect: &str) -> String {
+    format!(
+        "`{effect}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python to add it"
+    )
+}
+
 /// `drum-eccentricity@2 (amplitude_rad 0.001, phase_rad 0.2)`.
 pub(crate) fn described(effect: &DeviceEffect) -> String {
     let numbers = effect.numbers.iter();
