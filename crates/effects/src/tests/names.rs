@@ -86,6 +86,7 @@ const STABLE: [(&str, &[&str]); 71] = [
     ("link-inertia", &[]),
     ("gravity-direction", &[]),
     ("sampling", &[]),
+    ("command-latency", &[]),
 ];
 
 #[test]
