@@ -2,7 +2,7 @@
 
 use haptical_effects::force::in_motion::COMMAND_LATENCY;
 use haptical_model::{Device, Recording};
-use haptical_motion::{Examined, Untracked, examine_tracking};
+use haptical_motion::{Examined, examine_tracking};
 
 use super::words::Words;
 use crate::force::OnSecond;

@@ -8,7 +8,9 @@ use crate::fit::system::System;
 /// Delays that are tried at first \[s\].
 const DELAYS_S: [f64; 7] = [EARLIEST_S, 0.0, 0.01, 0.02, 0.04, 0.07, LATEST_S];
 /// Parabolas that the best of them is settled by.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 10;
+/// Change of a delay that is none \[s\].
+const SETTLED_S: f64 = 1e-6;
 /// Distance over which the sharpness of the best one is looked at \[s\].
 const BESIDE_S: f64 = 5e-4;
 
@@ -96,21 +98,30 @@ pub(super) fn search(rows: &Rows, signals: &Signals, law: Law, joints: &[usize])
         all.min_by(|a, b| tried[*a].1.total_cmp(&tried[*b].1))
             .unwrap_or(0)
     };
+    // with the noise of each joint as the best one has it, squares are parabolas
+    let of_best = |fits: &[JointFit], best: &[JointFit]| -> f64 {
+        let both = fits.iter().zip(best);
+        both.map(|(own, best)| own.square / best.square.max(1e-12))
+            .sum()
+    };
     for _ in 0..ROUNDS {
         let best = best_of(&tried);
         if best == 0 || best + 1 == tried.len() {
             break;
         }
-        let [a, b, c] = [best - 1, best, best + 1].map(|k| (tried[k].0, tried[k].1));
-        let Some(next) = vertex(a, b, c).filter(|own| (own - b.0).abs() > 1e-6) else {
+        let [a, b, c] = [best - 1, best, best + 1].map(|k| {
+            let own = of_best(&tried[k].2, &tried[best].2);
+            (tried[k].0, own)
+        });
+        let Some(next) = vertex(a, b, c).filter(|own| (own - b.0).abs() > SETTLED_S) else {
             break;
         };
         let place = tried.partition_point(|own| own.0 < next);
         tried.insert(place, at(next));
     }
     let (delay_s, objective, fits) = tried.swap_remove(best_of(&tried));
-    let beside = [-BESIDE_S, BESIDE_S].map(|own| at(delay_s + own).1);
-    let sharp = (beside[0] + beside[1] - 2.0 * objective) / BESIDE_S.powi(2);
+    let beside = [-BESIDE_S, BESIDE_S].map(|own| of_best(&at(delay_s + own).2, &fits));
+    let sharp = count * (beside[0] + beside[1] - 2.0 * joints.len() as f64) / BESIDE_S.powi(2);
     Found {
         law,
         delay_s,

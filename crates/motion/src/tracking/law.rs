@@ -119,7 +119,7 @@ impl Signals {
                 signals.iter().map(|own| own[step]).collect()
             };
             let (q, dq) = (at(&states.motor.q), at(&states.motor.dq));
-            let mut put = |into: &mut [Vec<f64>], torque: &[f64]| {
+            let put = |into: &mut [Vec<f64>], torque: &[f64]| {
                 for (into, value) in into.iter_mut().zip(torque) {
                     into[step] = *value;
                 }
