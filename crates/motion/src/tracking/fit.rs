@@ -7,10 +7,8 @@ use crate::fit::system::System;
 
 /// Delays that are tried at first \[s\].
 const DELAYS_S: [f64; 7] = [EARLIEST_S, 0.0, 0.01, 0.02, 0.04, 0.07, LATEST_S];
-/// Parabolas that the best of them is settled by.
-const ROUNDS: usize = 10;
-/// Change of a delay that is none \[s\].
-const SETTLED_S: f64 = 1e-6;
+/// Distances of the parabolas that the best of them is settled by \[s\].
+const NEAR_S: [f64; 4] = [4e-3, 1e-3, 2.5e-4, 1e-4];
 /// Distance over which the sharpness of the best one is looked at \[s\].
 const BESIDE_S: f64 = 5e-4;
 
@@ -104,7 +102,13 @@ pub(super) fn search(rows: &Rows, signals: &Signals, law: Law, joints: &[usize])
         both.map(|(own, best)| own.square / best.square.max(1e-12))
             .sum()
     };
-    for _ in 0..ROUNDS {
+    // squares are no parabolas from one delay of the grid to the next: nearer and nearer ones
+    for near_s in NEAR_S {
+        let middle_s = tried[best_of(&tried)].0;
+        for next in [middle_s - near_s, middle_s + near_s] {
+            let place = tried.partition_point(|own| own.0 < next);
+            tried.insert(place, at(next));
+        }
         let best = best_of(&tried);
         if best == 0 || best + 1 == tried.len() {
             break;
@@ -113,11 +117,10 @@ pub(super) fn search(rows: &Rows, signals: &Signals, law: Law, joints: &[usize])
             let own = of_best(&tried[k].2, &tried[best].2);
             (tried[k].0, own)
         });
-        let Some(next) = vertex(a, b, c).filter(|own| (own - b.0).abs() > SETTLED_S) else {
-            break;
-        };
-        let place = tried.partition_point(|own| own.0 < next);
-        tried.insert(place, at(next));
+        if let Some(next) = vertex(a, b, c) {
+            let place = tried.partition_point(|own| own.0 < next);
+            tried.insert(place, at(next));
+        }
     }
     let (delay_s, objective, fits) = tried.swap_remove(best_of(&tried));
     let beside = [-BESIDE_S, BESIDE_S].map(|own| of_best(&at(delay_s + own).2, &fits));
