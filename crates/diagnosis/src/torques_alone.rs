@@ -97,7 +97,7 @@ pub(crate) fn diagnose(
     }
     Ok(Diagnosis {
         verdict,
-        next_experiment: next_experiment(verdict, &force),
+        next_experiment: next_experiment(verdict, &force, is_moving),
         traces: traces(&force, verdict),
         unexplained_share: force.unexplained_share,
         closed_unseen_share: force
@@ -172,6 +172,10 @@ fn is_checked(own: &CauseAnswer) -> bool {
 const POSITIONS: &str =
     "the log has joints and torques alone: no encoder, distance or position shows it";
 
+/// Why a play is not tested by the torques of a motion.
+const PLAY: &str = "no encoder is on the links: of a play the motor's torque shows knocks where the load changes sides, which friction before \
+                    sliding and a gear's spring leave as well, so that a gap there has no name; put an encoder on the link";
+
 /// Effects on positions, which nothing shows here, and those on torques that this log cannot test.
 fn untestable(
     effects: &[Box<dyn Effect>],
@@ -189,7 +193,11 @@ fn untestable(
             found.push(Untestable {
                 effect: effect.name().to_owned(),
                 joints: Vec::new(),
-                why: POSITIONS.to_owned(),
+                why: match (is_moving, effect.name()) {
+                    (true, "backlash") => PLAY,
+                    _ => POSITIONS,
+                }
+                .to_owned(),
             });
         }
     }
@@ -217,7 +225,7 @@ fn traces(force: &ForceAnswer, verdict: Verdict) -> Vec<Trace> {
     trace.collect()
 }
 
-fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
+fn next_experiment(verdict: Verdict, force: &ForceAnswer, is_moving: bool) -> Option<String> {
     let first = force.findings.first().map(|cause| cause.effect.as_str());
     match (verdict, first) {
         (Verdict::NoGap, _) => None,
@@ -233,6 +241,16 @@ fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
             "to confirm {name}: hold the motor still and load its link slowly from both sides; a play shows as a step, a spring \
              as a slope, and a delay not at all"
         )),
+        (Verdict::Named | Verdict::Ambiguous, Some("command-latency")) => Some(
+            "to confirm command-latency: command a step of one joint and log at a higher rate; a delay shows as the time until the \
+             torque answers, and a controller that is softer does not"
+                .to_owned(),
+        ),
+        (Verdict::Named | Verdict::Ambiguous, Some("cross-coupling")) => Some(
+            "to confirm cross-coupling: hold the loaded joint still and let the other one press against a stop, both ways; its drive \
+             answers in proportion"
+                .to_owned(),
+        ),
         (Verdict::Named | Verdict::Ambiguous, Some(name)) => Some(format!(
             "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
              friction keeps its size, weights and gains grow with the load"
@@ -240,7 +258,11 @@ fn next_experiment(verdict: Verdict, force: &ForceAnswer) -> Option<String> {
         _ => Some(
             "repeat the trajectory at a third of the speed: what is friction keeps its size, what is inertia falls to a ninth; \
              then once with a known weight at the flange"
-                .to_owned(),
+                .to_owned()
+                + match is_moving {
+                    true => "; an encoder on the link tells a play or a spring of its gear",
+                    false => "",
+                },
         ),
     }
 }

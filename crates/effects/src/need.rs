@@ -43,6 +43,8 @@ pub enum Need {
     Gravity,
     /// A motion at 20 rows a second or more, and the mass and inertia of every link.
     Inertia,
+    /// Commanded positions.
+    Command,
     /// Counts of the joint's motor-side encoder.
     Counts,
     /// A model identified earlier.
@@ -70,6 +72,7 @@ impl Need {
             Self::OneBase => "one tracker place",
             Self::Gravity => "gravity",
             Self::Inertia => "motion, masses and inertias",
+            Self::Command => "commands",
             Self::Counts => "counts",
             Self::EarlierModel => "an earlier model",
         }
@@ -147,6 +150,10 @@ impl Need {
             Self::OneBase => lacks(
                 device.has_run_bases(),
                 "each run has a tracker place of its own, which is fitted and takes up such a move",
+            ),
+            Self::Command => lacks(
+                recording.command(joint).is_none(),
+                &format!("no column command{number}_{}", device.joints[joint].unit()),
             ),
             Self::Counts => lacks(
                 device.joints[joint].encoder_counts_per_rev.is_none(),

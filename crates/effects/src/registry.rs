@@ -189,6 +189,8 @@ const REGISTRY: &[Line] = &[
     elsewhere(&in_motion::LINK_CENTRE),
     elsewhere(&in_motion::GRAVITY_DIRECTION),
     elsewhere(&in_motion::SAMPLING),
+    elsewhere(&in_motion::COMMAND_LATENCY),
+    elsewhere(&in_motion::CROSS_COUPLING),
 ];
 
 impl Line {

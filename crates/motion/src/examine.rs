@@ -69,6 +69,8 @@ pub struct Examined {
     pub jitter: f64,
     /// Whether positions are smoother on an even grid than at their stamps, which were left aside then.
     pub is_stamped_late: bool,
+    /// How long the torques are logged before their positions, as fitted \[s\].
+    pub early_s: f64,
     /// What is wrong with the torques, so that nothing gets a name.
     pub doubts: Vec<Doubt>,
     /// Joints (from 0) whose torque has one value throughout, with it: nothing is said of them.
@@ -388,6 +390,7 @@ fn examined(
         above_hz: None,
         jitter: problem.samples.jitter,
         is_stamped_late: problem.samples.is_stamped_late,
+        early_s: early_s(base, selection),
         doubts: doubts(scales),
         constant: (0..problem.arm.joints())
             .filter_map(|joint| Some((joint, problem.samples.constant_torque(joint)??)))
@@ -398,6 +401,13 @@ fn examined(
         fastest,
         time_s: centres.map(|step| problem.states.time_s[*step]).collect(),
     }
+}
+
+/// How long the torques are logged before their positions, within what a sound arm's may be and beyond.
+fn early_s(base: &Base, selection: &Selection) -> f64 {
+    let numbers = base.columns.iter().zip(&selection.fitted.solved.solution);
+    let within = numbers.filter(|(own, _)| matches!(own.term, Term::Delay));
+    selection.early_s + within.map(|own| own.1).sum::<f64>()
 }
 
 #[cfg(test)]
@@ -439,6 +449,7 @@ mod tests {
             above_hz: None,
             jitter: 0.0,
             is_stamped_late: false,
+            early_s: 0.0,
             doubts: Vec::new(),
             constant: Vec::new(),
             fastest: Vec::new(),

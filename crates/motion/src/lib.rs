@@ -17,6 +17,7 @@ mod scale;
 mod select;
 mod signal;
 mod survey;
+mod tracking;
 mod unseen;
 
 pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};
@@ -32,4 +33,5 @@ pub use identify::{
 pub use loads::link_torques;
 pub use scale::{Doubt, Scale};
 pub use survey::{Survey, SurveyedJoint, SurveyedTorque, survey, unwrapped, usual_step_s, why_not};
+pub use tracking::{Tracking, Untracked, examine_tracking};
 pub use unseen::{PARTS, Unseen};

@@ -86,9 +86,10 @@ pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
     let largest = force.largest()?;
     let joint = largest.joint?;
     let followed = || force.depends_on.iter();
-    let place = match largest.channel.starts_with("torque") {
-        true => format!("in the torque of joint {joint}"),
-        false => format!("between the motor and the link of joint {joint}"),
+    let place = match largest.channel.trim_end_matches(char::is_numeric) {
+        "torque" => format!("in the torque of joint {joint}"),
+        "tracking" => format!("between the command and the torque of joint {joint}"),
+        _ => format!("between the motor and the link of joint {joint}"),
     };
     let region = match force.depends_on.first() {
         Some(first) => format!(

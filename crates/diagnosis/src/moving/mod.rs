@@ -2,6 +2,7 @@
 
 pub(crate) mod between;
 mod followed;
+mod tracking;
 mod warnings;
 mod words;
 
@@ -37,8 +38,8 @@ pub(crate) fn of_moving_arm(
             ..recording.clone()
         }
     };
-    let second_bare = second.map(bare);
-    let examined = match examine(device, &bare(recording), second_bare.as_ref(), without) {
+    let (recording, second_bare) = (bare(recording), second.map(bare));
+    let examined = match examine(device, &recording, second_bare.as_ref(), without) {
         Ok(examined) => examined,
         // at rest, and of a device that cannot be evaluated, there are other ways of looking at torques
         Err(MotionError::Standstill | MotionError::Model(_)) => return None,
@@ -52,8 +53,9 @@ pub(crate) fn of_moving_arm(
     };
     let words = Words::of_torques(device, &examined);
     let seen = second.is_some().then(|| words.on_second());
-    let answer = answer(&words);
-    Some((answer, seen))
+    let both = (answer(&words), seen);
+    let logs = (&recording, second_bare.as_ref());
+    Some(tracking::beside(device, logs, &examined, without, both))
 }
 
 /// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries

@@ -20,6 +20,7 @@ const NOT_TOLD_APART: f64 = 4.605;
 enum Shown {
     Torque,
     Output,
+    Tracking,
 }
 
 /// An examination in words.
@@ -50,6 +51,16 @@ impl<'e> Words<'e> {
         }
     }
 
+    /// Of torques beside the commands that they follow.
+    pub(super) fn of_commands(device: &'e Device, examined: &'e Examined) -> Self {
+        Self {
+            device,
+            examined,
+            is_adequate: !examined.findings.is_empty(),
+            shown: Shown::Tracking,
+        }
+    }
+
     fn slides(&self, joint: usize) -> bool {
         self.device.joints[joint].joint_type == JointType::Prismatic
     }
@@ -57,8 +68,8 @@ impl<'e> Words<'e> {
     /// Unit of a joint's readings.
     pub(super) fn unit(&self, joint: usize) -> &'static str {
         match (self.shown, self.slides(joint)) {
-            (Shown::Torque, false) => "N m",
-            (Shown::Torque, true) => "N",
+            (Shown::Torque | Shown::Tracking, false) => "N m",
+            (Shown::Torque | Shown::Tracking, true) => "N",
             (Shown::Output, false) => "rad",
             (Shown::Output, true) => "m",
         }
@@ -68,6 +79,7 @@ impl<'e> Words<'e> {
         let name = match self.shown {
             Shown::Torque => "torque",
             Shown::Output => "out",
+            Shown::Tracking => "tracking",
         };
         format!("{name}{}", joint + 1)
     }

@@ -221,3 +221,31 @@ pub const SAMPLING: Spec = Spec {
     follows: Follows::Time,
     ..MOVING
 };
+
+/// Commands that a controller hears late.
+pub const COMMAND_LATENCY: Spec = Spec {
+    name: "command-latency",
+    meaning: "the controller hears its commands late",
+    inspect: "bus, buffers and interpolation between the sender of commands and the drives",
+    adds: "the controller's law of c(t - d) in the place of c(t)",
+    family: Family::Lag,
+    parameters: &[Parameter::size("delay_s", 0.0, 0.1)],
+    follows: Follows::Time,
+    needs: &[Need::Time, Need::Torque, Need::Inertia, Need::Command],
+    ..MOVING
+};
+
+/// A drive that loads another joint.
+pub const CROSS_COUPLING: Spec = Spec {
+    name: crate::transmission::cross_coupling::SPEC.name,
+    meaning: "a drive loads another joint than its own",
+    inspect: "cables, shafts and differentials that pass the joint",
+    adds: "c tau_from",
+    family: Family::Coupling,
+    parameters: &[
+        Parameter::size("gain", 0.0, 1.0),
+        Parameter::number("from_joint", f64::MAX),
+    ],
+    follows: Follows::Torque,
+    ..MOVING
+};

@@ -56,6 +56,7 @@ pub(super) fn examined(rows: &Rows, chosen: &Chosen) -> Examined {
         has_memory: false,
         above_hz: None,
         is_stamped_late: false,
+        early_s: 0.0,
         doubts: Vec::new(),
         constant: Vec::new(),
         fastest: Vec::new(),

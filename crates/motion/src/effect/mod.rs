@@ -2,6 +2,7 @@
 
 mod armature;
 mod contact;
+mod cross_coupling;
 mod delay;
 mod friction_asymmetry;
 mod friction_drift;
@@ -126,6 +127,7 @@ pub(crate) const EFFECTS: &[Effect] = &[
     gravity_spring::EFFECT,
     torque_saturation::EFFECT,
     joint_compliance::EFFECT,
+    cross_coupling::EFFECT,
     contact::EFFECT,
     delay::OF_ONE_ENCODER,
     delay::TORQUE_LATENCY,
@@ -146,6 +148,7 @@ pub(crate) fn is_exact(name: &str) -> bool {
         torque_offset::EFFECT.name,
         torque_gain::EFFECT.name,
         armature::EFFECT.name,
+        cross_coupling::EFFECT.name,
     ]
     .contains(&name)
 }
@@ -153,6 +156,7 @@ pub(crate) fn is_exact(name: &str) -> bool {
 /// Names of all effects.
 pub fn effect_names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EFFECTS.iter().map(|own| own.name).collect();
+    names.push(crate::tracking::NAME);
     names.dedup();
     names
 }

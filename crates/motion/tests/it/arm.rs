@@ -72,6 +72,8 @@ pub(crate) struct Truth {
     pub(crate) position_sd: f64,
     /// What the first joint's torque reads without any \[N m\].
     pub(crate) offset_nm: f64,
+    /// Share of the second drive's torque that loads the first.
+    pub(crate) coupling: f64,
     /// Rows beyond 20 s, in which the motion begins again.
     pub(crate) further_rows: usize,
     /// The torques are noise of this size and nothing else \[N m\].
@@ -220,5 +222,6 @@ fn torque(
     ];
     // tau = tau_b + c s |tau|
     let side = (w1 / 0.006).tanh() * first.signum();
-    [first / (1.0 - truth.load_share * side), second]
+    let first = first / (1.0 - truth.load_share * side);
+    [first + truth.coupling * second, second]
 }

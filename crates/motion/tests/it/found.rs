@@ -177,3 +177,15 @@ fn an_effect_that_is_left_out_is_not_named_and_leaves_a_gap() {
         found.findings
     );
 }
+
+#[test]
+fn a_drive_that_loads_another_joint_is_named_with_its_share() {
+    let truth = Truth {
+        coupling: 0.3,
+        ..Truth::default()
+    };
+    assert_found(truth, "cross-coupling", Some(0), ("gain", 0.3, 0.02));
+    let found = examined(truth, 1);
+    let numbers = &found.findings[0].numbers;
+    assert!(numbers.contains(&("from_joint", 2.0, 0.0)), "{numbers:?}");
+}

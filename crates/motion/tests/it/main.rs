@@ -6,6 +6,7 @@
 
 mod arm;
 mod between;
+mod commands;
 mod found;
 mod identified;
 mod laws;

@@ -70,24 +70,37 @@ pub(super) struct Log {
     pub(super) time_s: Vec<f64>,
     pub(super) theta_rad: [Vec<f64>; 2],
     pub(super) torque_nm: [Vec<f64>; 2],
+    /// None of most logs.
+    pub(super) command_rad: Option<[Vec<f64>; 2]>,
+}
+
+type Courses = [[(f64, f64); 6]; 2];
+
+/// Gains of drives that hold the nominal weights as well: stiffness \[N m/rad\] and damping \[N m s/rad\].
+const GAINS: [(f64, f64); 2] = [(700.0, 45.0), (260.0, 15.0)];
+
+fn courses(arm: Arm, noise: &mut Noise) -> Courses {
+    let mut courses = [[(0.0, 0.0); 6]; 2];
+    for (size, phase) in courses.iter_mut().flatten() {
+        *size = 0.05 + 0.2 * noise.uniform();
+        *phase = std::f64::consts::TAU * noise.uniform();
+    }
+    if arm.rests {
+        courses[1] = [(0.0, 0.0); 6];
+    }
+    courses
 }
 
 impl Log {
     /// 20 s at 200 Hz; `seed` makes motion and noise.
     pub(super) fn of(arm: Arm, seed: u64) -> Self {
         let mut noise = Noise(seed);
-        let mut courses = [[(0.0, 0.0); 6]; 2];
-        for (size, phase) in courses.iter_mut().flatten() {
-            *size = 0.05 + 0.2 * noise.uniform();
-            *phase = std::f64::consts::TAU * noise.uniform();
-        }
-        if arm.rests {
-            courses[1] = [(0.0, 0.0); 6];
-        }
+        let courses = courses(arm, &mut noise);
         let mut log = Self {
             time_s: Vec::new(),
             theta_rad: [Vec::new(), Vec::new()],
             torque_nm: [Vec::new(), Vec::new()],
+            command_rad: None,
         };
         for row in 0..ROWS {
             let time = STEP_S * row as f64;
@@ -102,22 +115,51 @@ impl Log {
         log
     }
 
+    /// The same with the commands that drives of these gains made these torques of, which they heard late.
+    pub(super) fn commanded(arm: Arm, seed: u64, late_s: f64) -> Self {
+        let mut log = Self::of(arm, seed);
+        let courses = courses(arm, &mut Noise(seed));
+        let fine_s = 2.5e-4;
+        let commands = [0, 1].map(|joint| {
+            let (stiffness, damping) = GAINS[joint];
+            // tau = K (u - q) + D (du/dt - w) + g: the speed that the command u has to have
+            let speed = |time: f64, heard: f64| {
+                let state = courses.map(|course| motion(&course, time));
+                let still = state.map(|own| [own[0], 0.0, 0.0]);
+                let driven = torque(&arm, state)[joint] - torque(&Arm::default(), still)[joint];
+                let [angle, own_speed, _] = state[joint];
+                own_speed + (driven - stiffness * (heard - angle)) / damping
+            };
+            let mut heard = vec![motion(&courses[joint], 0.0)[0]];
+            for step in 0..(ROWS * 20 + 1000) {
+                let (time, own) = (fine_s * step as f64, heard[step]);
+                let middle = own + 0.5 * fine_s * speed(time, own);
+                heard.push(own + fine_s * speed(time + 0.5 * fine_s, middle));
+            }
+            // what is heard now was sent before
+            let ahead = (late_s / fine_s).round() as usize;
+            (0..ROWS).map(|row| heard[20 * row + ahead]).collect()
+        });
+        log.command_rad = Some(commands);
+        log
+    }
+
     pub(super) fn text(&self) -> String {
-        let mut text = "t_s,theta1_rad,theta2_rad,torque1_nm,torque2_nm\n".to_owned();
+        let mut text = "t_s,theta1_rad,theta2_rad,torque1_nm,torque2_nm".to_owned();
+        if self.command_rad.is_some() {
+            text.push_str(",command1_rad,command2_rad");
+        }
+        text.push('\n');
+        let mut columns = vec![&self.time_s];
+        columns.extend(self.theta_rad.iter().chain(&self.torque_nm));
+        columns.extend(self.command_rad.iter().flatten());
         for row in 0..self.time_s.len() {
-            let columns = [
-                &self.time_s,
-                &self.theta_rad[0],
-                &self.theta_rad[1],
-                &self.torque_nm[0],
-                &self.torque_nm[1],
-            ];
             // NaN is written as an empty cell
-            let cells = columns.map(|own| match own[row].is_nan() {
+            let cells = columns.iter().map(|own| match own[row].is_nan() {
                 true => String::new(),
                 false => own[row].to_string(),
             });
-            text.push_str(&cells.join(","));
+            text.push_str(&cells.collect::<Vec<_>>().join(","));
             text.push('\n');
         }
         text

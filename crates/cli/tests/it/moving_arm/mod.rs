@@ -1,6 +1,7 @@
 //! Logs of a moving arm's positions and torques: what the command says of a sound one and of bad ones, and what it exports.
 
 mod bad;
+mod commands;
 mod exported;
 mod log;
 

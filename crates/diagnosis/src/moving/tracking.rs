@@ -1,0 +1,65 @@
+//! Commands of a moving arm beside its torques, as `haptical-motion` examines them.
+
+use haptical_effects::force::in_motion::COMMAND_LATENCY;
+use haptical_model::{Device, Recording};
+use haptical_motion::{Examined, examine_tracking};
+
+use super::words::Words;
+use crate::force::OnSecond;
+use crate::force::answer::ForceAnswer;
+
+/// The torques' answer with what the commands show: a delay as a cause, or why none can be told.
+pub(super) fn beside(
+    device: &Device,
+    logs: (&Recording, Option<&Recording>),
+    torques: &Examined,
+    without: &[String],
+    (mut answer, seen): (ForceAnswer, Option<OnSecond>),
+) -> (ForceAnswer, Option<OnSecond>) {
+    let name = COMMAND_LATENCY.name;
+    let tracking = match examine_tracking(device, logs, torques, without) {
+        Ok(tracking) => tracking,
+        Err(why) => {
+            answer.untestable.push((name, why.to_string()));
+            return (answer, seen);
+        }
+    };
+    let words = Words::of_commands(device, &tracking.examined);
+    let channels = words.gaps();
+    if !channels.iter().any(|own| own.has_gap) {
+        return (answer, seen);
+    }
+    answer.course = answer.course.or_else(|| words.course(&channels));
+    answer.channels.extend(channels);
+    if answer.findings.is_empty() {
+        answer.unexplained_share = match words.is_adequate {
+            true => tracking.examined.unexplained_share(),
+            false => 1.0,
+        };
+    }
+    answer.findings.extend(words.causes());
+    answer.significant = true;
+    answer.tested += tracking.examined.tried;
+    if words.is_adequate {
+        answer.warnings.push(format!(
+            "the torques follow the commands by {}, its gains free; corrected.toml does not hold command-latency: delay the commands by hand",
+            tracking.law
+        ));
+    }
+    let others: Vec<String> = (tracking.others.iter())
+        .map(|own| (own + 1).to_string())
+        .collect();
+    if !others.is_empty() {
+        answer.warnings.push(format!(
+            "of joint {} no controller's law gives the torque by the command: nothing is said of its delay",
+            others.join(", ")
+        ));
+    }
+    let of_commands = words.on_second();
+    let seen = seen.map(|mut seen| {
+        seen.held_out.extend(of_commands.held_out);
+        seen.predictions.extend(of_commands.predictions);
+        seen
+    });
+    (answer, seen)
+}
