@@ -204,13 +204,17 @@ fn refined(rows: &JointRows, fitted: &Fitted) -> Fitted {
         return fitted.clone();
     };
     let mut best = best.clone();
+    // anywhere within a step of the grid, which moves the coefficient by about as much as all steps together over their number
+    let ends = all.first().zip(all.last());
+    let range = ends.map_or(0.0, |(a, b)| b.coefficients[at] - a.coefficients[at]);
+    let of_step = range / all.len() as f64;
     let (mut weights, mut square) = (0.0, 0.0);
     for own in &all {
         let weight = (own.log_likelihood - best.log_likelihood).exp();
         weights += weight;
         square += weight * (own.coefficients[at] - best.coefficients[at]).powi(2);
     }
-    best.covariance[(at, at)] += square / weights;
+    best.covariance[(at, at)] += square / weights + of_step.powi(2) / 12.0;
     best
 }
 

@@ -275,7 +275,7 @@ mod tests {
     /// Friction changes sides when the joint does, however narrow the band: with the speed of the band it does not.
     #[test]
     fn friction_has_the_speed_of_the_joint_and_not_that_of_the_band() {
-        let time_s: Vec<f64> = (0..4000).map(|k| 0.005 * f64::from(k)).collect();
+        let time_s: Vec<f64> = (0..4000).map(|k| 0.005 * (f64::from(k) + 0.5)).collect();
         let log = Recording {
             line: (2..).take(time_s.len()).collect(),
             joint: vec![time_s.iter().map(|t| position(*t)).collect()],

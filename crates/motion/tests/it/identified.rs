@@ -196,9 +196,9 @@ fn friction_that_grows_with_the_load_is_found_where_it_is() {
         };
         let (found, _) = identified(truth, seed);
         let load = found.joints[0].load.unwrap();
-        // of the whole torque, friction included: a little more of the load alone
+        // this drive loses a share of its whole torque, with friction and armature in it: a larger one of what the bodies ask for
         assert!(
-            (load.value - 0.12).abs() < 0.025 && load.is_told(),
+            (0.12..0.18).contains(&load.value) && load.is_told(),
             "{load:?}"
         );
         assert_eq!(found.joints[1].load, None);
