@@ -1,6 +1,6 @@
 //! The rigid bodies of a device, and the directions in which their numbers may be off.
 
-use haptical_dynamics::{Inertia, Tree};
+use haptical_dynamics::{Inertia, Joint, Tree};
 use haptical_model::{Device, MotionWork, RigidBodies};
 use nalgebra::{Matrix3, Vector3};
 
@@ -23,6 +23,8 @@ pub(crate) struct Arm {
     pub(crate) bodies: RigidBodies,
     /// Stated armature of each joint \[kg m^2\].
     pub(crate) armature: Vec<Option<f64>>,
+    /// The stated one, or what is taken for it where the noise of the positions is weighed \[kg m^2\].
+    pub(crate) likely_armature: Vec<f64>,
     /// What each joint's torque reads without any, and how long it is logged before its position \[s\].
     pub(crate) offset: Vec<f64>,
     pub(crate) early_s: Vec<f64>,
@@ -37,6 +39,9 @@ impl Arm {
         Ok(Self {
             bodies: RigidBodies::plausible(device)?,
             armature: device.joints.iter().map(|own| own.armature_kgm2).collect(),
+            likely_armature: (device.joints.iter())
+                .map(|own| own.armature_kgm2.unwrap_or(0.0))
+                .collect(),
             offset: (device.joints.iter())
                 .map(|own| own.torque_offset_nm.unwrap_or(0.0))
                 .collect(),
@@ -48,6 +53,13 @@ impl Arm {
 
     pub(crate) fn joints(&self) -> usize {
         self.bodies.joint_count()
+    }
+
+    /// Whether a joint slides.
+    pub(crate) fn slides(&self, joint: usize) -> bool {
+        let is_own = |body: &usize| self.bodies.drive(*body).is_some_and(|own| own.0 == joint);
+        let mut own = (0..self.body_count()).filter(is_own);
+        own.any(|body| matches!(self.bodies.bodies()[body].joint, Joint::Prismatic(_)))
     }
 
     pub(crate) fn body_count(&self) -> usize {

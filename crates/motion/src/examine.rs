@@ -7,11 +7,14 @@ use crate::MotionError;
 use crate::arm::Arm;
 use crate::change::Change;
 use crate::dependence::{Dependence, dependences, share_of_posture};
-use crate::effect::{GRAVITY_SPRING, JOINT_SPRING, is_exact};
+use crate::effect::{
+    CONTACT, ENCODER_LATENCY, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, TORQUE_LATENCY,
+    is_exact,
+};
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
 use crate::scale::{Doubt, Scale, doubts};
-use crate::select::{Rival, Selection, select};
+use crate::select::{Fitted, Pick, Rival, Selection, select};
 use crate::survey::usable;
 use crate::unseen::{Unseen, on_second, within};
 
@@ -30,8 +33,10 @@ const QUIET: f64 = 2.0;
 const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
 /// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
 const OF_POSTURE: f64 = 0.5;
-/// But a spring's, whose levers are not known, may leave this share of the gap.
+/// But a spring's, whose levers are not known, may leave this share of the gap, and so may a tilt's, which bodies feel that are off themselves.
 const OF_SPRING: f64 = 1e-3;
+/// A noise with a memory is at most this many times a white one that is as large at its fastest: more is a disturbance of a colour of its own.
+const MOST_OF_MEMORY: f64 = 4.0;
 /// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
 const PART: f64 = 0.01;
 
@@ -178,8 +183,8 @@ impl Examined {
         let follows = |own: &ChannelFit| {
             own.has_rest() && own.share_of_posture > OF_POSTURE && are_exact(own.joint)
         };
-        // springs have levers of their own
-        let of_springs = self.findings.iter().all(|own| own.effect == GRAVITY_SPRING);
+        let is_loose = |own: &Finding| [GRAVITY_SPRING, GRAVITY_DIRECTION].contains(&own.effect);
+        let of_springs = self.findings.iter().all(is_loose);
         let is_small = of_springs && self.unexplained_share() < OF_SPRING;
         let exact = self.findings.iter().any(|own| is_exact(own.effect));
         exact && !is_small && self.channels.iter().any(follows)
@@ -204,7 +209,12 @@ impl ChannelFit {
 
 /// Whether a root mean square over that of the noise is more than so many rows of noise have.
 pub(crate) fn is_beyond_noise(of_noise: f64, rows: usize) -> bool {
-    of_noise.powi(2) > GAP + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
+    of_noise.powi(2) - 1.0 > gap(rows)
+}
+
+/// What a gap adds to the mean square of so many rows at least, in squares of noise.
+fn gap(rows: usize) -> f64 {
+    GAP - 1.0 + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
 }
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
@@ -225,7 +235,7 @@ pub fn examine(
     second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, MotionError> {
-    let first = examine_with(device, (recording, second), without, (false, None))?;
+    let first = examine_with(device, (recording, second), without, Reading::default())?;
     // what only looks like an effect still does beside a larger noise
     if !first.has_gap()
         || first.is_adequate()
@@ -234,9 +244,26 @@ pub fn examine(
     {
         return Ok(first);
     }
+    // a push at the flange that explains a part may be one at a tool
+    if first.findings.iter().any(|own| own.effect == CONTACT) {
+        let at_tool = Reading {
+            at_tool: true,
+            ..Reading::default()
+        };
+        let again = examine_with(device, (recording, second), without, at_tool)?;
+        if again.is_adequate() {
+            return Ok(again);
+        }
+    }
     // a noise with a memory may be all of a gap that has no name
-    let again = examine_with(device, (recording, second), without, (true, None))?;
-    if !again.has_gap() || again.is_adequate() {
+    let with_memory = Reading {
+        has_memory: true,
+        ..Reading::default()
+    };
+    let again = examine_with(device, (recording, second), without, with_memory)?;
+    let mut noises = first.channels.iter().zip(&again.channels);
+    let is_noise = noises.all(|(white, own)| own.noise < MOST_OF_MEMORY * white.noise);
+    if is_noise && !again.has_gap() || again.has_gap() && again.is_adequate() {
         return Ok(again);
     }
     // a spring between motor and link is known to first order alone, well below its resonance
@@ -244,7 +271,11 @@ pub fn examine(
         .into_iter()
         .filter(|own| *own < first.edge_hz)
     {
-        let slow = examine_with(device, (recording, second), without, (false, Some(edge_hz)))?;
+        let slower = Reading {
+            edge_hz: Some(edge_hz),
+            ..Reading::default()
+        };
+        let slow = examine_with(device, (recording, second), without, slower)?;
         let is_spring = |own: &Finding| own.effect == JOINT_SPRING;
         if slow.is_adequate() && slow.findings.iter().all(is_spring) {
             return Ok(Examined {
@@ -260,17 +291,24 @@ fn examine_with(
     device: &Device,
     (recording, second): (&Recording, Option<&Recording>),
     without: &[String],
-    (has_memory, edge_hz): (bool, Option<f64>),
+    reading: Reading,
 ) -> Result<Examined, MotionError> {
-    let arm = Arm::new(device)?;
+    let mut arm = Arm::new(device)?;
     let reading = Reading {
-        edge_hz,
         sets_right: !without.iter().any(|name| name == SAMPLING),
-        has_memory,
-        noise_share: 0.0,
+        ..reading
     };
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
-    let base = Base::weighted(&mut problem);
+    let mut base = Base::weighted(&mut problem);
+    if let Some(likely) = base.likely_armature(&problem) {
+        arm.likely_armature = likely;
+        let reading = Reading {
+            edge_hz: Some(problem.states.pass.edge_hz),
+            ..reading
+        };
+        problem = Problem::new(arm.clone(), recording, reading)?;
+        base = Base::weighted(&mut problem);
+    }
     let of_channel =
         |(channel, joint): (usize, &usize)| (*joint, Scale::of(&problem, &base, channel));
     let scales: Vec<(usize, Scale)> = problem
@@ -282,7 +320,11 @@ fn examine_with(
     if scales.iter().all(|(_, own)| own.is_noise()) && doubts(&scales).is_empty() {
         return Err(MotionError::Noise);
     }
-    let selection = select(&problem, &base, without);
+    let mut selection = select(&problem, &base, without);
+    // in a narrower band the gap that was seen in the whole one is looked for again
+    if reading.edge_hz.is_none() {
+        selection = shown(&problem, selection);
+    }
     let seen = second.map(|second| on_second(&arm, second, (&problem, &base, &selection)));
     let (unseen, why) = match seen {
         Some(Ok(unseen)) => (unseen, None),
@@ -294,6 +336,32 @@ fn examine_with(
         second: why,
         ..examined(&problem, &base, (&selection, &scales))
     })
+}
+
+/// What was selected, where a channel has a gap, the effects take as much off one as a gap is, or the law of all is exact; else nothing: what
+/// friction and ripple explain beside noise by less is that a sound arm's are no law to the last digit.
+fn shown(problem: &Problem, selection: Selection) -> Selection {
+    let rows = problem.states.rows();
+    let squares = |fitted: &Fitted| -> Vec<f64> {
+        let channels = fitted.solved.rest.chunks(rows);
+        channels.map(|own| dot(own, own) / rows as f64).collect()
+    };
+    let (before, after) = (squares(&selection.bare), squares(&selection.fitted));
+    let has_gap = before.iter().any(|own| is_beyond_noise(own.sqrt(), rows));
+    let mut both = before.iter().zip(&after);
+    let is_exact = |own: &Pick| is_exact(own.effect) || own.effect == ENCODER_LATENCY;
+    if has_gap
+        || selection.picks.iter().all(is_exact)
+        || both.any(|(before, after)| before - after > gap(rows))
+    {
+        return selection;
+    }
+    Selection {
+        picks: Vec::new(),
+        fitted: selection.bare.clone(),
+        early_s: 0.0,
+        ..selection
+    }
 }
 
 fn examined(
@@ -342,13 +410,16 @@ fn examined(
         behind_nats: own.behind,
         share: own.share,
     };
-    let findings = selection.picks.iter().map(|pick| Finding {
-        effect: pick.effect,
-        joint: pick.joint,
-        change: Change::of(&problem.arm, pick),
-        nats: pick.nats,
-        numbers: pick.numbers.clone(),
-        rivals: pick.rivals.iter().map(rival).collect(),
+    let findings = selection.picks.iter().map(|pick| {
+        let (effect, numbers) = by_sense(pick);
+        Finding {
+            effect,
+            joint: pick.joint,
+            change: Change::of(&problem.arm, pick),
+            nats: pick.nats,
+            numbers,
+            rivals: pick.rivals.iter().map(rival).collect(),
+        }
     });
     let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
         effect: SAMPLING,
@@ -408,6 +479,19 @@ fn early_s(base: &Base, selection: &Selection) -> f64 {
     let numbers = base.columns.iter().zip(&selection.fitted.solved.solution);
     let within = numbers.filter(|(own, _)| matches!(own.term, Term::Delay));
     selection.early_s + within.map(|own| own.1).sum::<f64>()
+}
+
+/// Name and numbers of a pick: where positions of all joints seem early, it is the torques that are late.
+fn by_sense(pick: &Pick) -> (&'static str, Vec<(&'static str, f64, f64)>) {
+    let mut numbers = pick.numbers.clone();
+    let is_early = pick.joint.is_none()
+        && pick.effect == ENCODER_LATENCY
+        && numbers.iter().any(|own| own.0 == "delay_s" && own.1 < 0.0);
+    if !is_early {
+        return (pick.effect, numbers);
+    }
+    numbers.iter_mut().for_each(|own| own.1 = -own.1);
+    (TORQUE_LATENCY, numbers)
 }
 
 #[cfg(test)]

@@ -18,7 +18,8 @@ const NOISE: f64 = 1.5;
 /// It is silent where its square is below that of noise and of this share of what its links ask for, by so many standard deviations.
 const SILENT: f64 = 0.3;
 const SILENT_SDS: f64 = 4.0;
-/// A slope below this is one of the other sign.
+/// A slope below this is one of the other sign, as long as its size is that of a torque: of a joint whose links ask for next to nothing,
+/// and whose rotor and friction ask for all, what little they ask for says nothing.
 const OTHER_SIGN: f64 = -0.3;
 /// Outside this it is another unit, where most joints are: no payload makes a torque smaller, nor all of them ten times larger.
 const UNIT: std::ops::Range<f64> = 0.5..10.0;
@@ -139,7 +140,8 @@ pub(crate) fn doubts(scales: &[(usize, Scale)]) -> Vec<Doubt> {
         .filter(|(_, own)| own.is_known())
         .map(|(joint, own)| (*joint, own.slope))
         .collect();
-    let turned = known.iter().filter(|(_, slope)| *slope < OTHER_SIGN);
+    let is_turned = |slope: f64| slope < OTHER_SIGN && slope > -UNIT.end;
+    let turned = known.iter().filter(|(_, slope)| is_turned(*slope));
     found.extend(turned.map(|(joint, slope)| Doubt::Sign {
         joint: *joint,
         slope: *slope,
@@ -184,6 +186,8 @@ mod tests {
         assert_eq!(of(&[1.0, 0.9, 0.1, 1.05]), []);
         // a heavy payload
         assert_eq!(of(&[1.0, 3.0, 4.0, 6.0]), []);
+        // the last joint of an arm whose hand is centred on it
+        assert_eq!(of(&[1.0, 0.9, 1.1, -17.7]), []);
     }
 
     #[test]

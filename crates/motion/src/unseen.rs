@@ -6,7 +6,7 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::effect::{Candidate, Context, Finer};
+use crate::effect::{Candidate, Context, Finer, effect_names};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
@@ -98,10 +98,10 @@ pub(crate) fn on_second(
             edge_hz: Some(own.states.pass.edge_hz),
             sets_right: true,
             has_memory: own.has_memory,
-            noise_share: 0.0,
+            ..Reading::default()
         },
     )?;
-    problem.allow_for_rest(&base.coulomb);
+    problem.allow_for_rest(&base.coulomb, &base.turnovers());
     let there = Base::new(&problem, Some(&base.reversals));
     if there.columns.len() != base.columns.len() || problem.channels != own.channels {
         let message = "the second recording moves other joints, or lacks torques of some";
@@ -123,7 +123,13 @@ pub(crate) fn on_second(
     };
     let before = left(&selection.bare, 0.0);
     let mut after = left(&selection.fitted, selection.early_s);
-    let pool = Pool::new(context, &[]);
+    // of the picks' effects alone
+    let is_there = |name: &str| selection.picks.iter().any(|own| own.effect == name);
+    let others: Vec<String> = (effect_names().into_iter())
+        .filter(|name| !is_there(name))
+        .map(str::to_owned)
+        .collect();
+    let pool = Pool::new(context, &others);
     for pick in &selection.picks {
         let Some(candidate) = again(&pool, &frame, pick) else {
             continue;

@@ -47,7 +47,7 @@ pub const LOAD_FRICTION: Spec = Spec {
     inspect: "gears and bearings of the joint",
     adds: "s(omega) c |tau|",
     family: Family::Load,
-    parameters: &[Parameter::size("per_nm", 0.0, 1.0)],
+    parameters: &[Parameter::size("share", 0.0, 1.0)],
     follows: Follows::Torque,
     ..MOVING
 };

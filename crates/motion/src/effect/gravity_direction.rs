@@ -49,10 +49,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     }
     let columns = signals.iter().map(|own| problem.of_joints(own));
     let numbers = |own: &[f64]| vec![("tilt_rad", own[0].hypot(own[1]))];
-    vec![Candidate::new(
-        EFFECT.name,
-        None,
-        columns.collect(),
-        Rc::new(numbers),
-    )]
+    let found = Candidate::new(EFFECT.name, None, columns.collect(), Rc::new(numbers));
+    // the torques of a tilt are those of bodies that are off themselves
+    vec![found.about_to(0.5 * crate::fit::plausible::MASS)]
 }

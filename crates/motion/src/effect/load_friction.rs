@@ -34,8 +34,11 @@ fn sizes(torque: &[f64]) -> Vec<f64> {
 
 fn of<'c>(context: Context<'c>, joint: usize, load: &[f64]) -> Option<Candidate<'c>> {
     let signal = product(&context.sign(joint), load.iter().copied());
-    let found = context.of_signals(EFFECT.name, joint, &[signal], first("per_nm"));
-    found.map(|own| own.if_positive().about_to(FRICTION_LAW_SD))
+    let found = context.of_signals(EFFECT.name, joint, &[signal], first("share"));
+    found.map(|own| Candidate {
+        within: [0.0, MOST],
+        ..own.if_positive().about_to(FRICTION_LAW_SD)
+    })
 }
 
 /// By the drive's torque as it was recorded, this friction included. The noise of that is in the rows too: a factor `c` takes

@@ -133,6 +133,13 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::TORQUE_LATENCY,
 ];
 
+/// The one that bodies feel which are off themselves.
+pub(crate) const GRAVITY_DIRECTION: &str = gravity_direction::EFFECT.name;
+/// What pushes for a part of the log.
+pub(crate) const CONTACT: &str = contact::EFFECT.name;
+/// Late positions of all joints, and late torques.
+pub(crate) const ENCODER_LATENCY: &str = delay::ENCODER_LATENCY.name;
+pub(crate) const TORQUE_LATENCY: &str = delay::TORQUE_LATENCY.name;
 /// The effect that is known well below its resonance alone.
 pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
 /// The one whose levers are not known.
@@ -236,6 +243,13 @@ impl<'c> Candidate<'c> {
             shape_sd: None,
             finer: Finer::Settled,
         }
+    }
+
+    /// With columns that are zero but for a few rows.
+    pub(crate) fn in_spans(mut self) -> Self {
+        let of = |own: Rc<Column>| Rc::new(Rc::unwrap_or_clone(own).in_spans());
+        self.columns = self.columns.into_iter().map(of).collect();
+        self
     }
 
     pub(crate) fn of_kind(mut self, kind: usize) -> Self {

@@ -10,8 +10,9 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::ByRest(candidates),
 };
 
-/// Repetitions in a turn of the joint that are tried at most.
+/// Repetitions in a turn of the joint that are tried at most, and in 2 pi metres of a slide: two in a turn of a screw of 5 mm.
 const HIGHEST: f64 = 400.0;
+const HIGHEST_OF_SLIDE: f64 = 2500.0;
 /// And at least in what the joint turns: what repeats less often may be a weight or a spring.
 const LEAST_PERIODS: f64 = 3.0;
 /// Best of a scan that are fitted beside the base model.
@@ -33,7 +34,11 @@ fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
         let rest = &rest[channel * rows..][..rows];
         let step = 0.5 * std::f64::consts::PI / travel;
         let lowest = LEAST_PERIODS * std::f64::consts::TAU / travel;
-        let count = (((HIGHEST - lowest) / step).max(0.0) as usize).min(MOST);
+        let highest = match problem.arm.slides(joint) {
+            true => HIGHEST_OF_SLIDE,
+            false => HIGHEST,
+        };
+        let count = (((highest - lowest) / step).max(0.0) as usize).min(MOST);
         let mut scan = scan(problem, q, rest, (lowest, step, count));
         scan.sort_by(|a, b| b.0.total_cmp(&a.0));
         scan.truncate(KEPT);

@@ -90,7 +90,8 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
                 .collect()
         })
         .collect();
-    let mut found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(|_| Vec::new()))?;
+    let found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(|_| Vec::new()))?;
+    let mut found = found.in_spans();
     found.is_sound = |own| {
         let sum = |sign: f64| own.iter().map(|own| (sign * own).max(0.0)).sum::<f64>();
         sum(1.0) > RIGHT_SIDE * sum(-1.0)

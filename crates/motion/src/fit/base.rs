@@ -23,6 +23,9 @@ const LEADS_S: [f64; 7] = [0.0, 0.003, 0.006, 0.009, 0.012, -0.003, -0.006];
 /// Travel over which every friction may build up: the joint's at its fastest in so many seconds.
 const BRISTLE_S: f64 = 1e-4;
 
+/// Noise of a fitted armature's acceleration, over that of a row, from which on it counts.
+const LOUD: f64 = 0.3;
+
 /// What a column of the base model is.
 #[derive(Debug, Clone)]
 pub(crate) enum Term {
@@ -130,11 +133,37 @@ impl Base {
                 coulomb[joint] = value.abs();
             }
         }
-        problem.allow_for_rest(&coulomb);
+        problem.allow_for_rest(&coulomb, &first.turnovers());
         Self {
             coulomb,
             ..Self::new(problem, None)
         }
+    }
+
+    /// Armatures with those that no file states as they are fitted, where one of them carries more noise of the positions into a torque than
+    /// was allowed for.
+    pub(crate) fn likely_armature(&self, problem: &Problem) -> Option<Vec<f64>> {
+        let solved = self.system().solve(&problem.recorded(0.0), &[]);
+        let mut likely = problem.arm.likely_armature.clone();
+        let mut is_loud = false;
+        for (own, value) in self.columns.iter().zip(&solved.solution) {
+            let Term::Armature { joint } = own.term else {
+                continue;
+            };
+            let channel = problem.channel_of(joint);
+            let Some(channel) = channel.filter(|_| own.known_sd.is_none()) else {
+                continue;
+            };
+            let noise = value.abs() * problem.states.acceleration_sd[joint];
+            is_loud |= noise > LOUD * problem.row_sd[channel];
+            likely[joint] = value.abs();
+        }
+        is_loud.then_some(likely)
+    }
+
+    /// Speed within which each joint's friction turns over.
+    pub(crate) fn turnovers(&self) -> Vec<f64> {
+        self.reversals.iter().map(|own| own.turnover).collect()
     }
 
     /// Its columns as a system.

@@ -1,5 +1,7 @@
 //! A recording's torques as whitened rows, with what rigid bodies say of them.
 
+use std::ops::Range;
+
 use haptical_linalg::dot;
 use haptical_model::Recording;
 
@@ -37,6 +39,8 @@ pub(crate) struct Reading {
     /// Share of a torque's root mean square that the noise of the positions may be, where it is above that of the torque: the band is
     /// narrowed until then.
     pub(crate) noise_share: f64,
+    /// What pushes the arm for a part of the log may do so beside the flange, and begin at once.
+    pub(crate) at_tool: bool,
 }
 
 /// The rows of a recording.
@@ -49,6 +53,8 @@ pub(crate) struct Problem {
     pub(crate) channels: Vec<usize>,
     /// Whether the noise of torques may have a memory.
     pub(crate) has_memory: bool,
+    /// As [`Reading::at_tool`].
+    pub(crate) at_tool: bool,
     /// Standard deviation of the noise of a row of each channel, and of a reading.
     pub(crate) row_sd: Vec<f64>,
     pub(crate) reading_sd: Vec<f64>,
@@ -77,6 +83,7 @@ impl Problem {
             sets_right,
             has_memory,
             noise_share,
+            at_tool,
         } = reading;
         let samples = Samples::new(recording, sets_right)?;
         if samples.rate_hz() < LEAST_RATE_HZ {
@@ -139,6 +146,7 @@ impl Problem {
             states,
             channels,
             has_memory,
+            at_tool,
             row_sd,
             inertial: Vec::new(),
             rigid: Vec::new(),
@@ -183,8 +191,10 @@ impl Problem {
         &own[joint]
     }
 
-    /// Allows for friction that is anything between its two directions where a joint rests, given its size in each joint.
-    pub(crate) fn allow_for_rest(&mut self, coulomb: &[f64]) {
+    /// Allows for friction whose direction is not known, given its size in each joint and the speed within which it turns over: it is
+    /// anything between its two directions where a joint rests, and where two smoothings of the positions differ on it, as about the corners
+    /// of a motion and between the counts of a coarse encoder (docs/assumptions.md, A188).
+    pub(crate) fn allow_for_rest(&mut self, coulomb: &[f64], turnovers: &[f64]) {
         let rows = self.states.rows();
         for (channel, &joint) in self.channels.iter().enumerate() {
             let dq = &self.states.motor.dq[joint];
@@ -192,8 +202,15 @@ impl Problem {
             let rests: Vec<f64> = (dq.iter())
                 .map(|dq| f64::from(dq.abs() < RESTS * fastest))
                 .collect();
+            let slower = self.states.slower_speed(&self.samples, joint);
+            let direction = |dq: f64| libm::tanh(dq / turnovers[joint]);
+            let differs: Vec<f64> = (dq.iter().zip(&slower))
+                .map(|(dq, slower)| (direction(*dq) - direction(*slower)).abs())
+                .collect();
+            let differs = self.states.filtered(&differs);
             for (row, share) in self.states.filtered(&rests).into_iter().enumerate() {
-                let sd = self.row_sd[channel].hypot(share * coulomb[joint]);
+                let unknown = share.hypot(differs[row]) * coulomb[joint];
+                let sd = self.row_sd[channel].hypot(unknown);
                 let at = channel * rows + row;
                 let change = 1.0 / (sd * self.weights[at]);
                 self.weights[at] *= change;
@@ -249,6 +266,24 @@ impl Problem {
             }
         }
         Column::All(all)
+    }
+
+    /// Whitened rows of signals of all joints that are zero but at some fine steps, of which they are given.
+    pub(crate) fn of_joints_at(
+        &self,
+        steps: &Range<usize>,
+        signal: impl Fn(usize) -> Vec<f64>,
+    ) -> Column {
+        let rows = self.states.rows();
+        let mut all = vec![0.0; self.channel_rows()];
+        for (channel, &joint) in self.channels.iter().enumerate() {
+            let values = self.states.filtered_at(steps, &signal(joint));
+            for (row, value) in self.states.rows_of(steps).zip(values) {
+                let at = channel * rows + row;
+                all[at] = value * self.weights[at];
+            }
+        }
+        Column::All(all).in_spans()
     }
 
     /// Whitened rows of a change of the inertial parameters of a body.
@@ -408,7 +443,7 @@ fn noises(
         .map(|noise| states.behind(noise))
         .collect();
     let positions: Vec<f64> = (channels.iter())
-        .map(|&joint| inertia[joint] * states.acceleration_sd[joint])
+        .map(|&joint| (inertia[joint] + arm.likely_armature[joint]) * states.acceleration_sd[joint])
         .collect();
     // a torque that is computed and not measured has no noise at all: its rounding then
     let torques = (channels.iter().zip(torques))

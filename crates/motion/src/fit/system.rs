@@ -30,8 +30,8 @@ pub(crate) struct Solved {
     free: Vec<usize>,
     /// Their lengths, by which the factor is scaled.
     scale: Vec<f64>,
-    /// Lower factor of their scaled products; a zero on its diagonal is a column that adds nothing.
-    factor: DMatrix<f64>,
+    /// Rows of the lower factor of their scaled products; a zero on its diagonal is a column that adds nothing.
+    factor: Vec<Vec<f64>>,
     /// Coefficients of all columns.
     pub(crate) solution: Vec<f64>,
     /// What is left of the target.
@@ -156,14 +156,12 @@ impl Solved {
         let count = self.free.len();
         let mut found = vec![0.0; count];
         for a in 0..count {
-            let pivot = self.factor[(a, a)];
+            let row = &self.factor[a];
+            let pivot = row[a];
             if pivot == 0.0 {
                 continue;
             }
-            let mut value = right(a) / self.scale[a];
-            for b in 0..a {
-                value -= self.factor[(a, b)] * found[b];
-            }
+            let value = right(a) / self.scale[a] - dot(&row[..a], &found[..a]);
             found[a] = value / pivot;
         }
         found
@@ -171,15 +169,15 @@ impl Solved {
 
     fn backward(&self, mut found: Vec<f64>) -> Vec<f64> {
         for a in (0..self.free.len()).rev() {
-            let pivot = self.factor[(a, a)];
+            let row = &self.factor[a];
+            let pivot = row[a];
             if pivot == 0.0 {
                 found[a] = 0.0;
                 continue;
             }
             found[a] /= pivot;
-            for b in 0..a {
-                found[b] -= self.factor[(a, b)] * found[a];
-            }
+            let (before, own) = found.split_at_mut(a);
+            (before.iter_mut().zip(row)).for_each(|(value, entry)| *value -= entry * own[0]);
         }
         (found.iter_mut().zip(&self.scale)).for_each(|(value, scale)| *value /= scale);
         found
@@ -195,7 +193,7 @@ impl Solved {
             .iter()
             .map(|column| {
                 let at = self.free.iter().position(|own| own == column);
-                let is_kept = at.is_some_and(|at| self.factor[(at, at)] != 0.0);
+                let is_kept = at.is_some_and(|at| self.factor[at][at] != 0.0);
                 // row of the inverse factor: M^-1 = (L^-1 e)' (L^-1 e)
                 let unit = |a: usize| {
                     if Some(a) == at && is_kept {
@@ -257,29 +255,23 @@ impl Solved {
     }
 }
 
-/// Lower factor of a symmetric matrix of unit diagonal; a column that adds nothing is left out by a zero on the diagonal.
-fn factor(count: usize, entry: impl Fn(usize, usize) -> f64) -> DMatrix<f64> {
-    let mut lower: DMatrix<f64> = DMatrix::zeros(count, count);
+/// Rows of the lower factor of a symmetric matrix of unit diagonal; a column that adds nothing is left out by a zero on the diagonal.
+fn factor(count: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+    let mut lower: Vec<Vec<f64>> = Vec::with_capacity(count);
     for a in 0..count {
-        for b in 0..a {
-            if lower[(b, b)] == 0.0 {
-                continue;
+        let mut row = vec![0.0; a + 1];
+        for (b, other) in lower.iter().enumerate() {
+            if other[b] != 0.0 {
+                row[b] = (entry(a, b) - dot(&row[..b], &other[..b])) / other[b];
             }
-            let mut value = entry(a, b);
-            for k in 0..b {
-                value -= lower[(a, k)] * lower[(b, k)];
-            }
-            lower[(a, b)] = value / lower[(b, b)];
         }
-        let mut left = entry(a, a);
-        for k in 0..a {
-            left -= lower[(a, k)].powi(2);
-        }
+        let left = entry(a, a) - dot(&row[..a], &row[..a]);
         if left > DEPENDENT {
-            lower[(a, a)] = left.sqrt();
+            row[a] = left.sqrt();
         } else {
-            (0..a).for_each(|k| lower[(a, k)] = 0.0);
+            row.fill(0.0);
         }
+        lower.push(row);
     }
     lower
 }

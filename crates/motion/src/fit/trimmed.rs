@@ -39,7 +39,8 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
     let mut inside = vec![true; rows];
     let mut squares = vec![0.0; rows];
     let mut rest = Vec::new();
-    for step in 0..=STEPS {
+    let mut step = 0;
+    while step <= STEPS {
         rest = rest_of(problem, base, &columns, &recorded, &inside)?;
         for (row, square) in squares.iter_mut().enumerate() {
             *square = (0..channels)
@@ -54,7 +55,13 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
             true => *most,
             false => 1.0 + BEYOND * (2.0 / channels as f64).sqrt(),
         };
-        (inside.iter_mut().zip(&squares)).for_each(|(inside, square)| *inside = *square <= most);
+        let now: Vec<bool> = squares.iter().map(|square| *square <= most).collect();
+        // what has settled is ready for the last step
+        step = match step + 1 < STEPS && now == inside {
+            true => STEPS,
+            false => step + 1,
+        };
+        inside = now;
     }
     let agreeing: Vec<f64> = (squares.iter().zip(&inside))
         .filter(|(_, inside)| **inside)

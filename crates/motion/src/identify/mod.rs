@@ -90,8 +90,8 @@ fn pass(
     let reading = Reading {
         edge_hz,
         sets_right: true,
-        has_memory: false,
         noise_share: NOISE_SHARE,
+        ..Reading::default()
     };
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
     let edge_hz = problem.states.pass.edge_hz;

@@ -7,7 +7,7 @@ use crate::effect::{Candidate, Finer, MadeAbout};
 /// Steps of a search for a number of a shape, each 0.62 of the one before.
 const STEPS: usize = 8;
 /// Times that a candidate is made linear about its coefficients.
-const TIMES: usize = 4;
+const TIMES: usize = 6;
 
 /// The candidate with the shape that explains most.
 pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>) -> Scored<'c> {

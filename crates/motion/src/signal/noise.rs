@@ -8,6 +8,8 @@ use crate::signal::local_polynomial::LocalPolynomial;
 const SEGMENT: usize = 48;
 /// Correlations of successive samples that are told apart.
 const STEPS: usize = 96;
+/// A rest of a column that is this share of its values is rounding: a joint that stands still shows no noise of its counts.
+const ROUNDING: f64 = 1e-12;
 /// A memory is believed beyond this many standard deviations of chance.
 const BELIEVED: f64 = 4.0;
 
@@ -19,7 +21,8 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// Of columns, by what is beside a local polynomial: medians over short segments. Without `has_memory` it is white.
+    /// Of columns, by what is beside a local polynomial: medians over short segments, those left aside where a reading stands still to the
+    /// last digit. Without `has_memory` it is white.
     pub(crate) fn of<'c>(
         columns: impl Iterator<Item = &'c [f64]>,
         local: &LocalPolynomial,
@@ -30,10 +33,11 @@ impl Noise {
         for column in columns {
             let inner = local.half..column.len().saturating_sub(local.half);
             let rest: Vec<f64> = inner.map(|k| column[k] - local.at(0, column, k)).collect();
+            let largest = column.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
             for own in rest.chunks_exact(SEGMENT) {
                 let square = dot(own, own) / SEGMENT as f64;
-                squares.push(square);
-                if square > 0.0 {
+                if square > (ROUNDING * largest).powi(2) {
+                    squares.push(square);
                     let next = dot(&own[1..], own) / (SEGMENT - 1) as f64;
                     ratios.push(next / square);
                 }
@@ -146,6 +150,18 @@ mod tests {
                 "{correlation}: {found:?}"
             );
         }
+    }
+
+    #[test]
+    fn counts_of_a_joint_that_mostly_rests_are_noise_while_it_moves() {
+        let count = 1e-3;
+        let position =
+            |k: i32| (0.5 * f64::from(k.clamp(0, 1000)).powi(2) * 1e-5 / count).round() * count;
+        let column: Vec<f64> = (-4000..4000).map(position).collect();
+        let local = LocalPolynomial::new(0.005, 40.0);
+        let found = Noise::of([column.as_slice()].into_iter(), &local, false);
+        let wanted = count / 12.0_f64.sqrt();
+        assert!((found.sd / wanted - 1.0).abs() < 0.2, "{found:?}, {wanted}");
     }
 
     #[test]

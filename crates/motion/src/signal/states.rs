@@ -1,5 +1,7 @@
 //! The motion at fine steps, and rows behind one low pass for torques and all that explains them.
 
+use std::ops::Range;
+
 use haptical_linalg::dot;
 
 use crate::signal::local_polynomial::LocalPolynomial;
@@ -142,6 +144,31 @@ impl States {
         (self.centre[row] - self.weights.len() / 2, &self.weights)
     }
 
+    /// Rows that fine steps are part of.
+    pub(crate) fn rows_of(&self, steps: &Range<usize>) -> Range<usize> {
+        let half = self.weights.len() / 2;
+        let from = self.centre.partition_point(|own| own + half < steps.start);
+        let to = self.centre.partition_point(|own| *own < steps.end + half);
+        from..to.max(from)
+    }
+
+    /// Rows of a signal that is zero but at some fine steps, of which it is given.
+    pub(crate) fn filtered_at(&self, steps: &Range<usize>, signal: &[f64]) -> Vec<f64> {
+        let row = |row: usize| -> f64 {
+            let (first, weights) = self.window(row);
+            let from = first.max(steps.start);
+            let to = (first + weights.len()).min(steps.end);
+            match from < to {
+                true => dot(
+                    &weights[from - first..to - first],
+                    &signal[from - steps.start..to - steps.start],
+                ),
+                false => 0.0,
+            }
+        };
+        self.rows_of(steps).map(row).collect()
+    }
+
     /// Rows of a signal at the fine steps.
     pub(crate) fn filtered(&self, signal: &[f64]) -> Vec<f64> {
         (0..self.rows())
@@ -183,6 +210,23 @@ impl States {
             torque.map_or(0.0, |own| local.at(0, own, sample))
         };
         self.fine.iter().map(at).collect()
+    }
+
+    /// Speed of a joint's motor at the fine steps, smoothed over twice as long; the same as otherwise where that reaches beyond a piece.
+    pub(crate) fn slower_speed(&self, samples: &Samples, joint: usize) -> Vec<f64> {
+        let local = LocalPolynomial::new(samples.step_s, 0.5 * BEYOND * self.pass.edge_hz);
+        let at = |(&(piece, sample), own): (&(usize, usize), &f64)| {
+            let motor = &samples.pieces[piece].motor[joint];
+            match sample >= local.half && sample + local.half < motor.len() {
+                true => local.at(1, motor, sample),
+                false => *own,
+            }
+        };
+        self.fine
+            .iter()
+            .zip(&self.motor.dq[joint])
+            .map(at)
+            .collect()
     }
 
     /// What the low pass leaves of the standard deviation of a noise of the recorded torques.

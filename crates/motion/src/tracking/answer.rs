@@ -121,7 +121,7 @@ fn short() -> MotionError {
 }
 
 /// A second recording's torques by the gains of the first, with the delay and without; none where it lacks joints.
-fn on_second(found: &Explained, late: &[usize], second: Rows) -> Option<Vec<Unseen>> {
+fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Unseen>> {
     let signals = super::Signals::of(&second).ok()?;
     let count = second.count();
     let row_of: Vec<usize> = second.row_of().collect();

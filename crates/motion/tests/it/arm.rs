@@ -68,6 +68,8 @@ pub(crate) struct Truth {
     pub(crate) load_share: f64,
     /// How long before the motion its friction turns over \[s\].
     pub(crate) lead_s: f64,
+    /// Whether it rests for half a second after every two of motion.
+    pub(crate) rests: bool,
     /// Noise of the positions \[rad\].
     pub(crate) position_sd: f64,
     /// What the first joint's torque reads without any \[N m\].
@@ -128,8 +130,8 @@ fn log_of(
     };
     for row in 0..rows {
         let time = 0.005 * row as f64;
-        let logged = motion(courses, time - truth.late_s);
-        let now = motion(courses, time);
+        let [logged, now] =
+            [time - truth.late_s, time].map(|time| motion(courses, course_time(&truth, time)));
         let torque = torque(&truth, factor, time, now);
         for joint in 0..2 {
             let count = 2.0 * std::f64::consts::PI / 400_000.0;
@@ -156,8 +158,40 @@ fn log_of(
     log
 }
 
+/// How far along its course the arm is, how fast that goes on, and how fast that changes.
+fn course_time(truth: &Truth, time: f64) -> [f64; 3] {
+    if !truth.rests {
+        return [time, 1.0, 0.0];
+    }
+    const CYCLE: f64 = 2.5;
+    const RAMP: f64 = 0.2;
+    const MOVES: f64 = 2.0;
+    let (cycles, phase) = ((time / CYCLE).floor(), time.rem_euclid(CYCLE));
+    // half a cosine up, and the same backwards
+    let up = |x: f64| {
+        let (sine, cosine) = (std::f64::consts::PI * x / RAMP).sin_cos();
+        let pi = std::f64::consts::PI;
+        [
+            0.5 * (x - RAMP / pi * sine),
+            0.5 * (1.0 - cosine),
+            0.5 * pi / RAMP * sine,
+        ]
+    };
+    let whole = MOVES - RAMP;
+    let [gone, rate, change] = match phase {
+        p if p < RAMP => up(p),
+        p if p < MOVES - RAMP => [p - 0.5 * RAMP, 1.0, 0.0],
+        p if p < MOVES => {
+            let [left, rate, change] = up(MOVES - p);
+            [whole - left, rate, -change]
+        }
+        _ => [whole, 0.0, 0.0],
+    };
+    [cycles * whole + gone, rate, change]
+}
+
 /// Position, velocity and acceleration of both joints.
-fn motion(courses: &Courses, time: f64) -> [[f64; 3]; 2] {
+fn motion(courses: &Courses, [time, faster, change]: [f64; 3]) -> [[f64; 3]; 2] {
     courses.map(|course| {
         let mut own = [0.0; 3];
         for (k, (size, phase)) in course.iter().enumerate() {
@@ -167,6 +201,8 @@ fn motion(courses: &Courses, time: f64) -> [[f64; 3]; 2] {
             own[1] += size * rate * cosine;
             own[2] -= size * rate * rate * sine;
         }
+        let [q, w, a] = own;
+        own = [q, w * faster, a * faster * faster + w * change];
         own
     })
 }

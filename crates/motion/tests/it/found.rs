@@ -75,6 +75,36 @@ fn a_delay_is_named_with_its_length() {
 }
 
 #[test]
+fn torques_that_are_late_are_no_early_encoders() {
+    let truth = Truth {
+        late_s: -0.016,
+        ..Truth::default()
+    };
+    assert_found(truth, "torque-latency", None, ("delay_s", 0.016, 0.001));
+}
+
+#[test]
+fn a_sound_arm_that_rests_between_its_moves_has_no_gap() {
+    let truth = Truth {
+        rests: true,
+        ..Truth::default()
+    };
+    for seed in 1..=5 {
+        let found = examined(truth, seed);
+        let of_noise = found.channels.iter().map(|own| own.rms_before / own.noise);
+        let of_noise: Vec<f64> = of_noise.collect();
+        assert!(!found.has_gap(), "seed {seed}: {of_noise:?}");
+        assert!(found.findings.is_empty(), "{:?}", found.findings);
+    }
+    // what it carries is seen all the same
+    let loaded = Truth {
+        payload_kg: 1.2,
+        ..truth
+    };
+    assert_found(loaded, "payload", None, ("mass_kg", 1.2, 0.25));
+}
+
+#[test]
 fn a_scale_of_a_torque_is_named_at_its_joint() {
     let truth = Truth {
         gain: 3.0,

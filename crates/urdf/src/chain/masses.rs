@@ -239,17 +239,22 @@ impl<'r> Walk<'r> {
     }
 }
 
-/// Inertia of all parts about a point \[kg m^2\]; none where that of a part with mass is not known.
+/// Inertia of all parts about a point \[kg m^2\]; none where that of a part with mass is not given, or that of most of the mass is zero:
+/// exporters write zeros where they know nothing. A smaller part whose inertia is given as zero is a point (docs/assumptions.md, A187).
 fn inertia_about(centre: &Vector3<f64>, parts: &[Inertial]) -> Option<Matrix3<f64>> {
     let mut total = Matrix3::zeros();
+    let (mut extended_kg, mut whole_kg) = (0.0, 0.0);
     for part in parts.iter().filter(|part| part.mass_kg > 0.0) {
-        // exporters write zeros where they know nothing
-        let own = part.inertia_kgm2.filter(|own| *own != Matrix3::zeros())?;
+        let own = part.inertia_kgm2?;
+        whole_kg += part.mass_kg;
+        if own != Matrix3::zeros() {
+            extended_kg += part.mass_kg;
+        }
         let arm = Vector3::from(part.centre_m) - centre;
         let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
         total += own + steiner * part.mass_kg;
     }
-    (total != Matrix3::zeros()).then_some(total)
+    (extended_kg > 0.5 * whole_kg).then_some(total)
 }
 
 /// A symmetric matrix as xx, yy, zz, xy, xz, yz.

@@ -75,6 +75,30 @@ fn assert_same(again: &Device, wanted: &Device) {
     }
 }
 
+/// A load cell is often a mass without extent: it does not make the inertia of the link that it is screwed to unknown.
+#[test]
+fn a_small_part_without_extent_is_a_point() {
+    let inertia = r#"<inertia ixx="0.001" ixy="0" ixz="0" iyy="0.001" iyz="0" izz="0.001"/>"#;
+    let zero = r#"<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>"#;
+    let link =
+        format!(r#"<link name="two"><inertial><mass value="1.5"/>{inertia}</inertial></link>"#);
+    let text = URDF
+        .replace(inertia, zero)
+        .replace(r#"<link name="two"/>"#, &link);
+    let read = |text: &str| device_from_urdf(text, "two.urdf", BaseAndTip::to("tool")).unwrap();
+    let body = read(&text).device.bodies[2].unwrap();
+    // 1.5 kg and a point of 0.5 kg that is 0.2 m off: their reduced mass is 0.375 kg
+    let own = body.inertia_kgm2.unwrap();
+    let across: Vec<f64> = own[..3].iter().map(|own| own - 0.001).collect();
+    assert!(
+        (across.iter().sum::<f64>() - 2.0 * 0.375 * 0.04).abs() < 1e-12,
+        "{own:?}"
+    );
+    // where it is most of the mass, nothing is known
+    let heavy = text.replace(r#"<mass value="0.5"/>"#, r#"<mass value="1.6"/>"#);
+    assert_eq!(read(&heavy).device.bodies[2].unwrap().inertia_kgm2, None);
+}
+
 #[test]
 fn masses_and_friction_come_back_from_a_urdf() {
     let ends = || BaseAndTip::to("tool");
