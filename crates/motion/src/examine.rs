@@ -9,7 +9,7 @@ use crate::change::Change;
 use crate::dependence::{Dependence, dependences, share_of_posture};
 use crate::effect::{
     CONTACT, ENCODER_LATENCY, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, TORQUE_LATENCY,
-    is_exact,
+    is_exact, is_of_own_joint,
 };
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
@@ -167,9 +167,20 @@ impl Examined {
         let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
         let is_explained = self.unexplained_share() <= UNEXPLAINED && self.kept().next().is_none();
         self.doubts.is_empty()
-            && !self.findings.is_empty()
+            && self
+                .findings
+                .iter()
+                .any(|own| self.is_where_the_gap_is(own))
             && (is_quiet || is_explained)
             && !self.is_of_another_law()
+    }
+
+    /// Whether an effect acts on a channel that shows more than noise, if any does: what it explains elsewhere explains no gap.
+    fn is_where_the_gap_is(&self, found: &Finding) -> bool {
+        let joint = found.joint.filter(|_| is_of_own_joint(found.effect));
+        let is_there = |own: &ChannelFit| joint.is_none_or(|joint| joint == own.joint);
+        let mut gaps = self.channels.iter().filter(|own| own.has_gap()).peekable();
+        gaps.peek().is_none() || gaps.any(is_there)
     }
 
     /// Whether weights, springs, offsets and factors alone were found, whose laws are exact, and a rest still follows the posture: then

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use haptical_dynamics::Inertia;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::{Candidate, Candidates, Context, Effect};
 
@@ -12,9 +12,12 @@ pub(super) const EFFECT: Effect = Effect {
     candidates: Candidates::Given(candidates),
 };
 
-/// Most that a mass is too small, as a share of it, and most that a centre of mass is off: beyond it is no longer this link's.
+/// Most that a mass is too small, as a share of it.
 const MOST_MASS: f64 = 5.0;
+/// Most that a centre of mass is off, and as a share of the length of a rod with the link's inertia: from one end of it to the other.
+/// Beyond it is no longer this link's (assumption A200).
 const MOST_CENTRE_M: f64 = 0.5;
+const MOST_OF_ROD: f64 = 1.0;
 
 /// For each body its mass, alone at its centre of mass, and its centre of mass.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
@@ -59,8 +62,15 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
                 ]
             }),
         );
-        of_centre.within = [-MOST_CENTRE_M, MOST_CENTRE_M];
+        let most = MOST_CENTRE_M.min(MOST_OF_ROD * rod_m(mass_kg, &inertia));
+        of_centre.within = [-most, most];
         found.push(of_centre.of_kind(1));
     }
     found
+}
+
+/// Length of the thin rod that has a body's largest moment of inertia, about its centre of mass, and its mass: `I = m l^2 / 12`.
+fn rod_m(mass_kg: f64, inertia_kgm2: &Matrix3<f64>) -> f64 {
+    let largest = inertia_kgm2.symmetric_eigenvalues().max();
+    (12.0 * largest.max(0.0) / mass_kg).sqrt()
 }

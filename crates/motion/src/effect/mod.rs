@@ -160,6 +160,25 @@ pub(crate) fn is_exact(name: &str) -> bool {
     .contains(&name)
 }
 
+/// Whether an effect at a joint changes the torque of that joint alone.
+pub(crate) fn is_of_own_joint(name: &str) -> bool {
+    [
+        torque_gain::EFFECT.name,
+        torque_offset::EFFECT.name,
+        torque_saturation::EFFECT.name,
+        stribeck_friction::EFFECT.name,
+        load_friction::EFFECT.name,
+        friction_asymmetry::EFFECT.name,
+        friction_drift::EFFECT.name,
+        presliding::EFFECT.name,
+        motor_cogging::EFFECT.name,
+        armature::EFFECT.name,
+        gravity_spring::EFFECT.name,
+        delay::TORQUE_LATENCY.name,
+    ]
+    .contains(&name)
+}
+
 /// Names of all effects.
 pub fn effect_names() -> Vec<&'static str> {
     let mut names: Vec<&str> = EFFECTS.iter().map(|own| own.name).collect();

@@ -79,7 +79,7 @@ pub(super) fn examined(
             .collect(),
     };
     let (unseen, why) = match second {
-        Some(Ok(second)) => match on_second(found, late, second) {
+        Some(Ok(second)) => match on_second(found, late, &second) {
             Some(unseen) => (unseen, None),
             None => (Vec::new(), Some(short())),
         },
@@ -122,7 +122,7 @@ fn short() -> MotionError {
 
 /// A second recording's torques by the gains of the first, with the delay and without; none where it lacks joints.
 fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Unseen>> {
-    let signals = super::Signals::of(&second).ok()?;
+    let signals = super::Signals::of(second).ok()?;
     let count = second.count();
     let row_of: Vec<usize> = second.row_of().collect();
     let mut all = Vec::new();
@@ -133,7 +133,7 @@ fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Uns
         let (own_sd, sd) = (found.rows.noise[index], second.noise[there]);
         let rests = [!late.contains(&at), true].map(|is_as_found| {
             let delay_s = second.early_s + if is_as_found { delay_s } else { 0.0 };
-            let equations = signals.equations(&second, there, (found.law, delay_s));
+            let equations = signals.equations(second, there, (found.law, delay_s));
             // columns and target are over the same noise: the numbers are the gains themselves
             rest_of(&equations, &found.fit(at, is_as_found).solution)
         });

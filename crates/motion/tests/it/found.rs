@@ -219,3 +219,31 @@ fn a_drive_that_loads_another_joint_is_named_with_its_share() {
     let numbers = &found.findings[0].numbers;
     assert!(numbers.contains(&("from_joint", 2.0, 0.0)), "{numbers:?}");
 }
+
+/// What explains a little of a joint within its noise explains no gap of another joint.
+#[test]
+fn an_effect_where_no_gap_is_explains_none() {
+    let mut found = examined(
+        Truth {
+            gain: 3.0,
+            ..Truth::default()
+        },
+        1,
+    );
+    assert!(found.is_adequate() && found.findings[0].effect == "torque-gain");
+    let own = found.findings[0].joint;
+    for channel in &mut found.channels {
+        if Some(channel.joint) == own {
+            channel.rms_before = channel.noise;
+            channel.rms_after = channel.noise;
+        } else {
+            channel.rms_before = 1.3 * channel.noise;
+            channel.rms_after = 1.3 * channel.noise;
+        }
+    }
+    assert!(found.has_gap() && !found.is_adequate());
+    // a payload acts on all of them
+    found.findings[0].effect = "payload";
+    found.findings[0].joint = None;
+    assert!(found.is_adequate());
+}
