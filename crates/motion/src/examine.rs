@@ -22,6 +22,8 @@ use crate::unseen::{Unseen, on_second, within};
 /// square by chance: a sound arm's friction is no law to the last digit.
 const GAP: f64 = 1.21;
 const GAP_SDS: f64 = 4.0;
+/// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
+const NOT_TOLD_APART: f64 = 4.605;
 /// The fault of a log that repeats rows or lacks some.
 const SAMPLING: &str = "sampling";
 /// Share of what the base model leaves beyond noise that effects may leave.
@@ -126,6 +128,8 @@ pub struct Finding {
     pub numbers: Vec<(&'static str, f64, f64)>,
     /// Effects that would explain nearly as much in its place, nearest first.
     pub rivals: Vec<NearRival>,
+    /// Whether it is told from an inertia that the model lacks: a scale shows in all that a torque carries.
+    pub is_told: bool,
 }
 
 /// An effect in the place of a finding.
@@ -139,6 +143,13 @@ pub struct NearRival {
     pub behind_nats: f64,
     /// Share of the finding's gain that it has.
     pub share: f64,
+}
+
+impl NearRival {
+    /// Whether a log does not tell it from the finding.
+    pub fn is_near(&self) -> bool {
+        self.behind_nats < NOT_TOLD_APART
+    }
 }
 
 impl Examined {
@@ -171,6 +182,8 @@ impl Examined {
                 .findings
                 .iter()
                 .any(|own| self.is_where_the_gap_is(own))
+            && (self.findings.iter())
+                .all(|own| own.is_told || own.rivals.iter().any(NearRival::is_near))
             && (is_quiet || is_explained)
             && !self.is_of_another_law()
     }
@@ -415,34 +428,6 @@ fn examined(
             }
             fit
         });
-    let rival = |own: &Rival| NearRival {
-        effect: own.effect,
-        joint: own.joint,
-        behind_nats: own.behind,
-        share: own.share,
-    };
-    let findings = selection.picks.iter().map(|pick| {
-        let (effect, numbers) = by_sense(pick);
-        Finding {
-            effect,
-            joint: pick.joint,
-            change: Change::of(&problem.arm, pick),
-            nats: pick.nats,
-            numbers,
-            rivals: pick.rivals.iter().map(rival).collect(),
-        }
-    });
-    let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
-        effect: SAMPLING,
-        joint: None,
-        change: None,
-        // it is seen row by row, not by what it explains
-        nats: selection.bare.excess.abs().max(1.0)
-            + selection.picks.first().map_or(0.0, |own| own.nats),
-        numbers: vec![("share", repeated + missing, 0.0)],
-        rivals: Vec::new(),
-    });
-    let findings = of_log.into_iter().chain(findings);
     let solution = &selection.fitted.solved.solution;
     let free = base
         .columns
@@ -458,7 +443,7 @@ fn examined(
     let most = fastest.iter().copied().fold(0.0, f64::max);
     Examined {
         channels: channels.collect(),
-        findings: findings.collect(),
+        findings: findings(problem, selection),
         before_nats: selection.bare.excess,
         after_nats: selection.fitted.excess,
         freedom: selection.fitted.freedom,
@@ -490,6 +475,40 @@ fn early_s(base: &Base, selection: &Selection) -> f64 {
     let numbers = base.columns.iter().zip(&selection.fitted.solved.solution);
     let within = numbers.filter(|(own, _)| matches!(own.term, Term::Delay));
     selection.early_s + within.map(|own| own.1).sum::<f64>()
+}
+
+/// What was found, a fault of the log first.
+fn findings(problem: &Problem, selection: &Selection) -> Vec<Finding> {
+    let rival = |own: &Rival| NearRival {
+        effect: own.effect,
+        joint: own.joint,
+        behind_nats: own.behind,
+        share: own.share,
+    };
+    let findings = selection.picks.iter().map(|pick| {
+        let (effect, numbers) = by_sense(pick);
+        Finding {
+            effect,
+            joint: pick.joint,
+            change: Change::of(&problem.arm, pick),
+            nats: pick.nats,
+            numbers,
+            rivals: pick.rivals.iter().map(rival).collect(),
+            is_told: pick.is_told,
+        }
+    });
+    let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
+        effect: SAMPLING,
+        joint: None,
+        change: None,
+        // it is seen row by row, not by what it explains
+        nats: selection.bare.excess.abs().max(1.0)
+            + selection.picks.first().map_or(0.0, |own| own.nats),
+        numbers: vec![("share", repeated + missing, 0.0)],
+        rivals: Vec::new(),
+        is_told: true,
+    });
+    of_log.into_iter().chain(findings).collect()
 }
 
 /// Name and numbers of a pick: where positions of all joints seem early, it is the torques that are late.
@@ -530,6 +549,7 @@ mod tests {
                 nats: 1e5,
                 numbers: Vec::new(),
                 rivals: Vec::new(),
+                is_told: true,
             }],
             before_nats: 1e5,
             after_nats,

@@ -12,9 +12,6 @@ use crate::force::answer::Course;
 use crate::noise::NoiseSource;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
-/// A rival within this of a finding is not told apart from it: ln 100.
-const NOT_TOLD_APART: f64 = 4.605;
-
 /// What is examined of each joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Shown {
@@ -136,10 +133,7 @@ impl<'e> Words<'e> {
 
     /// A finding as a cause.
     pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
-        let near = found
-            .rivals
-            .iter()
-            .filter(|own| own.behind_nats < NOT_TOLD_APART);
+        let near = found.rivals.iter().filter(|own| own.is_near());
         let of_rivals: f64 = (found.rivals.iter())
             .map(|own| (-own.behind_nats.max(-5.0)).exp())
             .sum();

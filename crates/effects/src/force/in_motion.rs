@@ -238,8 +238,8 @@ pub const COMMAND_LATENCY: Spec = Spec {
 /// A drive that loads another joint.
 pub const CROSS_COUPLING: Spec = Spec {
     name: crate::transmission::cross_coupling::SPEC.name,
-    meaning: "a drive loads another joint than its own",
-    inspect: "cables, shafts and differentials that pass the joint",
+    meaning: "one joint moves or loads another: a cable, shaft or differential passes it",
+    inspect: "cables, pulleys, shafts and differentials of one joint that pass the other",
     adds: "c tau_from",
     family: Family::Coupling,
     parameters: &[

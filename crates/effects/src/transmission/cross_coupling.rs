@@ -5,8 +5,8 @@ use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cross-coupling",
-    meaning: "one joint moves with another because of the cable's routing",
-    inspect: "pulleys that the cable of the joint runs over at the other joint",
+    meaning: "one joint moves or loads another: a cable, shaft or differential passes it",
+    inspect: "cables, pulleys, shafts and differentials of one joint that pass the other",
     adds: "kappa theta_from",
     source: "A13",
     hook: Hook::Transmission,

@@ -105,6 +105,7 @@ fn delayed(
         nats: chosen.nats[at][index],
         numbers: vec![("delay_s", delay_s.abs(), sd)],
         rivals: lag.into_iter().collect(),
+        is_told: true,
         change: None,
     })
 }
@@ -176,6 +177,7 @@ fn of_joint(rows: &JointRows, fitted: &Fitted, (chosen, at): (&Chosen, usize)) -
             nats: chosen.nats[at][index],
             numbers,
             rivals: rivals.collect(),
+            is_told: true,
             change: None,
         });
     }

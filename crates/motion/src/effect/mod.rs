@@ -142,6 +142,8 @@ pub(crate) const ENCODER_LATENCY: &str = delay::ENCODER_LATENCY.name;
 pub(crate) const TORQUE_LATENCY: &str = delay::TORQUE_LATENCY.name;
 /// The effect that is known well below its resonance alone.
 pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
+/// The scale of a torque.
+pub(crate) const TORQUE_GAIN: &str = torque_gain::EFFECT.name;
 /// The one whose levers are not known.
 pub(crate) const GRAVITY_SPRING: &str = gravity_spring::EFFECT.name;
 

@@ -58,6 +58,8 @@ pub(crate) struct Pick {
     pub(crate) nats: f64,
     /// The others that explain nearly as much in its place.
     pub(crate) rivals: Vec<Rival>,
+    /// Whether it explains something beside an inertia that the model lacks.
+    pub(crate) is_told: bool,
     /// Numbers with standard deviations.
     pub(crate) numbers: Vec<(&'static str, f64, f64)>,
     pub(crate) columns: Vec<Rc<Column>>,
@@ -128,6 +130,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
             joint: candidate.joint,
             nats: beside.nats,
             rivals: beside.rivals,
+            is_told: beside.is_told,
             numbers,
             coefficients,
             columns: candidate.columns.clone(),

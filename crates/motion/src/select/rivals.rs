@@ -1,8 +1,10 @@
 //! What would explain as much in the place of an effect that was taken.
 
-use super::scored::{Pool, penalty, score};
+use std::rc::Rc;
+
+use super::scored::{LEAST_LAST_NATS, Pool, penalty, score};
 use super::{Fitted, Frame, State, columns_of, is_taken, nearest};
-use crate::effect::{Candidate, Finer};
+use crate::effect::{Candidate, Finer, TORQUE_GAIN};
 
 /// Another effect in the place of a pick.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +27,8 @@ pub(super) struct Beside {
     pub(super) rivals: Vec<Rival>,
     /// Standard deviation of the logarithm of its shape's number.
     pub(super) shape_sd: f64,
+    /// Whether it explains something beside an inertia that the model lacks.
+    pub(super) is_told: bool,
 }
 
 /// What a pick explains beside the other picks, how well its shape is known, and the rivals in its place.
@@ -67,7 +71,27 @@ pub(super) fn rivals<'c>(
         nats,
         rivals: found,
         shape_sd: shape_sd(frame, &others.fitted, &own, misfit),
+        is_told: is_told(frame, &others, whole, &own),
     }
+}
+
+/// Whether a scale of a torque explains more than a torque along the joint's own acceleration does, and something beside it: a scale shows in
+/// weight and in what the other joints ask for as well, and one that does not is an inertia as well as it is a scale.
+fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candidate<'_>) -> bool {
+    let problem = frame.problem;
+    let Some(joint) = own.joint.filter(|_| own.effect == TORQUE_GAIN) else {
+        return true;
+    };
+    let acceleration = &problem.states.motor.ddq[joint];
+    let Some(inertia) = problem.of_joint(joint, acceleration) else {
+        return true;
+    };
+    let mut columns = columns_of(&others.taken, None);
+    columns.push(Rc::new(inertia));
+    let of_inertia = frame.fitted(&columns, others.early_s).excess;
+    columns.extend(own.columns.iter().cloned());
+    let of_both = frame.fitted(&columns, others.early_s).excess;
+    of_inertia - of_both > LEAST_LAST_NATS && of_inertia > whole.fitted.excess
 }
 
 /// By how fast what is explained falls beside the shape that explains most: half a nat is one standard deviation (Wilks 1938).

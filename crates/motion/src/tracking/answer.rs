@@ -58,6 +58,7 @@ pub(super) fn examined(
             nats,
             numbers: vec![("delay_s", delay_s, sd_s.hypot(OF_STEP * rows.step_s))],
             rivals: Vec::new(),
+            is_told: true,
         }
     };
     let is_of_all = found.is_shared && late.len() == found.joints.len();
