@@ -139,7 +139,7 @@ mod tests {
         spans.add_to(&mut into, 2.0);
         whole.add_to(&mut wanted, 2.0);
         assert_eq!(into, wanted);
-        let is_even = |row: usize| row % 2 == 0;
+        let is_even = |row: usize| row.is_multiple_of(2);
         let kept = whole.masked(is_even);
         assert_eq!(spans.masked(is_even).dot(&wanted), kept.dot(&wanted));
     }

@@ -196,7 +196,10 @@ fn a_command_that_is_heard_in_time_is_no_gap_whatever_the_controller() {
                 told.findings
             );
             assert!(
-                !told.channels.iter().any(|own| own.has_gap()),
+                !told
+                    .channels
+                    .iter()
+                    .any(haptical_motion::ChannelFit::has_gap),
                 "{controller:?} {seed}"
             );
         }
@@ -269,7 +272,12 @@ fn a_late_command_without_its_name_is_a_gap() {
     };
     let found = drives.examined(1, &["command-latency"]).unwrap().examined;
     assert!(found.findings.is_empty() && found.has_gap());
-    assert!(found.channels.iter().all(|own| own.has_rest()));
+    assert!(
+        found
+            .channels
+            .iter()
+            .all(haptical_motion::ChannelFit::has_rest)
+    );
 }
 
 #[test]
