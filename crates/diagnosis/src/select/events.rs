@@ -105,9 +105,8 @@ pub(crate) fn with_more_steps(
 ) -> Score {
     let one = first.score;
     let mut times = first.times.clone();
-    let mut steps = Steps::new(system, context, effect);
     while times.len() < MOST_STEPS_OF_AN_EVENT {
-        let rest = steps.rest(&times, usize::MAX);
+        let rest = Rest::with_steps(system, context, effect, &times, usize::MAX);
         match best_instant(&rest, context, effect, first.effect) {
             Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
                 times.push(next.shape);
@@ -117,7 +116,7 @@ pub(crate) fn with_more_steps(
         for _ in 0..SWEEPS {
             let before = times.clone();
             for index in 0..times.len() {
-                let rest = steps.rest(&times, index);
+                let rest = Rest::with_steps(system, context, effect, &times, index);
                 if let Some(best) = best_instant(&rest, context, effect, first.effect) {
                     times[index] = best.shape;
                 }
@@ -149,9 +148,8 @@ pub(crate) fn sharpen(
     mut event: Score,
 ) -> Score {
     let reach = (system.layout.size + 1).min(12);
-    let mut steps = Steps::new(system, context, effect);
     for index in 0..event.times.len() {
-        let rest = steps.rest(&event.times, index);
+        let rest = Rest::with_steps(system, context, effect, &event.times, index);
         let row = event.times[index] as usize;
         let mut best: Option<(f64, f64, f64)> = None;
         for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
@@ -169,53 +167,6 @@ pub(crate) fn sharpen(
         }
     }
     event
-}
-
-/// Steps of an event, each with the system's directions taken off once: it stands beside many others.
-struct Steps<'s> {
-    system: &'s System,
-    context: &'s Context<'s>,
-    effect: &'s dyn Effect,
-    /// By instant: what is left of the step's signals.
-    known: Vec<(f64, Vec<Vec<f64>>)>,
-}
-
-impl<'s> Steps<'s> {
-    fn new(system: &'s System, context: &'s Context<'s>, effect: &'s dyn Effect) -> Self {
-        Self {
-            system,
-            context,
-            effect,
-            known: Vec::new(),
-        }
-    }
-
-    /// All steps but one projected out.
-    fn rest(&mut self, times: &[f64], but: usize) -> Rest<'s> {
-        let mut rest = Rest::new(self.system);
-        for (_, &time) in times.iter().enumerate().filter(|(index, _)| *index != but) {
-            rest.steps.push(time as usize);
-            for aside in self.aside(time) {
-                rest.take(aside);
-            }
-        }
-        rest
-    }
-
-    fn aside(&mut self, time: f64) -> &[Vec<f64>] {
-        let place = self.known.iter().position(|(known, _)| *known == time);
-        let place = place.unwrap_or_else(|| {
-            let system = self.system;
-            let signals = self.effect.derivative(self.context, &[0.0], time);
-            let left = signals.iter().filter_map(|signal| {
-                let dense = system.dense(&system.column(signal));
-                across(dense, ALWAYS, || system.basis.iter()).map(|across| across.direction)
-            });
-            self.known.push((time, left.collect()));
-            self.known.len() - 1
-        });
-        &self.known[place].1
-    }
 }
 
 /// Residual of a system with further directions projected out.
@@ -237,6 +188,26 @@ impl<'s> Rest<'s> {
         }
     }
 
+    /// With all steps of an event but one projected out.
+    fn with_steps(
+        system: &'s System,
+        context: &Context<'_>,
+        effect: &dyn Effect,
+        times: &[f64],
+        but: usize,
+    ) -> Self {
+        let mut rest = Self::new(system);
+        for (index, &time) in times.iter().enumerate() {
+            if index != but {
+                rest.steps.push(time as usize);
+                for signal in effect.derivative(context, &[0.0], time) {
+                    rest.take(&signal);
+                }
+            }
+        }
+        rest
+    }
+
     /// Whether another step is so near that the two would be one, or take each other back.
     fn is_taken(&self, context: &Context<'_>, row: usize) -> bool {
         let Some(time_s) = &context.recording.time_s else {
@@ -250,9 +221,9 @@ impl<'s> Rest<'s> {
         self.system.basis.iter().chain(&self.further)
     }
 
-    /// Takes off a direction that the system has none of.
-    fn take(&mut self, aside: &[f64]) {
-        if let Some(across) = across(aside.to_vec(), ALWAYS, || self.further.iter()) {
+    fn take(&mut self, signal: &Signal) {
+        let dense = self.system.dense(&self.system.column(signal));
+        if let Some(across) = across(dense, ALWAYS, || self.directions()) {
             take_off(&mut self.residual, &across.direction);
             self.further.push(Direction::new(across.direction));
         }

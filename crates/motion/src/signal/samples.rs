@@ -92,7 +92,10 @@ impl Samples {
         }
         let (mut late, mut late_s) = (0, 0.0);
         for rows in all {
-            let (piece, square, late_step_s) = piece(recording, time_s, step_s, rows.clone());
+            // rows that were left out are no steps of an even grid
+            let may_be_late = kept.is_none();
+            let (piece, square, late_step_s) =
+                piece(recording, time_s, (step_s, may_be_late), rows.clone());
             deviation += square * piece.length as f64;
             if let Some(own_s) = late_step_s {
                 late += piece.length;
@@ -201,11 +204,11 @@ fn is_jitter(recording: &Recording, time_s: &[f64], row: usize, step_s: f64) -> 
 }
 
 /// A stretch on an even grid, the mean square deviation of its stamps from it in steps, and the step of the rows where stamps were
-/// left aside.
+/// left aside, as they may be.
 fn piece(
     recording: &Recording,
     time_s: &[f64],
-    step_s: f64,
+    (step_s, may_be_late): (f64, bool),
     rows: std::ops::Range<usize>,
 ) -> (Piece, f64, Option<f64>) {
     let stamps = &time_s[rows.clone()];
@@ -227,7 +230,9 @@ fn piece(
         .iter()
         .map(|own| &own[rows.clone()])
         .collect();
-    let is_late = square.sqrt() >= EVEN && roughness(&even, &motors) < roughness(stamps, &motors);
+    let is_late = may_be_late
+        && square.sqrt() >= EVEN
+        && roughness(&even, &motors) < roughness(stamps, &motors);
     let stamps = if is_late { even.as_slice() } else { stamps };
     let is_even =
         is_late || square.sqrt() < EVEN && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN;

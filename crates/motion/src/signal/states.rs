@@ -342,7 +342,7 @@ mod tests {
             (square / truth.len() as f64).sqrt()
         };
         let (sharp, smooth) = (off(&states.sliding[0]), off(&states.motor.dq[0]));
-        assert!(sharp < 0.05 && smooth > 2.0 * sharp, "{sharp} {smooth}");
+        assert!(sharp < 0.035 && smooth > 1.4 * sharp, "{sharp} {smooth}");
     }
 
     /// Noise that would be a speed of its own widens the window, to that of the band at most.

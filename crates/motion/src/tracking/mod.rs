@@ -25,6 +25,8 @@ const IN_TIME_S: f64 = 2e-3;
 const SURE_SDS: f64 = 2.0;
 /// It explains more than any law without one, at least \[nats\].
 const LEAST_NATS: f64 = 16.0;
+/// Share of the energy beyond noise, between command and torque, that a delay may leave: what leaves more is not the delay's.
+const LEFT: f64 = 0.25;
 /// Share of the joints whose torques a law has to explain.
 const OF_JOINTS: f64 = 0.5;
 
@@ -130,6 +132,15 @@ impl Explained {
         fit::fit(&equations)
     }
 
+    /// Whether a delay explains what joints have beyond noise without one.
+    fn is_the_delay_s(&self, at: &[usize]) -> bool {
+        let beyond = |is_as_found: bool| -> f64 {
+            let fits = at.iter().map(|at| self.fit(*at, is_as_found));
+            fits.map(|own| own.square - own.rest.len() as f64).sum()
+        };
+        beyond(true) <= LEFT * beyond(false).max(0.0)
+    }
+
     /// What a delay explains of some joints beside the best law without one \[nats\].
     fn nats(&self, at: &[usize]) -> f64 {
         let indices: Vec<usize> = at.iter().map(|at| self.joints[*at].0).collect();
@@ -172,7 +183,8 @@ pub fn examine_tracking(
         has_memory: torques.has_memory,
     };
     let rows = Rows::of(&arm, recording, reading(named_s))?;
-    if torques.has_gap() && !torques.is_adequate() {
+    // a rest that passes for noise with a memory follows the motion as well as the commands do
+    if torques.has_memory || torques.has_gap() && !torques.is_adequate() {
         return Err(Untracked::Torques);
     }
     let found = explained(rows)?;
@@ -186,6 +198,9 @@ pub fn examine_tracking(
         let delay_s = found.joints[*first].1;
         if nats < LEAST_NATS {
             return Err(Untracked::Slow { delay_s });
+        }
+        if !found.is_the_delay_s(&late) {
+            return Err(Untracked::NoLaw);
         }
         // positions that are late by less than a sound arm's may be (A157)
         if latency.is_none() && torques.early_s > 0.0 {
