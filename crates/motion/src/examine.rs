@@ -8,13 +8,14 @@ use crate::arm::Arm;
 use crate::change::Change;
 use crate::dependence::{Dependence, dependences, share_of_posture};
 use crate::effect::{
-    CONTACT, ENCODER_LATENCY, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, TORQUE_LATENCY,
-    is_exact, is_of_own_joint,
+    CONTACT, ENCODER_LATENCY, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact,
+    is_of_own_joint,
 };
+use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
 use crate::scale::{Doubt, Scale, doubts};
-use crate::select::{Fitted, Pick, Rival, Selection, select};
+use crate::select::{Fitted, Pick, Selection, select};
 use crate::survey::usable;
 use crate::unseen::{Unseen, on_second, within};
 
@@ -24,8 +25,6 @@ const GAP: f64 = 1.21;
 const GAP_SDS: f64 = 4.0;
 /// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
 const NOT_TOLD_APART: f64 = 4.605;
-/// The fault of a log that repeats rows or lacks some.
-const SAMPLING: &str = "sampling";
 /// Share of what the base model leaves beyond noise that effects may leave.
 const UNEXPLAINED: f64 = 0.02;
 /// And of each joint's root mean square, beyond twice its noise.
@@ -43,7 +42,7 @@ const MOST_OF_MEMORY: f64 = 4.0;
 const PART: f64 = 0.01;
 
 /// What the torques of a moving arm show.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Examined {
     /// One entry a joint with torques.
     pub channels: Vec<ChannelFit>,
@@ -477,53 +476,6 @@ fn early_s(base: &Base, selection: &Selection) -> f64 {
     selection.early_s + within.map(|own| own.1).sum::<f64>()
 }
 
-/// What was found, a fault of the log first.
-fn findings(problem: &Problem, selection: &Selection) -> Vec<Finding> {
-    let rival = |own: &Rival| NearRival {
-        effect: own.effect,
-        joint: own.joint,
-        behind_nats: own.behind,
-        share: own.share,
-    };
-    let findings = selection.picks.iter().map(|pick| {
-        let (effect, numbers) = by_sense(pick);
-        Finding {
-            effect,
-            joint: pick.joint,
-            change: Change::of(&problem.arm, pick),
-            nats: pick.nats,
-            numbers,
-            rivals: pick.rivals.iter().map(rival).collect(),
-            is_told: pick.is_told,
-        }
-    });
-    let of_log = problem.samples.sampling.map(|[repeated, missing]| Finding {
-        effect: SAMPLING,
-        joint: None,
-        change: None,
-        // it is seen row by row, not by what it explains
-        nats: selection.bare.excess.abs().max(1.0)
-            + selection.picks.first().map_or(0.0, |own| own.nats),
-        numbers: vec![("share", repeated + missing, 0.0)],
-        rivals: Vec::new(),
-        is_told: true,
-    });
-    of_log.into_iter().chain(findings).collect()
-}
-
-/// Name and numbers of a pick: where positions of all joints seem early, it is the torques that are late.
-fn by_sense(pick: &Pick) -> (&'static str, Vec<(&'static str, f64, f64)>) {
-    let mut numbers = pick.numbers.clone();
-    let is_early = pick.joint.is_none()
-        && pick.effect == ENCODER_LATENCY
-        && numbers.iter().any(|own| own.0 == "delay_s" && own.1 < 0.0);
-    if !is_early {
-        return (pick.effect, numbers);
-    }
-    numbers.iter_mut().for_each(|own| own.1 = -own.1);
-    (TORQUE_LATENCY, numbers)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -557,19 +509,7 @@ mod tests {
             edge_hz: 20.0,
             numbers: 10,
             tried: 10,
-            unseen: Vec::new(),
-            second: None,
-            free_armatures: Vec::new(),
-            has_memory: false,
-            above_hz: None,
-            jitter: 0.0,
-            is_stamped_late: false,
-            early_s: 0.0,
-            doubts: Vec::new(),
-            constant: Vec::new(),
-            fastest: Vec::new(),
-            still: Vec::new(),
-            time_s: Vec::new(),
+            ..Examined::default()
         }
     }
 

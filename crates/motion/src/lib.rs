@@ -10,6 +10,7 @@ mod dependence;
 mod effect;
 mod error;
 mod examine;
+mod findings;
 mod fit;
 mod identify;
 mod loads;

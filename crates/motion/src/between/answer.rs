@@ -50,19 +50,9 @@ pub(super) fn examined(rows: &Rows, chosen: &Chosen) -> Examined {
         edge_hz: rows.edge_hz,
         numbers: rows.joints.len(),
         tried: chosen.tried,
-        unseen: Vec::new(),
-        second: None,
-        free_armatures: Vec::new(),
-        has_memory: false,
-        above_hz: None,
-        is_stamped_late: false,
-        early_s: 0.0,
-        doubts: Vec::new(),
-        constant: Vec::new(),
-        fastest: Vec::new(),
-        still: Vec::new(),
         jitter: rows.jitter,
         time_s: rows.time_s.clone(),
+        ..Examined::default()
     }
 }
 

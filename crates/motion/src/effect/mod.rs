@@ -4,17 +4,13 @@ mod armature;
 mod contact;
 mod cross_coupling;
 mod delay;
-mod friction_asymmetry;
-mod friction_drift;
+mod friction;
 mod gravity_direction;
 mod gravity_spring;
 mod joint_compliance;
 mod link_inertia;
-mod load_friction;
 mod motor_cogging;
 mod payload;
-mod presliding;
-mod stribeck_friction;
 mod torque_gain;
 mod torque_offset;
 mod torque_saturation;
@@ -115,11 +111,11 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::ENCODER_LATENCY,
     torque_gain::EFFECT,
     torque_offset::EFFECT,
-    stribeck_friction::EFFECT,
-    load_friction::EFFECT,
-    friction_asymmetry::EFFECT,
-    friction_drift::EFFECT,
-    presliding::EFFECT,
+    friction::STRIBECK,
+    friction::LOAD,
+    friction::ASYMMETRY,
+    friction::DRIFT,
+    friction::PRESLIDING,
     motor_cogging::EFFECT,
     armature::EFFECT,
     link_inertia::EFFECT,
@@ -168,11 +164,11 @@ pub(crate) fn is_of_own_joint(name: &str) -> bool {
         torque_gain::EFFECT.name,
         torque_offset::EFFECT.name,
         torque_saturation::EFFECT.name,
-        stribeck_friction::EFFECT.name,
-        load_friction::EFFECT.name,
-        friction_asymmetry::EFFECT.name,
-        friction_drift::EFFECT.name,
-        presliding::EFFECT.name,
+        friction::STRIBECK.name,
+        friction::LOAD.name,
+        friction::ASYMMETRY.name,
+        friction::DRIFT.name,
+        friction::PRESLIDING.name,
         motor_cogging::EFFECT.name,
         armature::EFFECT.name,
         gravity_spring::EFFECT.name,

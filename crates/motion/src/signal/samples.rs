@@ -379,6 +379,28 @@ mod tests {
         assert!(!Samples::new(&log, false).unwrap().is_stamped_late);
     }
 
+    /// Rows that were left out are no steps of an even grid, however smooth that were: places of one half would come early.
+    #[test]
+    fn rows_that_repeat_do_not_move_the_clock() {
+        let is_repeated = |k: u32| k < 1000 && k % 10 == 5;
+        let late = |k: u32| 0.2 * (1.7 * f64::from(k)).sin();
+        let stamps: Vec<f64> = (0..2000)
+            .map(|k| 0.001 * (f64::from(k) + late(k)))
+            .collect();
+        let mut log = recording(stamps);
+        let taken = (0..2000).map(|k| k - u32::from(is_repeated(k)));
+        let taken: Vec<f64> = taken.map(|k| 0.001 * f64::from(k)).collect();
+        log.joint[0] = taken.iter().map(|t| t.sin()).collect();
+        log.torque_nm[0] = Some(taken.iter().map(|t| t.cos()).collect());
+        let samples = Samples::new(&log, true).unwrap();
+        assert!(samples.sampling.is_some() && samples.pieces.len() == 1);
+        let piece = &samples.pieces[0];
+        for (k, value) in piece.motor[0].iter().enumerate() {
+            let wanted = (piece.start_s + samples.step_s * k as f64).sin();
+            assert!((value - wanted).abs() < 2e-3, "{k}: {value}, {wanted}");
+        }
+    }
+
     #[test]
     fn uneven_stamps_are_put_on_a_grid() {
         let stamps: Vec<f64> = (0..400)

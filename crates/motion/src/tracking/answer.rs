@@ -98,22 +98,15 @@ pub(super) fn examined(
         tried: 1,
         unseen,
         second: why,
-        free_armatures: Vec::new(),
-        has_memory: false,
-        above_hz: None,
         jitter: rows.jitter,
-        is_stamped_late: false,
         early_s: rows.early_s,
-        doubts: Vec::new(),
-        constant: Vec::new(),
-        fastest: Vec::new(),
-        still: Vec::new(),
         time_s: rows
             .states
             .centre
             .iter()
             .map(|own| rows.states.time_s[*own])
             .collect(),
+        ..Examined::default()
     }
 }
 

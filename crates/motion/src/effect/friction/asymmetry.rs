@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD};
+use crate::effect::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD};
 
-pub(super) const EFFECT: Effect = Effect {
+pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "friction-asymmetry",
     candidates: Candidates::Given(candidates),
 };

@@ -2,9 +2,11 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, Finer, first, product};
+use crate::effect::{
+    Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, Finer, first, product,
+};
 
-pub(super) const EFFECT: Effect = Effect {
+pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "load-friction",
     candidates: Candidates::Given(candidates),
 };

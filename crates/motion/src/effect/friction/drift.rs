@@ -2,9 +2,9 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, product};
+use crate::effect::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, product};
 
-pub(super) const EFFECT: Effect = Effect {
+pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "friction-drift",
     candidates: Candidates::Given(candidates),
 };

@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first};
+use crate::effect::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first};
 use crate::fit::base::beyond_sign;
 
-pub(super) const EFFECT: Effect = Effect {
+pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "presliding",
     candidates: Candidates::Given(candidates),
 };
