@@ -382,8 +382,8 @@ mod tests {
     /// Rows that were left out are no steps of an even grid, however smooth that were: places of one half would come early.
     #[test]
     fn rows_that_repeat_do_not_move_the_clock() {
-        let is_repeated = |k: u32| k < 1000 && k % 10 == 5;
-        let late = |k: u32| 0.2 * (1.7 * f64::from(k)).sin();
+        let is_repeated = |k: u32| k < 1000 && k % 20 == 5;
+        let late = |k: u32| 0.3 * (1.7 * f64::from(k)).sin();
         let stamps: Vec<f64> = (0..2000)
             .map(|k| 0.001 * (f64::from(k) + late(k)))
             .collect();
