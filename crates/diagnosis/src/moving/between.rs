@@ -103,7 +103,7 @@ impl Links {
         let examined = &self.found.examined;
         let words = Words::of_outputs(device, examined);
         let (torques, of_torques) = torques.unwrap_or_default();
-        let mut channels = words.gaps_unseen();
+        let mut channels = words.gaps();
         let course = words.course(&channels);
         channels.extend(torques.channels.iter().cloned());
         let mut findings = words.causes();

@@ -81,8 +81,8 @@ impl<'e> Words<'e> {
         format!("{name}{}", joint + 1)
     }
 
-    /// Channel by channel.
-    pub(super) fn gaps(&self) -> Vec<ChannelGap> {
+    /// Channel by channel, on the rows that were fitted.
+    fn gaps_of_fit(&self) -> Vec<ChannelGap> {
         let gaps = self.examined.channels.iter().map(|own| {
             let floor = floor(own.joint, own.noise, own.before.len() as f64);
             let after = if self.is_adequate {
@@ -103,8 +103,11 @@ impl<'e> Words<'e> {
         gaps.collect()
     }
 
-    /// The same with the sizes of rows that were not fitted, where they show a gap.
-    pub(super) fn gaps_unseen(&self) -> Vec<ChannelGap> {
+    /// Channel by channel; where there is a gap that is explained, with the sizes of rows that were not fitted.
+    pub(super) fn gaps(&self) -> Vec<ChannelGap> {
+        if !self.is_adequate {
+            return self.gaps_of_fit();
+        }
         let on_unseen = |(gap, own): (ChannelGap, &ChannelFit)| {
             let mut unseen = self.examined.unseen.iter();
             let seen = unseen.find(|unseen| unseen.joint == own.joint);
@@ -117,7 +120,7 @@ impl<'e> Words<'e> {
                 None => gap,
             }
         };
-        let gaps = self.gaps().into_iter().zip(&self.examined.channels);
+        let gaps = self.gaps_of_fit().into_iter().zip(&self.examined.channels);
         gaps.map(on_unseen).collect()
     }
 

@@ -54,6 +54,8 @@ pub(crate) struct Candidate<'c> {
     pub(crate) within: [f64; 2],
     /// Standard deviation of its numbers for the law's own sake, as a share of them: no friction is a law to the last digit.
     pub(crate) law_sd: f64,
+    /// Standard deviation of the logarithm of its shape's number for the law's own sake.
+    pub(crate) shape_law_sd: f64,
     /// Standard deviation of the number of its shape, where it is known beforehand.
     pub(crate) shape_sd: Option<f64>,
     pub(crate) finer: Finer<'c>,
@@ -257,6 +259,7 @@ impl<'c> Candidate<'c> {
             is_sound: |_| true,
             within: [f64::NEG_INFINITY, f64::INFINITY],
             law_sd: 0.0,
+            shape_law_sd: 0.0,
             shape_sd: None,
             finer: Finer::Settled,
         }
@@ -282,6 +285,12 @@ impl<'c> Candidate<'c> {
     /// With a law that is not to the last digit the arm's.
     pub(crate) fn about_to(mut self, law_sd: f64) -> Self {
         self.law_sd = law_sd;
+        self
+    }
+
+    /// With a shape that is not to the last digit the arm's.
+    pub(crate) fn shape_about_to(mut self, law_sd: f64) -> Self {
+        self.shape_law_sd = law_sd;
         self
     }
 

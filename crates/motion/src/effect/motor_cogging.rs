@@ -101,7 +101,10 @@ fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candi
     let mut signals = sines(q, order).to_vec();
     signals.extend(sines(q, 2.0 * order));
     let found = context.of_signals(EFFECT.name, joint, &signals, Rc::new(numbers))?;
-    let found = found.about_to(COGGING_LAW_SD);
+    // a phase that is off by the law's share at every angle by itself has a slope of its own: sqrt(12) over the travel of even angles
+    let [low, high] = ends(q);
+    let slope = COGGING_LAW_SD * 12_f64.sqrt() / (high - low).max(1e-6);
+    let found = found.about_to(COGGING_LAW_SD).shape_about_to(slope / order);
     let again = Rc::new(move |order| at(context, joint, order, step));
     Some(found.shaped(("order", order), 1.0 + 0.7 * step / order, again))
 }

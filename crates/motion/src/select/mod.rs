@@ -5,6 +5,7 @@ mod numbers;
 mod refine;
 mod rivals;
 mod scored;
+mod shape;
 
 use std::rc::Rc;
 
@@ -108,6 +109,12 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         state = fewer;
     }
     let misfit = (1.0 + 2.0 * state.fitted.excess / state.fitted.freedom.max(1.0)).max(1.0);
+    let mut shape_sds = Vec::new();
+    for index in 0..state.taken.len() {
+        let (nearer, sd) = shape::settled(&frame, state, index, misfit);
+        state = nearer;
+        shape_sds.push(sd);
+    }
     let mut first = 0;
     let mut picks = Vec::new();
     for (index, candidate) in state.taken.iter().enumerate() {
@@ -115,7 +122,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         first = columns.end;
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
         let beside = rivals::rivals(&frame, &pool, &state, index, misfit);
-        let widened = (misfit, beside.shape_sd);
+        let widened = (misfit, shape_sds[index]);
         let mut numbers = numbers(&state.fitted, columns, candidate, widened);
         for own in numbers.iter_mut().filter(|own| own.0 == "delay_s") {
             own.2 = own.2.hypot(plausible::OF_STEP * problem.samples.step_s);

@@ -48,6 +48,7 @@ pub(super) fn numbers(
         let size = if *name == "phase_rad" { 1.0 } else { *value };
         found.push((name, *value, sd.hypot(candidate.law_sd * size)));
     }
+    let shape_sd = shape_sd.hypot(candidate.shape_law_sd);
     found.extend(
         candidate
             .shape

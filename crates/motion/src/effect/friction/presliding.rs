@@ -47,6 +47,7 @@ fn at(context: Context<'_>, joint: usize, travel: f64) -> Option<Candidate<'_>> 
         found
             .if_positive()
             .about_to(FRICTION_LAW_SD)
+            .shape_about_to(FRICTION_LAW_SD)
             .shaped(("travel_rad", travel), 2.0, again),
     )
 }

@@ -38,9 +38,11 @@ fn at(context: Context<'_>, joint: usize, speed: f64) -> Option<Candidate<'_>> {
     );
     let found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
     let again = Rc::new(move |speed| at(context, joint, speed));
-    Some(found.if_positive().about_to(FRICTION_LAW_SD).shaped(
-        ("speed_rad_per_s", speed),
-        2.0,
-        again,
-    ))
+    Some(
+        found
+            .if_positive()
+            .about_to(FRICTION_LAW_SD)
+            .shape_about_to(FRICTION_LAW_SD)
+            .shaped(("speed_rad_per_s", speed), 2.0, again),
+    )
 }

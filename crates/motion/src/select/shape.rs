@@ -1,0 +1,103 @@
+//! The number of a shape, settled in the whole fit, and how well it is known.
+
+use super::scored::score;
+use super::{Fitted, Frame, State, columns_of};
+use crate::effect::{Candidate, Finer};
+
+/// Steps of the logarithm of a shape's number within which what is explained has to fall for a standard deviation to be known.
+const SHAPE_STEPS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
+/// Parabolas through three numbers, the ends so many standard deviations from the middle; the middle moves by no more at once.
+const PARABOLAS: usize = 3;
+const ENDS_SDS: f64 = 2.0;
+/// A move of so many standard deviations is none.
+const SETTLED_SDS: f64 = 0.1;
+
+/// The number of a pick's shape that leaves least beside the base model and the other picks, all fitted anew, and the standard deviation
+/// of its logarithm: by the second difference of what is left, of which half a nat is one standard deviation (Wilks 1938). Numbers of the
+/// base model that were at a limit while the pick was sought are free to leave it here.
+pub(super) fn settled<'c>(
+    frame: &Frame<'_>,
+    state: State<'c>,
+    index: usize,
+    misfit: f64,
+) -> (State<'c>, f64) {
+    let own = &state.taken[index];
+    let Some(&(_, value)) = own.shape.first() else {
+        return (state, 0.0);
+    };
+    if let Some(sd) = own.shape_sd {
+        return (state, sd / value.abs().max(1e-300));
+    }
+    let Finer::Shape { at, .. } = own.finer.clone() else {
+        return (state, 0.0);
+    };
+    let others = frame.fitted(&columns_of(&state.taken, Some(index)), state.early_s);
+    let mut sd = alone(frame, &others, own, misfit);
+    let mut best = state;
+    for _ in 0..PARABOLAS {
+        let step = ENDS_SDS * sd;
+        let value = best.taken[index].shape[0].1;
+        let moved =
+            |by: f64| at(value * by.exp()).and_then(|own| replaced(frame, &best, index, own));
+        let (Some(below), Some(above)) = (moved(-step), moved(step)) else {
+            break;
+        };
+        let excess = [&below, &best, &above].map(|own| own.fitted.excess);
+        let second = excess[0] - 2.0 * excess[1] + excess[2];
+        if second.is_nan() || second <= 0.0 {
+            break;
+        }
+        sd = step * (misfit / second).sqrt();
+        let by = (0.5 * (excess[0] - excess[2]) / second).clamp(-1.0, 1.0) * step;
+        let nearer = moved(by).filter(|own| own.fitted.excess < excess[1]);
+        let Some(nearer) = nearer else {
+            break;
+        };
+        best = nearer;
+        if by.abs() < SETTLED_SDS * sd {
+            break;
+        }
+    }
+    (best, sd)
+}
+
+/// The state with another candidate in the place of a pick; none where its coefficients are not those of such an effect.
+fn replaced<'c>(
+    frame: &Frame<'_>,
+    state: &State<'c>,
+    index: usize,
+    own: Candidate<'c>,
+) -> Option<State<'c>> {
+    let mut taken = state.taken.clone();
+    let count = own.columns.len();
+    taken[index] = own;
+    let first: usize = taken[..index].iter().map(|own| own.columns.len()).sum();
+    let fitted = frame.fitted(&columns_of(&taken, None), state.early_s);
+    let is_possible = taken[index].is_possible(&fitted.effects()[first..first + count]);
+    is_possible.then_some(State {
+        taken,
+        fitted,
+        early_s: state.early_s,
+    })
+}
+
+/// By how fast what is explained beside the other picks' fit falls beside the shape that explains most.
+fn alone(frame: &Frame<'_>, others: &Fitted, own: &Candidate<'_>, misfit: f64) -> f64 {
+    let Finer::Shape { at, .. } = &own.finer else {
+        return 0.0;
+    };
+    let value = own.shape[0].1;
+    let nats = |factor: f64| {
+        let scored = at(value * factor).and_then(|own| score(frame, others, &own));
+        scored.map_or(f64::NEG_INFINITY, |own| own.nats)
+    };
+    let here = nats(1.0);
+    let mut drops = SHAPE_STEPS.iter().map(|step| {
+        let beside = [nats(step.exp()), nats((-step).exp())];
+        (step, here - beside[0].max(beside[1]))
+    });
+    let (step, drop) = drops
+        .find(|(_, drop)| *drop > misfit)
+        .unwrap_or((&1.0, misfit));
+    step * (misfit / (2.0 * drop)).sqrt()
+}
