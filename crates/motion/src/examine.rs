@@ -14,10 +14,11 @@ use crate::effect::{
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
+use crate::later::Later;
 use crate::scale::{Doubt, Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
 use crate::survey::usable;
-use crate::unseen::{Unseen, on_second, within};
+use crate::unseen::{Unseen, within};
 
 /// A channel's rest is a gap beyond this multiple of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
 /// square by chance: a sound arm's friction is no law to the last digit.
@@ -40,6 +41,13 @@ const OF_SPRING: f64 = 1e-3;
 const MOST_OF_MEMORY: f64 = 4.0;
 /// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
 const PART: f64 = 0.01;
+
+/// Share of a second recording's squares beyond noise that effects may leave of it; beside a spring between motor and link, which is known to
+/// first order alone.
+const OF_SECOND: f64 = 0.1;
+const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
+/// Effects that a second recording may refute, until no more are looked for in their place.
+const MOST_REFUTED: usize = 4;
 
 /// What the torques of a moving arm show.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -65,6 +73,11 @@ pub struct Examined {
     pub unseen: Vec<Unseen>,
     /// Why the second recording is not among them.
     pub second: Option<MotionError>,
+    /// Effects and joints (from 0) that explained something of the log, and made the second recording's torques less well predicted: they were
+    /// left out.
+    pub refuted: Vec<(&'static str, Option<usize>)>,
+    /// Share of the second recording's squares beyond noise that the effects leave; none where they leave noise, or were not checked on it.
+    pub left_of_second: Option<f64>,
     /// Joints whose armature no device file states, with the one that was fitted \[kg m^2\].
     pub free_armatures: Vec<(usize, f64)>,
     /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
@@ -185,6 +198,18 @@ impl Examined {
                 .all(|own| own.is_told || own.rivals.iter().any(NearRival::is_near))
             && (is_quiet || is_explained)
             && !self.is_of_another_law()
+            && !self.is_contradicted()
+    }
+
+    /// Whether the effects leave more of a second recording's gap than they may.
+    pub fn is_contradicted(&self) -> bool {
+        // a spring between motor and link is known to first order alone
+        let has_spring = self.findings.iter().any(|own| own.effect == JOINT_SPRING);
+        let most = match has_spring {
+            true => OF_SECOND_BESIDE_SPRING,
+            false => OF_SECOND,
+        };
+        self.left_of_second.is_some_and(|left| left > most)
     }
 
     /// Whether an effect acts on a channel that shows more than noise, if any does: what it explains elsewhere explains no gap.
@@ -343,22 +368,65 @@ fn examine_with(
     if scales.iter().all(|(_, own)| own.is_noise()) && doubts(&scales).is_empty() {
         return Err(MotionError::Noise);
     }
-    let mut selection = select(&problem, &base, without);
-    // in a narrower band the gap that was seen in the whole one is looked for again
-    if reading.edge_hz.is_none() {
-        selection = shown(&problem, selection);
-    }
-    let seen = second.map(|second| on_second(&arm, second, (&problem, &base, &selection)));
-    let (unseen, why) = match seen {
-        Some(Ok(unseen)) => (unseen, None),
+    let later = second.map(|second| Later::new(&arm, second, (&problem, &base)));
+    let mut refuted = Vec::new();
+    let selection = loop {
+        let mut selection = select(&problem, &base, without, &refuted);
+        // in a narrower band the gap that was seen in the whole one is looked for again
+        if reading.edge_hz.is_none() {
+            selection = shown(&problem, selection);
+        }
+        let further = match &later {
+            Some(Ok(later)) if refuted.len() < MOST_REFUTED => {
+                later.refuted((&problem, &base), &selection)
+            }
+            _ => Vec::new(),
+        };
+        if further.is_empty() {
+            break selection;
+        }
+        refuted.extend(further);
+    };
+    let (unseen, why) = match later {
+        Some(Ok(later)) => (later.unseen(&selection), None),
         Some(Err(why)) => (within(&problem, &base, &selection), Some(why)),
         None => (within(&problem, &base, &selection), None),
     };
+    let is_checked = second.is_some() && why.is_none();
+    let left_of_second = (is_checked
+        && !selection.picks.is_empty()
+        && selection.picks.iter().all(|own| !own.is_of_recording))
+    .then(|| left_of(&unseen))
+    .flatten();
     Ok(Examined {
         unseen,
         second: why,
+        refuted,
+        left_of_second,
         ..examined(&problem, &base, (&selection, &scales))
     })
+}
+
+/// Share of a second recording's squares beyond noise that effects leave of it; none where they leave no more than noise of any joint's torque.
+fn left_of(unseen: &[Unseen]) -> Option<f64> {
+    let sums = |own: &Unseen| {
+        let rows: usize = own.rows.iter().sum();
+        let of_noise = |sums: &[f64]| sums.iter().sum::<f64>() / own.noise.powi(2);
+        (rows, of_noise(&own.before), of_noise(&own.after))
+    };
+    let is_left = |own: &Unseen| {
+        let (rows, _, after) = sums(own);
+        is_beyond_noise((after / rows.max(1) as f64).sqrt(), rows)
+    };
+    unseen.iter().find(|own| is_left(own))?;
+    let [before, after] = unseen.iter().fold([0.0; 2], |[before, after], own| {
+        let (rows, of_before, of_after) = sums(own);
+        [
+            before + of_before - rows as f64,
+            after + of_after - rows as f64,
+        ]
+    });
+    Some(after.max(0.0) / before.max(1.0))
 }
 
 /// What was selected, where a channel has a gap, the effects take as much off one as a gap is, or the law of all is exact; else nothing: what
@@ -451,6 +519,8 @@ fn examined(
         tried: selection.tried,
         unseen: Vec::new(),
         second: None,
+        refuted: Vec::new(),
+        left_of_second: None,
         free_armatures: free.collect(),
         has_memory: problem.has_memory,
         above_hz: None,

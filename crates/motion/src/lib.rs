@@ -13,6 +13,7 @@ mod examine;
 mod findings;
 mod fit;
 mod identify;
+mod later;
 mod loads;
 mod scale;
 mod select;

@@ -2,16 +2,11 @@
 
 use std::rc::Rc;
 
-use haptical_model::Recording;
-
-use crate::MotionError;
-use crate::arm::Arm;
-use crate::effect::{Candidate, Context, Finer, effect_names};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
-use crate::fit::problem::{Problem, Reading};
+use crate::fit::problem::Problem;
 use crate::fit::system::System;
-use crate::select::{Fitted, Frame, Pick, Pool, Selection};
+use crate::select::Selection;
 
 /// Parts in time that sums are kept of.
 pub const PARTS: usize = 10;
@@ -81,95 +76,8 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
     collected(problem, &rests)
 }
 
-/// Rows of a second recording. Effects that belong to the first one alone, as a contact does, are left out.
-///
-/// # Errors
-/// [`MotionError`] for a recording that says nothing of a moving arm, or not of the same joints.
-pub(crate) fn on_second(
-    arm: &Arm,
-    second: &Recording,
-    first: (&Problem, &Base, &Selection),
-) -> Result<Vec<Unseen>, MotionError> {
-    let (own, base, selection) = first;
-    let mut problem = Problem::new(
-        arm.clone(),
-        second,
-        Reading {
-            edge_hz: Some(own.states.pass.edge_hz),
-            sets_right: true,
-            has_memory: own.has_memory,
-            ..Reading::default()
-        },
-    )?;
-    problem.allow_for_rest(&base.coulomb, &base.turnovers());
-    let there = Base::new(&problem, Some(&base.reversals));
-    if there.columns.len() != base.columns.len() || problem.channels != own.channels {
-        let message = "the second recording moves other joints, or lacks torques of some";
-        return Err(MotionError::Sampling(message.to_owned()));
-    }
-    let frame = Frame::new(&problem, &there);
-    let torque = there.torque(&problem, &selection.bare.solved.solution);
-    let context = Context {
-        problem: &problem,
-        base: &there,
-        torque: &torque,
-    };
-    let left = |fitted: &Fitted, early_s: f64| {
-        let mut rest = problem.recorded(early_s);
-        for (column, value) in there.columns.iter().zip(&fitted.solved.solution) {
-            column.column.add_to(&mut rest, -value);
-        }
-        rest
-    };
-    let before = left(&selection.bare, 0.0);
-    let mut after = left(&selection.fitted, selection.early_s);
-    // of the picks' effects alone
-    let is_there = |name: &str| selection.picks.iter().any(|own| own.effect == name);
-    let others: Vec<String> = (effect_names().into_iter())
-        .filter(|name| !is_there(name))
-        .map(str::to_owned)
-        .collect();
-    let pool = Pool::new(context, &others);
-    for pick in &selection.picks {
-        let Some(candidate) = again(&pool, &frame, pick) else {
-            continue;
-        };
-        for (column, value) in candidate.columns.iter().zip(&pick.coefficients) {
-            column.add_to(&mut after, -value);
-        }
-    }
-    let mut found = collected(&problem, &[before.clone(), after.clone()]);
-    let rows = problem.states.rows();
-    for (channel, unseen) in found.iter_mut().enumerate() {
-        let torque = problem.states.torque(&problem.samples, unseen.joint, 0.0);
-        let at = |row: usize| {
-            let k = channel * rows + row;
-            let [before, after] =
-                [&before, &after].map(|rest| torque[row] - rest[k] / problem.weight(k));
-            (
-                problem.states.row_of[problem.states.centre[row]],
-                [torque[row], before, after],
-            )
-        };
-        unseen.predictions = (0..rows).map(at).collect();
-    }
-    Ok(found)
-}
-
-/// A pick's effect in another recording.
-fn again<'c>(pool: &Pool<'c>, frame: &Frame<'_>, pick: &Pick) -> Option<Candidate<'c>> {
-    let own = pool.like(frame, pick)?;
-    match &own.finer {
-        Finer::Settled => Some(own),
-        Finer::Shape { at, .. } => at(*pick.shape.first()?),
-        Finer::About(about) | Finer::Correction(about) => match pick.about.is_empty() {
-            true => Some(own),
-            false => about(&pick.about),
-        },
-    }
-}
-
-fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen> {
+/// Sums of squares of both rests, channel by channel and part by part.
+pub(crate) fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen> {
     let rows = problem.states.rows();
     let of_channel = |(channel, &joint): (usize, &usize)| {
         let noise = problem.row_sd[channel];

@@ -17,6 +17,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             "the torques of the second recording were not predicted: {why}"
         ));
     }
+    warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
     if examined
         .findings
@@ -83,6 +84,36 @@ fn is_kept(device: &Device, found: &Finding) -> bool {
     };
     let mut specs = haptical_effects::specs().filter(|spec| spec.name == found.effect);
     specs.any(|spec| spec.hook.is_on_drives() && is_law(spec).is_ok() && is_whole(spec))
+}
+
+/// What the second recording contradicts.
+fn of_second(examined: &Examined) -> Vec<String> {
+    let place = |effect: &str, joint: Option<usize>| match joint {
+        Some(joint) => format!("{effect} at joint {}", joint + 1),
+        None => effect.to_owned(),
+    };
+    let mut said: Vec<String> = (examined.refuted.iter())
+        .map(|(effect, joint)| {
+            format!(
+                "{} explains a part of the log and is left out: with it the torques of the second recording are predicted worse",
+                place(effect, *joint)
+            )
+        })
+        .collect();
+    if let Some(left) = examined
+        .left_of_second
+        .filter(|_| examined.is_contradicted())
+    {
+        let found: Vec<String> = (examined.findings.iter())
+            .map(|own| place(own.effect, own.joint))
+            .collect();
+        said.push(format!(
+            "{} would fit the log, but leaves {:.0} % of the squares of the second recording's gap: not named",
+            found.join(", "),
+            100.0 * left
+        ));
+    }
+    said
 }
 
 /// Armatures that no file states, in one sentence.

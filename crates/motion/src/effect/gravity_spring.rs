@@ -30,15 +30,19 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let crank_seen = high - low > LEAST_TRAVEL_RAD;
         [
             context.of_signals(EFFECT.name, joint, &[ones, straight], Rc::new(spring)),
-            context
-                .of_signals(EFFECT.name, joint, &sines, Rc::new(crank))
-                .filter(|_| crank_seen),
+            context.of_signals(EFFECT.name, joint, &sines, Rc::new(crank)),
         ]
         .into_iter()
         .flatten()
         .enumerate()
         .map(|(kind, own)| Candidate {
             needs_last: true,
+            // of less travel it is not told from a constant, though it may be predicted there
+            is_sound: if kind == 1 && !crank_seen {
+                |_| false
+            } else {
+                |_| true
+            },
             ..own.of_kind(kind)
         })
         .collect()

@@ -11,8 +11,8 @@ use std::rc::Rc;
 
 pub(crate) use self::fitted::{Fitted, Frame};
 use self::numbers::numbers;
-pub(crate) use self::rivals::Rival;
-pub(crate) use self::scored::Pool;
+pub(crate) use self::rivals::{OF_OWN_JOINT, Rival, gained_by_channel};
+pub(crate) use self::scored::{Place, Pool};
 use self::scored::{Scored, penalty};
 use crate::effect::{Candidate, Context, Finer};
 use crate::fit::base::Base;
@@ -24,7 +24,7 @@ use crate::fit::problem::Problem;
 const MOST: usize = 4;
 const MOST_PLACES: usize = 10;
 /// What an effect explains beyond its numbers, at least \[nats\].
-const LEAST_NATS: f64 = 16.0;
+pub(crate) const LEAST_NATS: f64 = 16.0;
 /// A further effect explains this share of the whole, or that one of what is left.
 const OF_WHOLE: f64 = 0.03;
 const OF_REST: f64 = 0.5;
@@ -69,6 +69,9 @@ pub(crate) struct Pick {
     pub(crate) kind: usize,
     pub(crate) shape: Vec<f64>,
     pub(crate) about: Vec<f64>,
+    /// Whether it belongs to its recording alone, and whether it is the delay of all positions.
+    pub(crate) is_of_recording: bool,
+    pub(crate) is_delay_of_all: bool,
 }
 
 /// A fit with effects, and how long its torques are before the positions.
@@ -78,8 +81,13 @@ struct State<'c> {
     early_s: Option<f64>,
 }
 
-/// Selects effects; `without`: names that are left out.
-pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Selection {
+/// Selects effects; `without`: names that are left out, `refuted`: effects that are not at a joint.
+pub(crate) fn select(
+    problem: &Problem,
+    base: &Base,
+    without: &[String],
+    refuted: &[Place],
+) -> Selection {
     let frame = Frame::new(problem, base);
     let bare = frame.fitted(&[], None);
     let torque = base.torque(problem, &bare.solved.solution);
@@ -88,7 +96,7 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         base,
         torque: &torque,
     };
-    let pool = Pool::new(context, without);
+    let pool = Pool::new(context, without, refuted);
     let before = bare.excess;
     let mut state = State {
         taken: Vec::new(),
@@ -99,7 +107,14 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         if !state.taken.is_empty() && is_quiet(problem, &state.fitted) {
             break;
         }
-        let least = LEAST_NATS.max((OF_WHOLE * before).min(OF_REST * state.fitted.excess));
+        let of_whole = OF_WHOLE * before;
+        let least = LeastNats {
+            of_law: LEAST_NATS.max(of_whole.min(OF_REST * state.fitted.excess)),
+            of_recording: match state.taken.is_empty() {
+                true => LEAST_NATS,
+                false => LEAST_NATS.max(of_whole),
+            },
+        };
         match best(&frame, &pool, &state, least) {
             Some(next) if kinds(&next.taken) <= MOST => state = next,
             _ => break,
@@ -144,6 +159,8 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
             kind: candidate.kind,
             shape: candidate.shape.iter().map(|own| own.1).collect(),
             about: candidate.about.clone(),
+            is_of_recording: candidate.is_of_recording,
+            is_delay_of_all: candidate.is_delay_of_all(),
         });
     }
     // strongest first
@@ -154,6 +171,24 @@ pub(crate) fn select(problem: &Problem, base: &Base, without: &[String]) -> Sele
         fitted: state.fitted,
         early_s: state.early_s.unwrap_or(0.0),
         tried: pool.places(),
+    }
+}
+
+/// What a further effect has to explain \[nats\].
+#[derive(Clone, Copy)]
+struct LeastNats {
+    of_law: f64,
+    /// One that belongs to its recording alone, as a push does, is free in time: it explains its share of the whole, since a part of what is
+    /// left of another law it explains always.
+    of_recording: f64,
+}
+
+impl LeastNats {
+    fn of(self, state: &State<'_>) -> f64 {
+        match state.taken.last() {
+            Some(own) if own.is_of_recording => self.of_recording,
+            _ => self.of_law,
+        }
     }
 }
 
@@ -201,7 +236,7 @@ fn best<'c>(
     frame: &Frame<'_>,
     pool: &Pool<'c>,
     state: &State<'c>,
-    least: f64,
+    least: LeastNats,
 ) -> Option<State<'c>> {
     let near = nearest(frame, pool, state);
     let nats = |other: &State<'c>| {
@@ -209,7 +244,7 @@ fn best<'c>(
         state.fitted.excess - other.fitted.excess - last.map_or(0.0, |own| penalty(frame, own))
     };
     near.into_iter()
-        .filter(|other| nats(other) > least)
+        .filter(|other| nats(other) > least.of(other))
         .reduce(|best, other| {
             if nats(&other) > nats(&best) {
                 other

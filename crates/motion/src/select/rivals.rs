@@ -2,9 +2,11 @@
 
 use std::rc::Rc;
 
+use haptical_linalg::dot;
+
 use super::scored::{LEAST_LAST_NATS, Pool, penalty};
 use super::{Frame, State, columns_of, is_taken, nearest};
-use crate::effect::{Candidate, TORQUE_GAIN};
+use crate::effect::{Candidate, TORQUE_GAIN, is_of_own_joint};
 
 /// Another effect in the place of a pick.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,12 +19,15 @@ pub(crate) struct Rival {
     pub(crate) share: f64,
 }
 
+/// Share of what an effect of one joint's torque explains that it explains there, at least.
+pub(crate) const OF_OWN_JOINT: f64 = 0.5;
+
 /// What is known of a pick beside the other picks.
 pub(super) struct Beside {
     /// What it explains \[nats\].
     pub(super) nats: f64,
     pub(super) rivals: Vec<Rival>,
-    /// Whether it explains something beside an inertia that the model lacks.
+    /// Whether it does what its law does ([`is_told`]).
     pub(super) is_told: bool,
 }
 
@@ -69,21 +74,56 @@ pub(super) fn rivals<'c>(
     }
 }
 
-/// Whether a scale of a torque explains more than a torque along the joint's own acceleration does, and something beside it: a scale shows in
-/// weight and in what the other joints ask for as well, and one that does not is an inertia as well as it is a scale.
+/// Whether a pick does what its law does. One that acts on the torque of its own joint alone has to explain most there: what is gained at
+/// other joints is what the base model is freed for. A scale of a torque has to be told from an inertia ([`is_scale`]).
 fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candidate<'_>) -> bool {
-    let problem = frame.problem;
-    let Some(joint) = own.joint.filter(|_| own.effect == TORQUE_GAIN) else {
+    let Some(joint) = own.joint.filter(|_| is_of_own_joint(own.effect)) else {
         return true;
     };
+    let Some(channel) = frame.problem.channel_of(joint) else {
+        return true;
+    };
+    let rests = [&others.fitted, &whole.fitted].map(|own| own.solved.rest.as_slice());
+    if gained_by_channel(frame.problem.states.rows(), rests, channel) < OF_OWN_JOINT {
+        return false;
+    }
+    own.effect != TORQUE_GAIN || is_scale(frame, others, whole, own, joint)
+}
+
+/// Share of what one rest's squares are less than another's that is of a channel; 1 where they are not less.
+pub(crate) fn gained_by_channel(rows: usize, [without, with]: [&[f64]; 2], channel: usize) -> f64 {
+    let gained = |range: std::ops::Range<usize>| {
+        let [without, with] = [without, with].map(|own| &own[range.clone()]);
+        dot(without, without) - dot(with, with)
+    };
+    let whole = gained(0..with.len());
+    match whole > 0.0 {
+        true => gained(channel * rows..(channel + 1) * rows) / whole,
+        false => 1.0,
+    }
+}
+
+/// Whether a scale of a torque explains more than a torque along the joint's own acceleration does, and something beside it: a scale shows in
+/// weight and in what the other joints ask for as well, and one that does not is an inertia as well as it is a scale.
+fn is_scale(
+    frame: &Frame<'_>,
+    others: &State<'_>,
+    whole: &State<'_>,
+    own: &Candidate<'_>,
+    joint: usize,
+) -> bool {
+    let problem = frame.problem;
     let acceleration = &problem.states.motor.ddq[joint];
     let Some(inertia) = problem.of_joint(joint, acceleration) else {
         return true;
     };
+    let excess = |columns: &[_]| frame.fitted(columns, others.early_s).excess;
     let mut columns = columns_of(&others.taken, None);
     columns.push(Rc::new(inertia));
-    let of_inertia = frame.fitted(&columns, others.early_s).excess;
+    let of_inertia = excess(&columns);
     columns.extend(own.columns.iter().cloned());
-    let of_both = frame.fitted(&columns, others.early_s).excess;
-    of_inertia - of_both > LEAST_LAST_NATS && of_inertia > whole.fitted.excess
+    let of_both = excess(&columns);
+    // the noise of a reading goes with it
+    let of_scale = whole.fitted.excess + own.of_noise;
+    of_inertia - of_both - own.of_noise > LEAST_LAST_NATS && of_inertia > of_scale
 }

@@ -15,15 +15,23 @@ pub(crate) struct Scored<'c> {
     pub(crate) coefficients: Vec<f64>,
 }
 
+/// An effect, and the joint that it is at (from 0).
+pub(crate) type Place = (&'static str, Option<usize>);
+
+fn is_refuted(refuted: &[Place], own: &Candidate<'_>) -> bool {
+    refuted.contains(&(own.effect, own.joint))
+}
+
 /// All candidates.
 pub(crate) struct Pool<'c> {
     context: Context<'c>,
     without: &'c [String],
+    refuted: &'c [Place],
     given: Vec<Candidate<'c>>,
 }
 
 impl<'c> Pool<'c> {
-    pub(crate) fn new(context: Context<'c>, without: &'c [String]) -> Self {
+    pub(crate) fn new(context: Context<'c>, without: &'c [String], refuted: &'c [Place]) -> Self {
         let given = EFFECTS
             .iter()
             .filter(|own| !without.iter().any(|name| name == own.name));
@@ -32,9 +40,10 @@ impl<'c> Pool<'c> {
             Candidates::ByRest(_) => Vec::new(),
         });
         Self {
-            given: given.collect(),
+            given: given.filter(|own| !is_refuted(refuted, own)).collect(),
             context,
             without,
+            refuted,
         }
     }
 
@@ -78,6 +87,7 @@ impl<'c> Pool<'c> {
         {
             if let Candidates::ByRest(make) = effect.candidates {
                 let candidates = make(self.context, &fitted.solved.rest).into_iter();
+                let candidates = candidates.filter(|own| !is_refuted(self.refuted, own));
                 found.extend(candidates.filter_map(|own| score(frame, fitted, &own)));
             }
         }
