@@ -78,6 +78,8 @@ pub(crate) struct Truth {
     pub(crate) coupling: f64,
     /// Rows beyond 20 s, in which the motion begins again.
     pub(crate) further_rows: usize,
+    /// Armature of the second joint beyond that of the file \[kg m^2\].
+    pub(crate) rotor_kgm2: f64,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
 }
@@ -94,10 +96,27 @@ pub(crate) fn recording(truth: Truth, seed: u64) -> Recording {
     with_factors(truth, seed).0
 }
 
+/// Another motion of the same arm.
+pub(crate) fn second_recording(truth: Truth, seed: u64) -> Recording {
+    let mut random = ChaCha8Rng::seed_from_u64(seed + 1000);
+    let (courses, _) = drawn(&mut random);
+    let (_, factor) = drawn(&mut ChaCha8Rng::seed_from_u64(seed));
+    log_of(truth, &mut random, (4000, &courses, &factor))
+}
+
 /// The same with what the true arm's first mass, second mass and armatures are multiples of.
 pub(crate) fn with_factors(truth: Truth, seed: u64) -> (Recording, [f64; 4]) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = 4000 + truth.further_rows;
+    let (courses, factor) = drawn(&mut random);
+    (
+        log_of(truth, &mut random, (rows, &courses, &factor)),
+        factor,
+    )
+}
+
+/// A course, and how far an arm is off its file.
+fn drawn(random: &mut ChaCha8Rng) -> (Courses, [f64; 4]) {
     let mut courses = [[(0.0, 0.0); 6]; 2];
     for course in &mut courses {
         for wave in course {
@@ -109,10 +128,7 @@ pub(crate) fn with_factors(truth: Truth, seed: u64) -> (Recording, [f64; 4]) {
     }
     let factor: Vec<f64> = (0..4).map(|_| random.random_range(0.94..1.06)).collect();
     let factor: [f64; 4] = std::array::from_fn(|k| factor[k]);
-    (
-        log_of(truth, &mut random, (rows, &courses, &factor)),
-        factor,
-    )
+    (courses, factor)
 }
 
 fn log_of(
@@ -252,7 +268,7 @@ fn torque(
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
         push[1] + d12 * a1 + about * a2 - h * w1 * w1
             + g2
-            + 0.1 * factor[3] * a2
+            + (0.1 * factor[3] + truth.rotor_kgm2) * a2
             + friction(w2 + truth.lead_s * a2, 0.6, 0.3)
             + 0.3 * (w2 - (w2 + truth.lead_s * a2)),
     ];

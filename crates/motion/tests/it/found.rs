@@ -2,11 +2,15 @@
 
 use haptical_motion::{Examined, examine};
 
-use super::arm::{Truth, device, recording};
+use super::arm::{Truth, device, recording, second_recording};
 
 fn examined(truth: Truth, seed: u64) -> Examined {
-    let second = recording(truth, seed + 1000);
-    // the second recording is another specimen: its masses differ too, so that what is unseen is only bounded
+    examined_beside(truth, truth, seed)
+}
+
+/// With a second recording of the same arm to which something else was done.
+fn examined_beside(truth: Truth, of_second: Truth, seed: u64) -> Examined {
+    let second = second_recording(of_second, seed);
     examine(&device(), &recording(truth, seed), Some(&second), &[]).unwrap()
 }
 
@@ -120,6 +124,94 @@ fn cogging_is_named_with_its_order() {
         ..Truth::default()
     };
     assert_found(truth, "motor-cogging", Some(0), ("order", 30.0, 0.3));
+}
+
+/// Of twenty intervals one misses: of six, two in a hundred thousand miss by four standard deviations.
+#[test]
+fn the_interval_of_an_order_holds_it() {
+    let truth = Truth {
+        cogging_nm: 0.5,
+        ..Truth::default()
+    };
+    for seed in 1..=6 {
+        let found = examined(truth, seed);
+        let numbers = &found.findings[0].numbers;
+        let (_, value, sd) = numbers.iter().find(|own| own.0 == "order").unwrap();
+        assert!(
+            (value - 30.0).abs() < 4.0 * sd && *sd < 0.15,
+            "seed {seed}: {value} +- {sd}"
+        );
+    }
+}
+
+#[test]
+fn an_effect_that_the_second_recording_does_not_have_is_refuted() {
+    let truth = Truth {
+        payload_kg: 1.2,
+        ..Truth::default()
+    };
+    let found = examined_beside(truth, Truth::default(), 1);
+    assert!(
+        found.refuted.contains(&("payload", None)) && !found.is_adequate(),
+        "{:?}, {:?}",
+        found.refuted,
+        found.findings
+    );
+    assert!(found.has_gap());
+    let found = examined(truth, 1);
+    assert!(
+        found.refuted.is_empty() && found.is_adequate(),
+        "{:?}",
+        found.refuted
+    );
+}
+
+#[test]
+fn what_leaves_a_gap_of_the_second_recording_is_not_named() {
+    let truth = Truth {
+        cogging_nm: 0.5,
+        ..Truth::default()
+    };
+    let of_second = Truth {
+        dent_nm: 2.0,
+        ..truth
+    };
+    let found = examined_beside(truth, of_second, 1);
+    assert!(
+        found.is_contradicted() && !found.is_adequate(),
+        "{:?}",
+        found.left_of_second
+    );
+    // a push of the second recording beside one of the first says nothing
+    let pushed = Truth {
+        push_n: 25.0,
+        ..Truth::default()
+    };
+    let found = examined(pushed, 1);
+    assert!(found.left_of_second.is_none() && found.is_adequate());
+}
+
+/// Where no rotor may be named, it is no scale of the torque either.
+#[test]
+fn a_rotor_that_is_left_out_is_no_scale() {
+    let truth = Truth {
+        rotor_kgm2: 0.15,
+        ..Truth::default()
+    };
+    for seed in 1..=4 {
+        let (log, second) = (recording(truth, seed), second_recording(truth, seed));
+        let with = examine(&device(), &log, Some(&second), &[]).unwrap();
+        assert!(with.is_adequate(), "{:?}", with.findings);
+        assert_eq!(with.findings[0].effect, "armature", "{:?}", with.findings);
+        let without = ["armature".to_owned(), "link-inertia".to_owned()];
+        let found = examine(&device(), &log, Some(&second), &without).unwrap();
+        let is_scale = found.findings.iter().any(|own| own.effect == "torque-gain");
+        assert!(
+            found.has_gap() && !(is_scale && found.is_adequate()),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+    }
 }
 
 #[test]
