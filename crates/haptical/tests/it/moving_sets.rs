@@ -24,6 +24,16 @@ const SETS: [(&str, &[&str], Option<usize>); 10] = [
     ("10-unknown-dent", &["unknown"], None),
 ];
 
+/// Numbers of the effects as they were made.
+const NUMBERS: [(&str, &str, f64); 6] = [
+    ("payload", "mass_kg", 4.0),
+    ("torque-gain", "gain", 0.3 / 1.3),
+    ("motor-cogging", "order", 101.0),
+    ("motor-cogging", "amplitude_nm", 3.0),
+    ("stribeck-friction", "speed_rad_per_s", 0.12),
+    ("stribeck-friction", "torque_nm", 7.0),
+];
+
 /// The recordings; none, with words, where they are absent.
 fn sets() -> Option<PathBuf> {
     let sets = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/moving-sets");
@@ -60,6 +70,23 @@ fn what_moves_an_arm_is_named() {
                 }
             };
             assert!(is_right, "{set} with {model}: {told:?}");
+            for cause in &found.causes {
+                for (_, number, truth) in NUMBERS.iter().filter(|own| own.0 == cause.effect) {
+                    let [low, high] = cause.parameters[*number].ci95;
+                    assert!(
+                        (low..=high).contains(truth),
+                        "{set} with {model}: {number} [{low}, {high}], truth {truth}"
+                    );
+                }
+                // the gap's record and the cause's check are one number
+                let Some(own) = &cause.held_out else { continue };
+                let mut channels = found.gap.channels.iter();
+                let gap = channels.find(|gap| gap.channel == own.channel).unwrap();
+                assert_eq!(
+                    (gap.reduction_percent, gap.held_out),
+                    (own.reduction_percent, true)
+                );
+            }
             if let Some(play) = first.filter(|own| own.effect == "backlash") {
                 let width_rad = play.parameters["width_rad"].value;
                 assert!(

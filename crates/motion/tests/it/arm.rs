@@ -78,8 +78,6 @@ pub(crate) struct Truth {
     pub(crate) coupling: f64,
     /// Rows beyond 20 s, in which the motion begins again.
     pub(crate) further_rows: usize,
-    /// Armature of the second joint beyond that of the file \[kg m^2\].
-    pub(crate) rotor_kgm2: f64,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
 }
@@ -268,7 +266,7 @@ fn torque(
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
         push[1] + d12 * a1 + about * a2 - h * w1 * w1
             + g2
-            + (0.1 * factor[3] + truth.rotor_kgm2) * a2
+            + 0.1 * factor[3] * a2
             + friction(w2 + truth.lead_s * a2, 0.6, 0.3)
             + 0.3 * (w2 - (w2 + truth.lead_s * a2)),
     ];

@@ -191,29 +191,6 @@ fn what_leaves_a_gap_of_the_second_recording_is_not_named() {
     assert!(found.left_of_second.is_none() && found.is_adequate());
 }
 
-/// Where no rotor may be named, it is no scale of the torque either.
-#[test]
-fn a_rotor_that_is_left_out_is_no_scale() {
-    let truth = Truth {
-        rotor_kgm2: 0.15,
-        ..Truth::default()
-    };
-    for seed in 1..=4 {
-        let (log, second) = (recording(truth, seed), second_recording(truth, seed));
-        let with = examine(&device(), &log, Some(&second), &[]).unwrap();
-        assert!(with.is_adequate(), "{:?}", with.findings);
-        assert_eq!(with.findings[0].effect, "armature", "{:?}", with.findings);
-        let without = ["armature".to_owned(), "link-inertia".to_owned()];
-        let found = examine(&device(), &log, Some(&second), &without).unwrap();
-        let is_scale = found.findings.iter().any(|own| own.effect == "torque-gain");
-        assert!(
-            found.has_gap() && !(is_scale && found.is_adequate()),
-            "seed {seed}: {:?}",
-            found.findings
-        );
-    }
-}
-
 #[test]
 fn the_phase_of_cogging_is_that_of_a_cosine() {
     let truth = Truth {
