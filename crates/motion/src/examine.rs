@@ -5,265 +5,24 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::change::Change;
-use crate::dependence::{Dependence, dependences, share_of_posture};
-use crate::effect::{
-    CONTACT, ENCODER_LATENCY, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact,
-    is_of_own_joint,
-};
+use crate::dependence::{dependences, share_of_posture};
+use crate::effect::{CONTACT, ENCODER_LATENCY, JOINT_SPRING, is_exact};
+use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
 use crate::later::Later;
-use crate::scale::{Doubt, Scale, doubts};
+use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
 use crate::survey::usable;
 use crate::unseen::{Unseen, within};
 
-/// A channel's rest is a gap beyond this multiple of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
-/// square by chance: a sound arm's friction is no law to the last digit.
-const GAP: f64 = 1.21;
-const GAP_SDS: f64 = 4.0;
-/// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
-const NOT_TOLD_APART: f64 = 4.605;
-/// Share of what the base model leaves beyond noise that effects may leave.
-const UNEXPLAINED: f64 = 0.02;
-/// And of each joint's root mean square, beyond twice its noise.
-const LEFT: f64 = 0.1;
-const QUIET: f64 = 2.0;
 /// Edges of the band in which a spring between motor and link is looked for once more \[Hz\].
 const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
-/// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
-const OF_POSTURE: f64 = 0.5;
-/// But a spring's, whose levers are not known, may leave this share of the gap, and so may a tilt's, which bodies feel that are off themselves.
-const OF_SPRING: f64 = 1e-3;
 /// A noise with a memory is at most this many times a white one that is as large at its fastest: more is a disturbance of a colour of its own.
 const MOST_OF_MEMORY: f64 = 4.0;
-/// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
-const PART: f64 = 0.01;
-
-/// Share of a second recording's squares beyond noise that effects may leave of it; beside a spring between motor and link, which is known to
-/// first order alone.
-const OF_SECOND: f64 = 0.1;
-const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
 /// Effects that a second recording may refute, until no more are looked for in their place.
 const MOST_REFUTED: usize = 4;
-
-/// What the torques of a moving arm show.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Examined {
-    /// One entry a joint with torques.
-    pub channels: Vec<ChannelFit>,
-    /// Effects, strongest first.
-    pub findings: Vec<Finding>,
-    /// Energy beyond noise that the base model leaves, and that all effects leave \[nats\].
-    pub before_nats: f64,
-    /// See [`Examined::before_nats`].
-    pub after_nats: f64,
-    /// Independent rows behind both.
-    pub freedom: f64,
-    /// Edge of the band that rows were taken of \[Hz\].
-    pub edge_hz: f64,
-    /// Numbers of the base model.
-    pub numbers: usize,
-    /// Effects at places that were tried.
-    pub tried: usize,
-    /// Torques of rows that were not fitted: of the second recording, where there is one; of parts that were left out in turn,
-    /// where effects were found; else none.
-    pub unseen: Vec<Unseen>,
-    /// Why the second recording is not among them.
-    pub second: Option<MotionError>,
-    /// Effects and joints (from 0) that explained something of the log, and made the second recording's torques less well predicted: they were
-    /// left out.
-    pub refuted: Vec<(&'static str, Option<usize>)>,
-    /// Share of the second recording's squares beyond noise that the effects leave; none where they leave noise, or were not checked on it.
-    pub left_of_second: Option<f64>,
-    /// Joints whose armature no device file states, with the one that was fitted \[kg m^2\].
-    pub free_armatures: Vec<(usize, f64)>,
-    /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
-    pub has_memory: bool,
-    /// What is faster than this was left out, and has no name: a spring was found in what is slower \[Hz\].
-    pub above_hz: Option<f64>,
-    /// Root mean square deviation of the time stamps from an even grid, as a share of a step.
-    pub jitter: f64,
-    /// Whether positions are smoother on an even grid than at their stamps, which were left aside then.
-    pub is_stamped_late: bool,
-    /// How long the torques are logged before their positions, as fitted \[s\].
-    pub early_s: f64,
-    /// What is wrong with the torques, so that nothing gets a name.
-    pub doubts: Vec<Doubt>,
-    /// Joints (from 0) whose torque has one value throughout, with it: nothing is said of them.
-    pub constant: Vec<(usize, f64)>,
-    /// Fastest motion of each joint \[rad/s\], \[m/s\].
-    pub fastest: Vec<f64>,
-    /// Joints (from 0) that stand still: of their torques the load alone was looked at.
-    pub still: Vec<usize>,
-    /// Time of each row \[s\].
-    pub time_s: Vec<f64>,
-}
-
-/// One joint's torque.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChannelFit {
-    /// Joint, from 0.
-    pub joint: usize,
-    /// Root mean square of what the base model leaves within the band, in the torque's unit.
-    pub rms_before: f64,
-    /// With all effects.
-    pub rms_after: f64,
-    /// Noise of a row.
-    pub noise: f64,
-    /// How a recorded torque goes with that of the nominal bodies; none of an encoder.
-    pub scale: Option<Scale>,
-    /// What the base model leaves, row by row, in the torque's unit.
-    pub before: Vec<f64>,
-    /// With all effects.
-    pub after: Vec<f64>,
-    /// What the gap depends on, most first; nothing where there is no gap.
-    pub depends_on: Vec<Dependence>,
-    /// Share of what all effects leave beyond noise that functions of the posture explain.
-    pub share_of_posture: f64,
-}
-
-/// An effect that was found.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Finding {
-    /// Name.
-    pub effect: &'static str,
-    /// Joint, from 0.
-    pub joint: Option<usize>,
-    /// What it changes of a device's numbers, where it does.
-    pub change: Option<Change>,
-    /// What it explains \[nats\].
-    pub nats: f64,
-    /// Numbers with their standard deviations.
-    pub numbers: Vec<(&'static str, f64, f64)>,
-    /// Effects that would explain nearly as much in its place, nearest first.
-    pub rivals: Vec<NearRival>,
-    /// Whether it is told from an inertia that the model lacks: a scale shows in all that a torque carries.
-    pub is_told: bool,
-}
-
-/// An effect in the place of a finding.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NearRival {
-    /// Name.
-    pub effect: &'static str,
-    /// Joint, from 0.
-    pub joint: Option<usize>,
-    /// How far behind it is \[nats\], what all effects leave allowed for.
-    pub behind_nats: f64,
-    /// Share of the finding's gain that it has.
-    pub share: f64,
-}
-
-impl NearRival {
-    /// Whether a log does not tell it from the finding.
-    pub fn is_near(&self) -> bool {
-        self.behind_nats < NOT_TOLD_APART
-    }
-}
-
-impl Examined {
-    /// Whether a channel shows more than noise, or is in doubt.
-    pub fn has_gap(&self) -> bool {
-        self.channels.iter().any(ChannelFit::has_gap) || !self.doubts.is_empty()
-    }
-
-    /// Share of what the base model leaves beyond noise that the effects leave.
-    pub fn unexplained_share(&self) -> f64 {
-        (self.after_nats.max(0.0) / self.before_nats.max(1.0)).clamp(0.0, 1.0)
-    }
-
-    /// Joints that hold a part of the gap and keep more of it than effects may leave.
-    fn kept(&self) -> impl Iterator<Item = &ChannelFit> {
-        let energy = |own: &ChannelFit| ((own.rms_before / own.noise).powi(2) - 1.0).max(0.0);
-        let whole: f64 = self.channels.iter().map(energy).sum();
-        let holds = move |own: &&ChannelFit| energy(own) > PART * whole;
-        let keeps =
-            |own: &&ChannelFit| own.rms_after > (QUIET * own.noise).max(LEFT * own.rms_before);
-        self.channels.iter().filter(holds).filter(keeps)
-    }
-
-    /// Whether the effects explain the gap; a joint with a small part of it may keep that ([`ChannelFit::has_rest`]).
-    pub fn is_adequate(&self) -> bool {
-        let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
-        let is_explained = self.unexplained_share() <= UNEXPLAINED && self.kept().next().is_none();
-        self.doubts.is_empty()
-            && self
-                .findings
-                .iter()
-                .any(|own| self.is_where_the_gap_is(own))
-            && (self.findings.iter())
-                .all(|own| own.is_told || own.rivals.iter().any(NearRival::is_near))
-            && (is_quiet || is_explained)
-            && !self.is_of_another_law()
-            && !self.is_contradicted()
-    }
-
-    /// Whether the effects leave more of a second recording's gap than they may.
-    pub fn is_contradicted(&self) -> bool {
-        // a spring between motor and link is known to first order alone
-        let has_spring = self.findings.iter().any(|own| own.effect == JOINT_SPRING);
-        let most = match has_spring {
-            true => OF_SECOND_BESIDE_SPRING,
-            false => OF_SECOND,
-        };
-        self.left_of_second.is_some_and(|left| left > most)
-    }
-
-    /// Whether an effect acts on a channel that shows more than noise, if any does: what it explains elsewhere explains no gap.
-    fn is_where_the_gap_is(&self, found: &Finding) -> bool {
-        let joint = found.joint.filter(|_| is_of_own_joint(found.effect));
-        let is_there = |own: &ChannelFit| joint.is_none_or(|joint| joint == own.joint);
-        let mut gaps = self.channels.iter().filter(|own| own.has_gap()).peekable();
-        gaps.peek().is_none() || gaps.any(is_there)
-    }
-
-    /// Whether weights, springs, offsets and factors alone were found, whose laws are exact, and a rest still follows the posture: then
-    /// they only look like what is there.
-    fn is_of_another_law(&self) -> bool {
-        let acts = |found: &Finding, joint: usize| found.joint.is_none_or(|own| own == joint);
-        let are_exact = |joint: usize| {
-            let mut all = self.findings.iter();
-            all.all(|own| is_exact(own.effect) || !acts(own, joint))
-        };
-        let follows = |own: &ChannelFit| {
-            own.has_rest() && own.share_of_posture > OF_POSTURE && are_exact(own.joint)
-        };
-        let is_loose = |own: &Finding| [GRAVITY_SPRING, GRAVITY_DIRECTION].contains(&own.effect);
-        let of_springs = self.findings.iter().all(is_loose);
-        let is_small = of_springs && self.unexplained_share() < OF_SPRING;
-        let exact = self.findings.iter().any(|own| is_exact(own.effect));
-        exact && !is_small && self.channels.iter().any(follows)
-    }
-}
-
-impl ChannelFit {
-    /// Whether the base model leaves more than noise of it.
-    pub fn has_gap(&self) -> bool {
-        self.is_beyond_noise(self.rms_before)
-    }
-
-    /// Whether the effects leave more than noise of it.
-    pub fn has_rest(&self) -> bool {
-        self.is_beyond_noise(self.rms_after)
-    }
-
-    fn is_beyond_noise(&self, rms: f64) -> bool {
-        is_beyond_noise(rms / self.noise, self.before.len())
-    }
-}
-
-/// Whether a root mean square over that of the noise is more than so many rows of noise have.
-pub(crate) fn is_beyond_noise(of_noise: f64, rows: usize) -> bool {
-    of_noise.powi(2) - 1.0 > gap(rows)
-}
-
-/// What a gap adds to the mean square of so many rows at least, in squares of noise.
-fn gap(rows: usize) -> f64 {
-    GAP - 1.0 + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
-}
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
 /// torques in time, of a motion, without a hand's force.
@@ -281,6 +40,29 @@ pub fn examine(
     device: &Device,
     recording: &Recording,
     second: Option<&Recording>,
+    without: &[String],
+) -> Result<Examined, MotionError> {
+    let found = examined_each(device, (recording, second), without)?;
+    let is_push = |own: &Finding| own.effect == CONTACT;
+    if !found.is_adequate() || !found.findings.iter().any(is_push) {
+        return Ok(found);
+    }
+    // a push that the second recording has no part of leaves it a gap, which has to be one of its own kind
+    let seen = second.filter(|_| found.second.is_none() && left_of(&found.unseen).is_some());
+    let contradicts = seen.is_some_and(|second| {
+        let own = examined_each(device, (second, None), without);
+        own.is_ok_and(|own| !own.is_adequate() || !own.findings.iter().any(is_push))
+    });
+    Ok(Examined {
+        is_push_contradicted: contradicts,
+        ..found
+    })
+}
+
+/// What a recording shows, in the ways of looking at it that there are.
+fn examined_each(
+    device: &Device,
+    (recording, second): (&Recording, Option<&Recording>),
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let first = examine_with(device, (recording, second), without, Reading::default())?;
@@ -521,6 +303,7 @@ fn examined(
         second: None,
         refuted: Vec::new(),
         left_of_second: None,
+        is_push_contradicted: false,
         free_armatures: free.collect(),
         has_memory: problem.has_memory,
         above_hz: None,
@@ -544,53 +327,4 @@ fn early_s(base: &Base, selection: &Selection) -> f64 {
     let numbers = base.columns.iter().zip(&selection.fitted.solved.solution);
     let within = numbers.filter(|(own, _)| matches!(own.term, Term::Delay));
     selection.early_s + within.map(|own| own.1).sum::<f64>()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A joint whose effects leave 1.9 times its noise of 60, of which a share follows the posture.
-    fn left(effect: &'static str, share_of_posture: f64, after_nats: f64) -> Examined {
-        Examined {
-            channels: vec![ChannelFit {
-                joint: 0,
-                rms_before: 60.0,
-                rms_after: 1.9,
-                noise: 1.0,
-                scale: None,
-                before: vec![0.0; 1000],
-                after: vec![0.0; 1000],
-                depends_on: Vec::new(),
-                share_of_posture,
-            }],
-            findings: vec![Finding {
-                effect,
-                joint: Some(0),
-                change: None,
-                nats: 1e5,
-                numbers: Vec::new(),
-                rivals: Vec::new(),
-                is_told: true,
-            }],
-            before_nats: 1e5,
-            after_nats,
-            freedom: 1000.0,
-            edge_hz: 20.0,
-            numbers: 10,
-            tried: 10,
-            ..Examined::default()
-        }
-    }
-
-    #[test]
-    fn an_effect_of_one_law_leaves_nothing_that_follows_the_posture() {
-        assert!(!left("torque-offset", 0.9, 600.0).is_adequate());
-        assert!(!left("torque-offset", 0.9, 50.0).is_adequate());
-        assert!(left("torque-offset", 0.2, 600.0).is_adequate());
-        // friction has many laws, a spring levers of its own
-        assert!(left("stribeck-friction", 0.9, 600.0).is_adequate());
-        assert!(!left("gravity-spring", 0.9, 600.0).is_adequate());
-        assert!(left("gravity-spring", 0.9, 50.0).is_adequate());
-    }
 }

@@ -2,7 +2,7 @@
 
 use crate::change::Change;
 use crate::effect::{ENCODER_LATENCY, TORQUE_LATENCY};
-use crate::examine::{Finding, NearRival};
+use crate::examined::{Finding, NearRival};
 use crate::fit::problem::Problem;
 use crate::select::{Pick, Rival, Selection};
 

@@ -10,6 +10,7 @@ mod dependence;
 mod effect;
 mod error;
 mod examine;
+mod examined;
 mod findings;
 mod fit;
 mod identify;
@@ -27,7 +28,8 @@ pub use change::Change;
 pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
-pub use examine::{ChannelFit, Examined, Finding, NearRival, examine, is_moving_arm};
+pub use examine::{examine, is_moving_arm};
+pub use examined::{ChannelFit, Examined, Finding, NearRival};
 pub use identify::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
     NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,

@@ -113,6 +113,11 @@ fn of_second(examined: &Examined) -> Vec<String> {
             100.0 * left
         ));
     }
+    if examined.is_push_contradicted {
+        said.push(
+            "a push would explain the log, but the second recording has a gap that none explains: not named".to_owned(),
+        );
+    }
     said
 }
 

@@ -4,7 +4,7 @@ use super::choose::Chosen;
 use super::fit::Fitted;
 use super::rows::{JointRows, Rows};
 use super::terms::{Term, half_play, yielded};
-use crate::examine::{ChannelFit, Examined, Finding, NearRival};
+use crate::examined::{ChannelFit, Examined, Finding, NearRival};
 use haptical_linalg::dot;
 
 /// What yields beyond a play is told from this many standard deviations on.

@@ -18,7 +18,7 @@ use self::choose::choose;
 use self::rows::Rows;
 use self::terms::Term;
 use crate::MotionError;
-use crate::examine::{ChannelFit, Examined};
+use crate::examined::{ChannelFit, Examined};
 
 /// Shares of the energy beyond noise that effects may leave, on rows that were fitted and on others.
 const LEFT: f64 = 0.02;

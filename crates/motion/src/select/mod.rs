@@ -205,7 +205,7 @@ fn is_quiet(problem: &Problem, fitted: &Fitted) -> bool {
     let rows = problem.states.rows();
     let mut channels = fitted.solved.rest.chunks(rows);
     let rms = |own: &[f64]| (haptical_linalg::dot(own, own) / rows as f64).sqrt();
-    !channels.any(|own| crate::examine::is_beyond_noise(rms(own), rows))
+    !channels.any(|own| crate::examined::is_beyond_noise(rms(own), rows))
 }
 
 /// The state less the effect that explains least, if that is less than an effect has to: a later one may stand in its place.

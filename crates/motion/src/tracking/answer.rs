@@ -6,7 +6,7 @@ use super::fit::rest_of;
 use super::rows::Rows;
 use super::{Explained, NAME, Untracked};
 use crate::MotionError;
-use crate::examine::{ChannelFit, Examined, Finding};
+use crate::examined::{ChannelFit, Examined, Finding};
 use crate::unseen::{PARTS, Unseen};
 
 /// A log does not say when within a step its command was sent: a uniform distribution over it.

@@ -2,7 +2,7 @@
 
 use super::law::{Equations, Law, Signals};
 use super::rows::{EARLIEST_S, LATEST_S, Rows};
-use crate::examine::is_beyond_noise;
+use crate::examined::is_beyond_noise;
 use crate::fit::system::System;
 
 /// Delays that are tried at first \[s\].

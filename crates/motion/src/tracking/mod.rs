@@ -14,7 +14,7 @@ use self::fit::{Found, JointFit, fits, search};
 use self::law::{Law, Signals};
 use self::rows::{Reading, Rows};
 use crate::arm::Arm;
-use crate::examine::Examined;
+use crate::examined::Examined;
 
 /// Name of the effect.
 pub(crate) const NAME: &str = "command-latency";

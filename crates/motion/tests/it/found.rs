@@ -189,6 +189,12 @@ fn what_leaves_a_gap_of_the_second_recording_is_not_named() {
     };
     let found = examined(pushed, 1);
     assert!(found.left_of_second.is_none() && found.is_adequate());
+    // a gap that no push explains does
+    let dent = Truth {
+        dent_nm: 2.0,
+        ..Truth::default()
+    };
+    assert!(!examined_beside(pushed, dent, 1).is_adequate());
 }
 
 #[test]
