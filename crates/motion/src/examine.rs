@@ -152,20 +152,22 @@ fn examine_with(
     }
     let later = second.map(|second| Later::new(&arm, second, (&problem, &base)));
     let mut refuted = Vec::new();
-    let selection = loop {
+    let (selection, found) = loop {
         let mut selection = select(&problem, &base, without, &refuted);
         // in a narrower band the gap that was seen in the whole one is looked for again
         if reading.edge_hz.is_none() {
             selection = shown(&problem, selection);
         }
+        let found = examined(&problem, &base, (&selection, &scales));
+        // beside a gap that is not explained what one effect adds says little of it
         let further = match &later {
-            Some(Ok(later)) if refuted.len() < MOST_REFUTED => {
+            Some(Ok(later)) if refuted.len() < MOST_REFUTED && found.is_adequate() => {
                 later.refuted((&problem, &base), &selection)
             }
             _ => Vec::new(),
         };
         if further.is_empty() {
-            break selection;
+            break (selection, found);
         }
         refuted.extend(further);
     };
@@ -185,7 +187,7 @@ fn examine_with(
         second: why,
         refuted,
         left_of_second,
-        ..examined(&problem, &base, (&selection, &scales))
+        ..found
     })
 }
 
