@@ -162,7 +162,7 @@ fn examine_with(
         // beside a gap that is not explained what one effect adds says little of it
         let further = match &later {
             Some(Ok(later)) if refuted.len() < MOST_REFUTED && found.is_adequate() => {
-                later.refuted((&problem, &base), &selection)
+                later.predicted(&selection).refuted((&problem, &base))
             }
             _ => Vec::new(),
         };
@@ -172,7 +172,7 @@ fn examine_with(
         refuted.extend(further);
     };
     let (unseen, why) = match later {
-        Some(Ok(later)) => (later.unseen(&selection), None),
+        Some(Ok(later)) => (later.predicted(&selection).unseen(), None),
         Some(Err(why)) => (within(&problem, &base, &selection), Some(why)),
         None => (within(&problem, &base, &selection), None),
     };
@@ -194,7 +194,7 @@ fn examine_with(
 /// Share of a second recording's squares beyond noise that effects leave of it; none where they leave no more than noise of any joint's torque.
 fn left_of(unseen: &[Unseen]) -> Option<f64> {
     let sums = |own: &Unseen| {
-        let rows: usize = own.rows.iter().sum();
+        let rows = own.rows_in_all();
         let of_noise = |sums: &[f64]| sums.iter().sum::<f64>() / own.noise.powi(2);
         (rows, of_noise(&own.before), of_noise(&own.after))
     };

@@ -12,7 +12,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
 use crate::select::{
-    Fitted, Frame, LEAST_NATS, OF_OWN_JOINT, Pick, Pool, Selection, gained_by_channel,
+    Fitted, Frame, LEAST_NATS, OF_OWN_JOINT, Pick, Place, Pool, Selection, gained_by_channel,
 };
 use crate::unseen::{Unseen, collected};
 
@@ -55,11 +55,66 @@ impl Later {
         })
     }
 
+    /// The selection's picks as they act here.
+    pub(crate) fn predicted<'p>(&'p self, selection: &'p Selection) -> Predicted<'p> {
+        let torque = self
+            .base
+            .torque(&self.problem, &selection.bare.solved.solution);
+        let context = Context {
+            problem: &self.problem,
+            base: &self.base,
+            torque: &torque,
+        };
+        let frame = Frame::new(&self.problem, &self.base);
+        // of the picks' effects alone
+        let is_there = |name: &str| selection.picks.iter().any(|own| own.effect == name);
+        let others: Vec<String> = (effect_names().into_iter())
+            .filter(|name| !is_there(name))
+            .map(str::to_owned)
+            .collect();
+        let pool = Pool::new(context, &others, &[]);
+        let columns = selection.picks.iter().map(|pick| {
+            let found = again(&pool, &frame, pick);
+            found.map_or_else(Vec::new, |own| own.columns)
+        });
+        let columns: Vec<Vec<Rc<Column>>> = columns.collect();
+        let here = Here {
+            problem: &self.problem,
+            base: &self.base,
+        };
+        let picks = columns.iter().zip(&selection.picks);
+        let picks: Vec<_> = picks
+            .map(|(columns, own)| (columns.as_slice(), own.coefficients.as_slice()))
+            .collect();
+        let before = here.rest(&selection.bare, 0.0, &[]);
+        let after = here.rest(&selection.fitted, selection.early_s, &picks);
+        Predicted {
+            here,
+            selection,
+            columns,
+            before,
+            after,
+        }
+    }
+}
+
+/// A second recording as a selection predicts it.
+pub(crate) struct Predicted<'p> {
+    here: Here<'p>,
+    selection: &'p Selection,
+    /// Columns of each pick; none of one that belongs to the first recording alone.
+    columns: Vec<Vec<Rc<Column>>>,
+    /// What the base model leaves, and what it leaves with the picks.
+    before: Vec<f64>,
+    after: Vec<f64>,
+}
+
+impl Predicted<'_> {
     /// What it leaves with the base model alone, and with the picks; those that belong to the first recording alone, as a contact does, are
     /// left out.
-    pub(crate) fn unseen(&self, selection: &Selection) -> Vec<Unseen> {
-        let problem = &self.problem;
-        let rests = [self.before(selection), self.after(selection)];
+    pub(crate) fn unseen(self) -> Vec<Unseen> {
+        let problem = self.here.problem;
+        let rests = [self.before, self.after];
         let mut found = collected(problem, &rests);
         let rows = problem.states.rows();
         for (channel, unseen) in found.iter_mut().enumerate() {
@@ -79,100 +134,72 @@ impl Later {
     }
 
     /// Effects and joints of the picks without which this recording is predicted better, or which are missed at other joints than their own:
-    /// without each, the others and the base model are fitted to the first recording anew. Beside a pick that belongs to the first recording alone none is refuted, for then this one may have
-    /// one of its own.
-    pub(crate) fn refuted(
-        &self,
-        (own, base): (&Problem, &Base),
-        selection: &Selection,
-    ) -> Vec<(&'static str, Option<usize>)> {
-        if selection.picks.iter().any(|own| own.is_of_recording) {
+    /// without each, the others and the base model are fitted to the first recording anew. Beside a pick that belongs to the first
+    /// recording alone none is refuted, for then this one may have one of its own.
+    pub(crate) fn refuted(&self, (own, base): (&Problem, &Base)) -> Vec<Place> {
+        let picks = &self.selection.picks;
+        if picks.iter().any(|own| own.is_of_recording) {
             return Vec::new();
         }
         let first = Frame::new(own, base);
-        let after = self.after(selection);
-        let energy = |rest: &[f64]| 0.5 * dot(rest, rest);
-        let is_refuted = |index: &usize| {
-            let mut others: Vec<&Pick> = selection.picks.iter().collect();
-            others.remove(*index);
-            let early_s =
-                (others.iter().any(|own| own.is_delay_of_all)).then_some(selection.early_s);
-            let columns: Vec<Rc<Column>> = (others.iter())
-                .flat_map(|own| own.columns.iter().cloned())
-                .collect();
-            let fitted = first.fitted(&columns, early_s);
-            let mut left = fitted.effects();
-            let with_own = others.into_iter().map(|own| {
-                let (coefficients, rest) = left.split_at(own.columns.len());
-                left = rest;
-                (own, coefficients)
-            });
-            let with_own: Vec<(&Pick, &[f64])> = with_own.collect();
-            let without = self.rest(selection, &fitted, early_s.unwrap_or(0.0), &with_own);
-            let gain = energy(&without) - energy(&after);
-            let own = &selection.picks[*index];
-            gain < -REFUTED_NATS
-                || gain > LEAST_NATS && self.share_of_own(own, [&without, &after]) < OF_OWN_JOINT
-        };
-        let refuted = (0..selection.picks.len()).filter(is_refuted);
+        let refuted = (0..picks.len()).filter(|index| self.is_refuted(&first, *index));
         refuted
-            .map(|index| (selection.picks[index].effect, selection.picks[index].joint))
+            .map(|index| (picks[index].effect, picks[index].joint))
             .collect()
     }
 
+    fn is_refuted(&self, first: &Frame<'_>, index: usize) -> bool {
+        let own = &self.selection.picks[index];
+        let others = self.selection.picks.iter().zip(&self.columns);
+        let others = others.enumerate().filter(|(other, _)| *other != index);
+        let others: Vec<(&Pick, &Vec<Rc<Column>>)> = others.map(|(_, other)| other).collect();
+        let has_delay = others.iter().any(|(own, _)| own.is_delay_of_all);
+        let early_s = has_delay.then_some(self.selection.early_s);
+        let columns = others
+            .iter()
+            .flat_map(|(own, _)| own.columns.iter().cloned());
+        let columns: Vec<Rc<Column>> = columns.collect();
+        let fitted = first.fitted(&columns, early_s);
+        let mut left = fitted.effects();
+        let with_own = others.into_iter().map(|(own, here)| {
+            let (coefficients, further) = left.split_at(own.columns.len());
+            left = further;
+            (here.as_slice(), coefficients)
+        });
+        let with_own: Vec<_> = with_own.collect();
+        let without = self.here.rest(&fitted, early_s.unwrap_or(0.0), &with_own);
+        let energy = |rest: &[f64]| 0.5 * dot(rest, rest);
+        let gain = energy(&without) - energy(&self.after);
+        let rests = [without.as_slice(), &self.after];
+        gain < -REFUTED_NATS
+            || gain > LEAST_NATS && self.here.share_of_own(own, rests) < OF_OWN_JOINT
+    }
+}
+
+/// The rows of the second recording.
+struct Here<'p> {
+    problem: &'p Problem,
+    base: &'p Base,
+}
+
+impl Here<'_> {
     /// Share of what one rest has less than another that is of a pick's own joint; 1 of an effect that acts on others' too.
-    fn share_of_own(&self, pick: &Pick, [without, with]: [&[f64]; 2]) -> f64 {
+    fn share_of_own(&self, pick: &Pick, rests: [&[f64]; 2]) -> f64 {
         let joint = pick.joint.filter(|_| is_of_own_joint(pick.effect));
         let Some(channel) = joint.and_then(|joint| self.problem.channel_of(joint)) else {
             return 1.0;
         };
-        gained_by_channel(self.problem.states.rows(), [without, with], channel)
+        gained_by_channel(self.problem.states.rows(), rests, channel)
     }
 
-    fn before(&self, selection: &Selection) -> Vec<f64> {
-        self.rest(selection, &selection.bare, 0.0, &[])
-    }
-
-    fn after(&self, selection: &Selection) -> Vec<f64> {
-        let picks = selection.picks.iter();
-        let picks: Vec<(&Pick, &[f64])> = picks
-            .map(|own| (own, own.coefficients.as_slice()))
-            .collect();
-        self.rest(selection, &selection.fitted, selection.early_s, &picks)
-    }
-
-    /// What a fit of the first recording leaves of this one, with picks and their coefficients.
-    fn rest(
-        &self,
-        selection: &Selection,
-        fitted: &Fitted,
-        early_s: f64,
-        picks: &[(&Pick, &[f64])],
-    ) -> Vec<f64> {
-        let (problem, base) = (&self.problem, &self.base);
-        let mut rest = problem.recorded(early_s);
-        for (column, value) in base.columns.iter().zip(&fitted.solved.solution) {
+    /// What a fit of the first recording leaves, with columns of effects and their coefficients.
+    fn rest(&self, fitted: &Fitted, early_s: f64, effects: &[(&[Rc<Column>], &[f64])]) -> Vec<f64> {
+        let mut rest = self.problem.recorded(early_s);
+        for (column, value) in self.base.columns.iter().zip(&fitted.solved.solution) {
             column.column.add_to(&mut rest, -value);
         }
-        let torque = base.torque(problem, &selection.bare.solved.solution);
-        let context = Context {
-            problem,
-            base,
-            torque: &torque,
-        };
-        let frame = Frame::new(problem, base);
-        // of the picks' effects alone
-        let is_there = |name: &str| picks.iter().any(|own| own.0.effect == name);
-        let others: Vec<String> = (effect_names().into_iter())
-            .filter(|name| !is_there(name))
-            .map(str::to_owned)
-            .collect();
-        let pool = Pool::new(context, &others, &[]);
-        for (pick, coefficients) in picks {
-            let Some(candidate) = again(&pool, &frame, pick) else {
-                continue;
-            };
-            for (column, value) in candidate.columns.iter().zip(*coefficients) {
+        for (columns, coefficients) in effects {
+            for (column, value) in columns.iter().zip(*coefficients) {
                 column.add_to(&mut rest, -value);
             }
         }

@@ -31,6 +31,13 @@ pub struct Unseen {
     pub predictions: Vec<(usize, [f64; 3])>,
 }
 
+impl Unseen {
+    /// Rows of all parts.
+    pub fn rows_in_all(&self) -> usize {
+        self.rows.iter().sum()
+    }
+}
+
 /// Rows of a recording that are left out in turn; nothing where no effect was taken.
 pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> Vec<Unseen> {
     if selection.picks.is_empty() {

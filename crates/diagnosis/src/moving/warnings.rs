@@ -95,7 +95,7 @@ fn of_second(examined: &Examined) -> Vec<String> {
     let mut said: Vec<String> = (examined.refuted.iter())
         .map(|(effect, joint)| {
             format!(
-                "{} explains a part of the log and is left out: with it the torques of the second recording are predicted worse",
+                "{} explains a part of the log, but the second recording does not bear it out: not named",
                 place(effect, *joint)
             )
         })

@@ -113,8 +113,7 @@ impl<'e> Words<'e> {
             let seen = unseen.find(|unseen| unseen.joint == own.joint);
             match seen.filter(|_| gap.has_gap) {
                 Some(seen) => {
-                    let rows: usize = seen.rows.iter().sum();
-                    let floor = floor(own.joint, seen.noise, rows as f64);
+                    let floor = floor(own.joint, seen.noise, seen.rows_in_all() as f64);
                     gap.on_unseen(&self.answer_of(seen), &floor)
                 }
                 None => gap,
@@ -195,8 +194,8 @@ impl<'e> Words<'e> {
     /// The gap of the torque with the largest one, or a joint's own, on rows that were not fitted.
     fn held_out(&self, joint: Option<usize>) -> Option<HeldOutAnswer> {
         let beyond = |own: &Unseen| {
-            let rows: usize = own.rows.iter().sum();
-            own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows.max(1) as f64)
+            let rows = own.rows_in_all().max(1);
+            own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows as f64)
         };
         let of_joint = self
             .examined

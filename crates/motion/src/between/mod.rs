@@ -114,7 +114,7 @@ fn is_adequate(examined: &Examined) -> bool {
         let holds = unseen.all(|unseen| {
             let [before, after] =
                 [&unseen.before, &unseen.after].map(|own| own.iter().sum::<f64>());
-            let floor = NOISE * unseen.noise.powi(2) * unseen.rows.iter().sum::<usize>() as f64;
+            let floor = NOISE * unseen.noise.powi(2) * unseen.rows_in_all() as f64;
             !has_effect || after - floor <= LEFT_UNSEEN * (before - floor).max(0.0)
         });
         is_small || (after <= LEFT * before && holds)
