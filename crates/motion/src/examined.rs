@@ -54,8 +54,8 @@ pub struct Examined {
     pub unseen: Vec<Unseen>,
     /// Why the second recording is not among them.
     pub second: Option<MotionError>,
-    /// Effects and joints (from 0) that explained something of the log, and made the second recording's torques less well predicted: they were
-    /// left out.
+    /// Effects and joints (from 0) that explained something of the log and were left out: the second recording's torques are predicted better
+    /// without, or it misses them at other joints than their own.
     pub refuted: Vec<(&'static str, Option<usize>)>,
     /// Share of the second recording's squares beyond noise that the effects leave; none where they leave noise, or were not checked on it.
     pub left_of_second: Option<f64>,

@@ -1,7 +1,7 @@
 //! What is said of a moving arm's log: of its columns, of what was fitted, of what a corrected device cannot hold.
 
 use haptical_effects::device::is_law;
-use haptical_effects::force::in_motion::SAMPLING;
+use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
 use haptical_model::{Device, JointType};
 use haptical_motion::{Doubt, Examined, Finding};
 
@@ -116,6 +116,17 @@ fn of_second(examined: &Examined) -> Vec<String> {
     if examined.is_push_contradicted {
         said.push(
             "a push would explain the log, but the second recording has a gap that none explains: not named".to_owned(),
+        );
+    }
+    let is_push = |own: &Finding| own.effect == CONTACT.name;
+    let is_checked = examined.second.is_none()
+        && examined
+            .unseen
+            .iter()
+            .any(|own| !own.predictions.is_empty());
+    if is_checked && examined.is_adequate() && examined.findings.iter().any(is_push) {
+        said.push(
+            "a push belongs to its log: the second recording is predicted without it, and may have one of its own".to_owned(),
         );
     }
     said

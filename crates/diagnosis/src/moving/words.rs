@@ -5,7 +5,7 @@ use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
 use haptical_motion::{ChannelFit, Examined, Finding, PARTS, Unseen};
 
-use crate::answer::floor::Floor;
+use crate::answer::floor::{Floor, NoReduction};
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
 use crate::force::OnSecond;
 use crate::force::answer::Course;
@@ -219,12 +219,16 @@ impl<'e> Words<'e> {
             });
             (sum / rows.max(1) as f64).sqrt()
         };
+        // within what the noise is known to there is no gap, and no share of one
+        let is_gap = rms(&unseen.before, None)
+            > floor(unseen.joint, unseen.noise, unseen.rows_in_all() as f64).ci95()[1];
         let reduction = |without| {
-            gap_reduction_percent(
+            let share = gap_reduction_percent(
                 rms(&unseen.before, without),
                 rms(&unseen.after, without),
                 unseen.noise,
-            )
+            );
+            share.filter(|_| is_gap)
         };
         let percent = reduction(None);
         // jackknife over the parts (Efron and Stein 1981)
@@ -243,7 +247,7 @@ impl<'e> Words<'e> {
             unit: self.unit(unseen.joint).to_owned(),
             reduction_percent: percent,
             reduction_ci95: interval,
-            no_reduction: None,
+            no_reduction: (!is_gap).then_some(NoReduction::WithinNoise),
         }
     }
 

@@ -45,10 +45,23 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let columns = "channel | unit | before | after | noise floor | 95 % interval | by | share of the gap [%] | gap closed [%] | 95 % \
              interval [%]";
     let table = Table::with_heads(title, columns).with_rows(rows)?;
-    Ok(table.with_note(
+    let table = table.with_note(
         "Before: the model alone. After: with the causes in it. Gap closed: of what lies above the \
          noise floor, or why that is not known. By: what the noise floor is estimated from.",
-    ))
+    );
+    let names = |is_held_out: bool| {
+        let channels = diagnosis.gap.channels.iter();
+        let names = channels.filter(|own| own.held_out == is_held_out);
+        let names: Vec<&str> = names.map(|own| own.channel.as_str()).collect();
+        names.join(", ")
+    };
+    let (unseen, of_fit) = (names(true), names(false));
+    if unseen.is_empty() || of_fit.is_empty() {
+        return Ok(table);
+    }
+    Ok(table.with_note(format!(
+        "The sizes of {unseen} are of rows that the fit did not see, those of {of_fit} of the rows that were fitted."
+    )))
 }
 
 /// Upper end of a floor's interval, in floors, beyond which it is not written.
