@@ -43,12 +43,10 @@ pub(super) fn settled<'c>(
             break;
         };
         let excess = [&below, &best, &above].map(|own| own.fitted.excess);
-        let second = excess[0] - 2.0 * excess[1] + excess[2];
-        if second.is_nan() || second <= 0.0 {
+        let Some((by, width)) = vertex(excess, step) else {
             break;
-        }
-        sd = step * (misfit / second).sqrt();
-        let by = (0.5 * (excess[0] - excess[2]) / second).clamp(-1.0, 1.0) * step;
+        };
+        sd = width * misfit.sqrt();
         let nearer = moved(by).filter(|own| own.fitted.excess < excess[1]);
         let Some(nearer) = nearer else {
             break;
@@ -59,6 +57,14 @@ pub(super) fn settled<'c>(
         }
     }
     (best, sd)
+}
+
+/// Where the parabola through three sizes at -step, 0 and step is lowest, no farther than a step, and how far from there it rises by a half;
+/// none of one that is open below.
+fn vertex([below, here, above]: [f64; 3], step: f64) -> Option<(f64, f64)> {
+    let second = below - 2.0 * here + above;
+    let by = (0.5 * (below - above) / second).clamp(-1.0, 1.0) * step;
+    (second > 0.0).then(|| (by, step / second.sqrt()))
 }
 
 /// The state with another candidate in the place of a pick; none where its coefficients are not those of such an effect.
@@ -100,4 +106,21 @@ fn alone(frame: &Frame<'_>, others: &Fitted, own: &Candidate<'_>, misfit: f64) -
         .find(|(_, drop)| *drop > misfit)
         .unwrap_or((&1.0, misfit));
     step * (misfit / (2.0 * drop)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vertex_is_where_a_parabola_is_lowest() {
+        // half of ((x - 0.3) / 0.7)^2
+        let parabola = |x: f64| 0.5 * ((x - 0.3) / 0.7_f64).powi(2);
+        let (by, width) = vertex([-0.5, 0.0, 0.5].map(parabola), 0.5).unwrap();
+        assert!((by - 0.3).abs() < 1e-12 && (width - 0.7).abs() < 1e-12);
+        let (by, _) = vertex([-0.2, 0.0, 0.2].map(parabola), 0.2).unwrap();
+        assert!((by - 0.2).abs() < 1e-12, "no farther than a step: {by}");
+        assert!(vertex([0.0, 1.0, 0.0], 0.5).is_none());
+        assert!(vertex([0.0, 0.0, 0.0], 0.5).is_none());
+    }
 }
