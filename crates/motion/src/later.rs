@@ -7,7 +7,7 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::effect::{Candidate, Context, Finer, effect_names, is_of_own_joint};
+use crate::effect::{Candidate, Context, Finer, effect_names, ends_at, is_of_own_joint};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
@@ -87,7 +87,12 @@ impl Later {
             .map(|(columns, own)| (columns.as_slice(), own.coefficients.as_slice()))
             .collect();
         let before = here.rest(&selection.bare, 0.0, &[]);
-        let after = here.rest(&selection.fitted, selection.early_s, &picks);
+        let mut after = here.rest(&selection.fitted, selection.early_s, &picks);
+        for pick in &selection.picks {
+            if let Some((joint, limit_nm)) = ends_at(pick) {
+                here.end(&mut after, joint, limit_nm);
+            }
+        }
         Predicted {
             here,
             selection,
@@ -110,8 +115,7 @@ pub(crate) struct Predicted<'p> {
 }
 
 impl Predicted<'_> {
-    /// What it leaves with the base model alone, and with the picks; those that belong to the first recording alone, as a contact does, are
-    /// left out.
+    /// What it leaves with the base model alone, and with the picks; a contact, which belongs to the first recording alone, is left out.
     pub(crate) fn unseen(self) -> Vec<Unseen> {
         let problem = self.here.problem;
         let rests = [self.before, self.after];
@@ -190,6 +194,20 @@ impl Here<'_> {
             return 1.0;
         };
         gained_by_channel(self.problem.states.rows(), rests, channel)
+    }
+
+    /// What is left where a joint's readings end at a torque.
+    fn end(&self, rest: &mut [f64], joint: usize, limit_nm: f64) {
+        let (problem, rows) = (self.problem, self.problem.states.rows());
+        let Some(channel) = problem.channel_of(joint) else {
+            return;
+        };
+        let torque = problem.states.torque(&problem.samples, joint, 0.0);
+        for (row, reading) in torque.into_iter().enumerate() {
+            let k = channel * rows + row;
+            let model = reading - rest[k] / problem.weight(k);
+            rest[k] = (reading - model.clamp(-limit_nm, limit_nm)) * problem.weight(k);
+        }
     }
 
     /// What a fit of the first recording leaves, with columns of effects and their coefficients.

@@ -17,7 +17,7 @@ use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Place, Provenance,
 use crate::judge::findings::Findings;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
-use crate::judge::verdict::{self, verdict};
+use crate::judge::verdict::{self, contradicted, verdict};
 use crate::judge::whiteness::Tested;
 use crate::noise::NoiseSource;
 use crate::noise::stated::is_stated;
@@ -171,7 +171,16 @@ fn warnings(
             "{} at {} has a size that no sound device shows: check the units and signs of the log, or look for \
              damage",
             cause.effect,
-            cause.joint.map_or("the device".to_owned(), |joint| format!("joint {joint}"))
+            cause.place()
+        )
+    }));
+    let left = contradicted(findings, causes).filter(|_| verdict == Verdict::Unknown);
+    warnings.extend(left.zip(causes.first()).map(|(left, cause)| {
+        format!(
+            "{} at {} would fit the log, but leaves {:.0} % of the squares of the second recording's gap: not named",
+            cause.effect,
+            cause.place(),
+            100.0 * left
         )
     }));
     warnings.extend(overruled(findings));

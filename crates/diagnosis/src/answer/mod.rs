@@ -232,6 +232,14 @@ pub struct CauseAnswer {
     pub held_out: Option<HeldOutAnswer>,
 }
 
+impl CauseAnswer {
+    /// Its joint in words, or the device.
+    pub(crate) fn place(&self) -> String {
+        self.joint
+            .map_or("the device".to_owned(), |joint| format!("joint {joint}"))
+    }
+}
+
 /// What a calibration without the causes had taken up of them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AbsorbedAnswer {
@@ -378,6 +386,13 @@ impl HeldOutAnswer {
             self.reduction_ci95 = None;
         }
         self
+    }
+
+    /// Share of the squares beyond noise that is left of the gap, where there is one.
+    pub(crate) fn left(&self) -> Option<f64> {
+        let beyond = |rms: f64| (rms.powi(2) - self.noise_floor.powi(2)).max(0.0);
+        let left = beyond(self.rms_after) / beyond(self.rms_before);
+        (self.no_reduction.is_none() && left.is_finite()).then_some(left)
     }
 
     /// As the gap's record has it: no share where that has none.

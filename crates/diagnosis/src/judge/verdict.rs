@@ -7,7 +7,7 @@ use crate::force::answer::ForceAnswer;
 use crate::judge::findings::Findings;
 use crate::select::excess;
 use crate::thresholds::chance::{MOST_NAMES, NAMED_PROBABILITY};
-use crate::thresholds::partial::LEAST_PROBABILITY;
+use crate::thresholds::partial::{LEAST_PROBABILITY, MOST_LEFT_OF_SECOND};
 use crate::thresholds::rivals::LATER_PROBABILITY;
 
 /// The verdict on the causes that positions show.
@@ -26,7 +26,8 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
         };
     }
     let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);
-    let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible);
+    let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible)
+        || contradicted(findings, causes).is_some();
     let is_of_cables = (findings.partial.as_ref()).is_some_and(|partial| partial.is_of_cables);
     let is_likely = first.is_some_and(|cause| {
         let probability = match is_of_cables {
@@ -70,6 +71,17 @@ fn is_credible(cause: &CauseAnswer) -> bool {
     let is_worse =
         |held_out: &HeldOutAnswer| held_out.reduction_ci95.is_some_and(|ci95| ci95[1] <= 0.0);
     has_size && !cause.held_out.as_ref().is_some_and(is_worse)
+}
+
+/// Share of the squares beyond noise that a moving arm's first cause leaves of a second recording, where that is more than it
+/// may (A201).
+pub(crate) fn contradicted(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Option<f64> {
+    let inputs = &findings.inputs;
+    if inputs.moving.is_none() || inputs.options.validation.is_none() {
+        return None;
+    }
+    let left = causes.first()?.held_out.as_ref()?.left()?;
+    (left > MOST_LEFT_OF_SECOND).then_some(left)
 }
 
 /// Whether a later cause is more than what an earlier one's law gets wrong: its class is likely and

@@ -18,6 +18,7 @@ mod torque_saturation;
 use std::rc::Rc;
 
 pub(crate) use self::gravity_direction::axes as gravity_axes;
+pub(crate) use self::torque_saturation::ends_at;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;

@@ -3,6 +3,7 @@
 use std::rc::Rc;
 
 use super::{Candidate, Candidates, Context, Effect, ends};
+use crate::select::Pick;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "torque-saturation",
@@ -32,6 +33,14 @@ const RIGHT_SIDE: f64 = 1.5;
 const MOST_NODES: usize = 120;
 /// How far the share of the excess that is lost may be from all of it.
 const NEAR_ALL: f64 = 0.15;
+/// The law of a reading that ends, among this effect's.
+const CLIPPED: usize = 1;
+
+/// Joint and torque \[N m, N\] at which a pick says that readings end.
+pub(crate) fn ends_at(pick: &Pick) -> Option<(usize, f64)> {
+    let is_clipped = pick.effect == EFFECT.name && pick.kind == CLIPPED;
+    is_clipped.then_some((pick.joint?, *pick.shape.first()?))
+}
 
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
@@ -99,7 +108,7 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
     found.shape = vec![("limit_nm", end)];
     // the median of those near the end
     found.shape_sd = Some(0.5 * sd);
-    (found.kind, found.is_of_recording) = (1, true);
+    (found.kind, found.is_of_recording) = (CLIPPED, true);
     Some(found)
 }
 
