@@ -2,7 +2,7 @@
 
 use haptical_motion::{Examined, Quantity, examine};
 
-use super::arm::{Truth, device, recording};
+use super::arm::{Truth, device, recording, second_recording};
 
 fn examined(truth: Truth, seed: u64, without: &[&str]) -> Examined {
     let without: Vec<String> = without.iter().map(|own| (*own).to_owned()).collect();
@@ -23,6 +23,17 @@ fn readings_that_end_are_named_with_their_end_though_they_do_for_a_third_of_the_
         let (_, value, sd) = first.numbers[0];
         assert!((value - end_nm).abs() < 2.0 * sd, "{value} +- {sd}");
         assert!(sd < 0.1, "{sd}");
+        // the second recording's end there too
+        let second = second_recording(truth, seed);
+        let found = examine(&device(), &recording(truth, seed), Some(&second), &[]).unwrap();
+        let own = found.unseen.iter().find(|own| own.joint == 1).unwrap();
+        let [before, after] = [own.before, own.after]
+            .map(|own| own.iter().sum::<f64>())
+            .map(|own: f64| own.sqrt());
+        assert!(
+            after < 0.15 * before,
+            "seed {seed}: {after} of {before} is left"
+        );
     }
 }
 
