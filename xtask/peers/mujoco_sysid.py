@@ -107,11 +107,14 @@ def record(path, motion, payload_kg=0.0, delay_s=0.0):
     asked = commands(motion, times)
     data.qpos[:] = asked[0]
     angles, torques = [], []
+    loop_damping = np.array(LOOP)[:, 1]
     for step in range(-before, len(times)):
         data.ctrl[:] = asked[max(step, 0)]
         angles.append(data.qpos.copy())
+        before_step = data.qvel.copy()
         mujoco.mj_step(model, data)
-        torques.append(data.actuator_force.copy())
+        # the step is implicit: what moves the arm has the loop's damping at the speed after it
+        torques.append(data.actuator_force - loop_damping * (data.qvel - before_step))
     late = before - round(delay_s * RATE_HZ)
     random = np.random.default_rng(1000 + motion)
     angles = np.array(angles)[late : late + len(times)]

@@ -7,9 +7,9 @@ use crate::effect::{GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact, i
 use crate::scale::{Doubt, Scale};
 use crate::unseen::Unseen;
 
-/// A channel's rest is a gap beyond this multiple of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
+/// A channel's rest is a gap beyond this share of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
 /// square by chance: a sound arm's friction is no law to the last digit.
-const GAP: f64 = 1.21;
+pub(crate) const ALLOWED_REST: f64 = 0.21;
 const GAP_SDS: f64 = 4.0;
 /// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
 const NOT_TOLD_APART: f64 = 4.605;
@@ -25,6 +25,8 @@ const OF_SPRING: f64 = 1e-3;
 /// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
 const PART: f64 = 0.01;
 
+/// What an effect of one joint's torque may explain at most, over what the base model leaves there.
+const MOST_OF_GAP: f64 = 4.0;
 /// Share of a second recording's squares beyond noise that effects may leave of it; beside a spring between motor and link, which is known to
 /// first order alone.
 const OF_SECOND: f64 = 0.1;
@@ -180,6 +182,7 @@ impl Examined {
             && (self.findings.iter())
                 .all(|own| own.is_told || own.rivals.iter().any(NearRival::is_near))
             && (is_quiet || is_explained)
+            && !self.findings.iter().any(|own| self.is_undoing(own))
             && !self.is_of_another_law()
             && !self.is_contradicted()
     }
@@ -201,6 +204,20 @@ impl Examined {
         let is_there = |own: &ChannelFit| joint.is_none_or(|joint| joint == own.joint);
         let mut gaps = self.channels.iter().filter(|own| own.has_gap()).peekable();
         gaps.peek().is_none() || gaps.any(is_there)
+    }
+
+    /// Whether an effect of one joint's torque explains much more than there was to explain there: then it undoes what another one does
+    /// too much (A203).
+    fn is_undoing(&self, found: &Finding) -> bool {
+        let joint = found.joint.filter(|_| is_of_own_joint(found.effect));
+        let own = self.channels.iter().find(|own| Some(own.joint) == joint);
+        let most = |own: &ChannelFit| {
+            let rows = own.before.len() as f64;
+            let beyond = 0.5 * rows * ((own.rms_before / own.noise).powi(2) - 1.0);
+            // of noise alone it scatters by the second
+            MOST_OF_GAP * (beyond.max(0.0) + (0.5 * rows).sqrt())
+        };
+        self.findings.len() > 1 && own.is_some_and(|own| found.nats > most(own))
     }
 
     /// Whether weights, springs, offsets and factors alone were found, whose laws are exact, and a rest still follows the posture: then
@@ -245,7 +262,7 @@ pub(crate) fn is_beyond_noise(of_noise: f64, rows: usize) -> bool {
 
 /// What a gap adds to the mean square of so many rows at least, in squares of noise.
 pub(crate) fn gap(rows: usize) -> f64 {
-    GAP - 1.0 + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
+    ALLOWED_REST + GAP_SDS * (2.0 / rows.max(1) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -7,13 +7,11 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::arm::Arm;
-use crate::effect::{Candidate, Context, Finer, effect_names, ends_at, is_of_own_joint};
+use crate::effect::{Candidate, Context, Finer, effect_names, ends_at};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
-use crate::select::{
-    Fitted, Frame, LEAST_NATS, OF_OWN_JOINT, Pick, Place, Pool, Selection, gained_by_channel,
-};
+use crate::select::{Fitted, Frame, Pick, Place, Pool, Selection};
 use crate::unseen::{Unseen, collected};
 
 /// What a pick makes worse of a second recording that refutes it \[nats\].
@@ -137,8 +135,7 @@ impl Predicted<'_> {
         found
     }
 
-    /// Effects and joints of the picks without which this recording is predicted better, or which are missed at other joints than their own:
-    /// without each, the others and the base model are fitted to the first recording anew. Beside a pick that belongs to the first
+    /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model are fitted to the first recording anew. Beside a pick that belongs to the first
     /// recording alone none is refuted, for then this one may have one of its own.
     pub(crate) fn refuted(&self, (own, base): (&Problem, &Base)) -> Vec<Place> {
         let picks = &self.selection.picks;
@@ -153,7 +150,6 @@ impl Predicted<'_> {
     }
 
     fn is_refuted(&self, first: &Frame<'_>, index: usize) -> bool {
-        let own = &self.selection.picks[index];
         let others = self.selection.picks.iter().zip(&self.columns);
         let others = others.enumerate().filter(|(other, _)| *other != index);
         let others: Vec<(&Pick, &Vec<Rc<Column>>)> = others.map(|(_, other)| other).collect();
@@ -174,9 +170,7 @@ impl Predicted<'_> {
         let without = self.here.rest(&fitted, early_s.unwrap_or(0.0), &with_own);
         let energy = |rest: &[f64]| 0.5 * dot(rest, rest);
         let gain = energy(&without) - energy(&self.after);
-        let rests = [without.as_slice(), &self.after];
         gain < -REFUTED_NATS
-            || gain > LEAST_NATS && self.here.share_of_own(own, rests) < OF_OWN_JOINT
     }
 }
 
@@ -187,15 +181,6 @@ struct Here<'p> {
 }
 
 impl Here<'_> {
-    /// Share of what one rest has less than another that is of a pick's own joint; 1 of an effect that acts on others' too.
-    fn share_of_own(&self, pick: &Pick, rests: [&[f64]; 2]) -> f64 {
-        let joint = pick.joint.filter(|_| is_of_own_joint(pick.effect));
-        let Some(channel) = joint.and_then(|joint| self.problem.channel_of(joint)) else {
-            return 1.0;
-        };
-        gained_by_channel(self.problem.states.rows(), rests, channel)
-    }
-
     /// What is left where a joint's readings end at a torque.
     fn end(&self, rest: &mut [f64], joint: usize, limit_nm: f64) {
         let (problem, rows) = (self.problem, self.problem.states.rows());

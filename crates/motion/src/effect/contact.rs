@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Candidates, Context, Effect, Finer, PUSH_LAW_SD};
 use crate::fit::trimmed::{Outside, outside};
 
 pub(super) const EFFECT: Effect = Effect {
@@ -167,7 +167,7 @@ fn at<'c>(
         vec![("share", share), ("force_n", force.fold(0.0, f64::max))]
     };
     let mut found = Candidate::new(EFFECT.name, None, columns, Rc::new(numbers)).in_spans();
-    found.is_of_recording = true;
+    (found.is_of_recording, found.law_sd) = (true, PUSH_LAW_SD);
     found.of_noise = course.of_ends;
     found.is_sound = |own| {
         let sum: Vector3<f64> = forces_of(own).sum();

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Candidates, Context, Effect, LINK_LAW_SD};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "link-inertia",
@@ -35,7 +35,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             |columns, numbers| Candidate::new(EFFECT.name, Some(joint), columns, numbers);
         let share = if mass_kg > 0.0 { 1.0 / mass_kg } else { 0.0 };
         let mass = context.problem.of_body(body, &at(1.0, centre_m, share));
-        let mut of_mass = candidate(vec![mass], super::first("mass_kg"));
+        let mut of_mass = candidate(vec![mass], super::first("mass_kg")).about_to(LINK_LAW_SD);
         if mass_kg <= 0.0 {
             found.push(of_mass);
             continue;

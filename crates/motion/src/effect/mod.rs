@@ -84,6 +84,12 @@ pub(crate) enum Finer<'c> {
 const FRICTION_LAW_SD: f64 = 0.05;
 /// The same of cogging: magnets and slots are no sines.
 const COGGING_LAW_SD: f64 = 0.02;
+/// The same of a weight or a torque's scale: it is measured by bodies that are off themselves.
+const BODIES_LAW_SD: f64 = 0.5 * crate::fit::plausible::MASS;
+/// The same of a link's mass: what it has more of need not be at its centre.
+const LINK_LAW_SD: f64 = 0.3;
+/// The same of a push, whose point is not known.
+const PUSH_LAW_SD: f64 = 0.1;
 
 /// What effects are worked out of.
 #[derive(Clone, Copy)]
@@ -140,6 +146,7 @@ pub(crate) const CONTACT: &str = contact::EFFECT.name;
 pub(crate) const ENCODER_LATENCY: &str = delay::ENCODER_LATENCY.name;
 pub(crate) const TORQUE_LATENCY: &str = delay::TORQUE_LATENCY.name;
 /// The effect that is known well below its resonance alone.
+pub(crate) const ARMATURE: &str = armature::EFFECT.name;
 pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
 /// The scale of a torque.
 pub(crate) const TORQUE_GAIN: &str = torque_gain::EFFECT.name;

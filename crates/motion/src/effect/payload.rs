@@ -5,7 +5,7 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{BODIES_LAW_SD, Candidate, Candidates, Context, Effect, Finer};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "payload",
@@ -43,7 +43,8 @@ fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
             ("moment_z_kg_m", moment.z),
         ]
     };
-    let mut found = Candidate::new(EFFECT.name, None, columns, Rc::new(numbers));
+    let mut found =
+        Candidate::new(EFFECT.name, None, columns, Rc::new(numbers)).about_to(BODIES_LAW_SD);
     found.about = vec![1.0, centre_m.x, centre_m.y, centre_m.z];
     found.finer = Finer::About(Rc::new(move |own| {
         let shift_m = Vector3::new(own[1], own[2], own[3]) / own[0];

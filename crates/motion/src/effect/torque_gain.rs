@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{BODIES_LAW_SD, Candidate, Candidates, Context, Effect, Finer};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "torque-gain",
@@ -11,9 +11,6 @@ pub(super) const EFFECT: Effect = Effect {
 
 /// Most of a reading that is too much; a torque that is not there at all, or of the wrong sign, is no scale of it.
 const MOST: f64 = 0.95;
-
-/// Bodies are off by 5 % themselves, which has the log's scale.
-const LAW_SD: f64 = 0.5 * crate::fit::plausible::MASS;
 
 /// `e tau` by the nominal bodies' torque: the logged torque is 1 + e times the true one, and its gain as a device file has it what of a
 /// reading is too much, e / (1 + e). What bodies and friction are beside the nominal ones has the log's scale too: settled by the reading itself.
@@ -24,7 +21,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let numbers = |own: &[f64]| vec![("gain", own[0] / (1.0 + own[0]))];
         let found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers));
         let settled = found.map(|own| Candidate {
-            law_sd: LAW_SD,
+            law_sd: BODIES_LAW_SD,
             is_sound: |own| own[0] > -MOST,
             finer: Finer::Correction(Rc::new(move |own| {
                 by_reading(context, joint, own[0] / (1.0 + own[0]))
@@ -43,7 +40,7 @@ fn by_reading(context: Context<'_>, joint: usize, gain: f64) -> Option<Candidate
     let rows = context.problem.states.rows() as f64;
     found.of_noise = rows * (gain * (1.0 - 0.5 * gain)).max(0.0);
     found.is_sound = |own| own[0] < MOST;
-    found.law_sd = LAW_SD;
+    found.law_sd = BODIES_LAW_SD;
     found.about = vec![gain];
     found.finer = Finer::Correction(Rc::new(move |own| by_reading(context, joint, own[0])));
     Some(found)

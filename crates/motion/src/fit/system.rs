@@ -90,6 +90,32 @@ impl System {
         }
     }
 
+    /// The same with what is known counted so many times.
+    pub(crate) fn counting_known(mut self, times: f64) -> Self {
+        self.known.iter_mut().for_each(|own| *own *= times);
+        self
+    }
+
+    /// How some columns' coefficients of a solution would scatter over recordings and devices, where what is known was counted so many
+    /// times: with `A = X'X + t K`, `A^-1 (m X'X + t^2 K) A^-1`, of noise whose square is `m` and of numbers that are known as
+    /// `K` says.
+    pub(crate) fn scatter(
+        &self,
+        solved: &Solved,
+        columns: &[usize],
+        (noise, times): (f64, f64),
+    ) -> DMatrix<f64> {
+        let rows: Vec<Vec<f64>> = columns.iter().map(|own| solved.of_inverse(*own)).collect();
+        let covariance = solved.covariance(columns);
+        DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
+            let known = (solved.free.iter().zip(rows[a].iter().zip(&rows[b])))
+                .map(|(index, (a, b))| self.known[*index] * a * b)
+                .sum::<f64>();
+            // the system's own has the factor already
+            noise * covariance[(a, b)] + (times - noise) * known
+        })
+    }
+
     /// Least squares for a target, some coefficients at given values.
     pub(crate) fn solve(&self, target: &[f64], fixed: &[Option<f64>]) -> Solved {
         let count = self.columns.len();
@@ -187,6 +213,15 @@ impl Solved {
         self.backward(self.forward(|a| right[a]))
     }
 
+    /// A row of the inverse of the free columns' products with what is known; zero of a column that is fixed or adds nothing.
+    fn of_inverse(&self, column: usize) -> Vec<f64> {
+        let at = self.free.iter().position(|own| *own == column);
+        let Some(at) = at.filter(|at| self.factor[*at][*at] != 0.0) else {
+            return vec![0.0; self.free.len()];
+        };
+        self.coefficients(&unit(self.free.len(), at))
+    }
+
     /// Covariance of some columns' coefficients, one row each; zero of those that are fixed or add nothing.
     pub(crate) fn covariance(&self, columns: &[usize]) -> DMatrix<f64> {
         let halves: Vec<Vec<f64>> = columns
@@ -253,6 +288,10 @@ impl Solved {
         }
         found
     }
+}
+
+fn unit(count: usize, at: usize) -> Vec<f64> {
+    (0..count).map(|k| f64::from(u8::from(k == at))).collect()
 }
 
 /// Rows of the lower factor of a symmetric matrix of unit diagonal; a column that adds nothing is left out by a zero on the diagonal.

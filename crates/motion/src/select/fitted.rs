@@ -8,6 +8,8 @@ use crate::fit::plausible;
 use crate::fit::problem::Problem;
 use crate::fit::system::{Solved, System};
 
+use crate::examined::ALLOWED_REST;
+
 /// Times that numbers beyond their limits are put at them.
 const ROUNDS: usize = 6;
 
@@ -39,6 +41,26 @@ impl<'c> Frame<'c> {
             system: base.system(),
             problem,
             base,
+        }
+    }
+
+    /// Times that what is known of the base model's numbers counts where an effect's own are read off it. A sound arm may leave a rest that is no gap, and
+    /// that rest moves the numbers which the motion fixes badly: spread over all of them, it is worth so much to each (A202).
+    pub(crate) fn times(&self) -> f64 {
+        let known = self
+            .base
+            .columns
+            .iter()
+            .filter(|own| own.known_sd.is_some());
+        let rows = self.problem.channel_rows() as f64;
+        (ALLOWED_REST * rows / known.count().max(1) as f64).max(1.0)
+    }
+
+    /// The fit with what is known counted so many times.
+    pub(crate) fn counting_known(&self, times: f64) -> Self {
+        Self {
+            system: self.system.clone().counting_known(times),
+            ..*self
         }
     }
 

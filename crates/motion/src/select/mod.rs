@@ -1,5 +1,6 @@
 //! Which effects a recording shows beside the base model: one after the other, each where it explains most.
 
+mod armatures;
 mod fitted;
 mod numbers;
 mod refine;
@@ -11,7 +12,7 @@ use std::rc::Rc;
 
 pub(crate) use self::fitted::{Fitted, Frame};
 use self::numbers::numbers;
-pub(crate) use self::rivals::{OF_OWN_JOINT, Rival, gained_by_channel};
+pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::{Place, Pool};
 use self::scored::{Scored, penalty};
 use crate::effect::{Candidate, Context, Finer};
@@ -75,6 +76,7 @@ pub(crate) struct Pick {
 }
 
 /// A fit with effects, and how long its torques are before the positions.
+#[derive(Clone)]
 struct State<'c> {
     taken: Vec<Candidate<'c>>,
     fitted: Fitted,
@@ -103,6 +105,7 @@ pub(crate) fn select(
         fitted: bare.clone(),
         early_s: None,
     };
+    let mut way = Vec::new();
     while kinds(&state.taken) <= MOST && state.taken.len() < MOST_PLACES {
         if !state.taken.is_empty() && is_quiet(problem, &state.fitted) {
             break;
@@ -116,9 +119,17 @@ pub(crate) fn select(
             },
         };
         match best(&frame, &pool, &state, least) {
-            Some(next) if kinds(&next.taken) <= MOST => state = next,
+            Some(next) if kinds(&next.taken) <= MOST => {
+                way.push(std::mem::replace(&mut state, next));
+            }
             _ => break,
         }
+    }
+    way.push(state.clone());
+    if !is_quiet(problem, &state.fitted)
+        && let Some(other) = armatures::together(&frame, &pool, &way)
+    {
+        state = other;
     }
     while let Some(fewer) = without_needless(&frame, &state) {
         state = fewer;
@@ -130,6 +141,9 @@ pub(crate) fn select(
         state = nearer;
         shape_sds.push(sd);
     }
+    let times = frame.times();
+    let columns = columns_of(&state.taken, None);
+    let known = frame.counting_known(times).fitted(&columns, state.early_s);
     let mut first = 0;
     let mut picks = Vec::new();
     for (index, candidate) in state.taken.iter().enumerate() {
@@ -137,8 +151,8 @@ pub(crate) fn select(
         first = columns.end;
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
         let beside = rivals::rivals(&frame, &pool, &state, index, misfit);
-        let widened = (misfit, shape_sds[index]);
-        let mut numbers = numbers(&state.fitted, columns, candidate, widened);
+        let widened = ((misfit, times), shape_sds[index]);
+        let mut numbers = numbers(&known, columns, candidate, widened);
         for own in numbers.iter_mut().filter(|own| own.0 == "delay_s") {
             own.2 = own.2.hypot(plausible::OF_STEP * problem.samples.step_s);
         }

@@ -5,16 +5,17 @@ use std::ops::Range;
 use super::Fitted;
 use crate::effect::Candidate;
 
-/// By the slopes of the numbers; `misfit` widens for what all effects leave, `shape_sd` is of the logarithm of the shape's number.
+/// By the slopes of the numbers; `misfit` widens for what all effects leave, `times` is how often what is known was counted, `shape_sd`
+/// is of the logarithm of the shape's number.
 pub(super) fn numbers(
     fitted: &Fitted,
     columns: Range<usize>,
     candidate: &Candidate<'_>,
-    (misfit, shape_sd): (f64, f64),
+    ((misfit, times), shape_sd): ((f64, f64), f64),
 ) -> Vec<(&'static str, f64, f64)> {
     let at = fitted.effects()[columns.clone()].to_vec();
     let indices: Vec<usize> = columns.map(|column| fitted.base_columns + column).collect();
-    let covariance = fitted.solved.covariance(&indices);
+    let covariance = (fitted.system).scatter(&fitted.solved, &indices, (misfit, times));
     let values = (candidate.numbers)(&at);
     let mut found: Vec<(&'static str, f64, f64)> = Vec::new();
     for (index, (name, value)) in values.iter().enumerate() {
@@ -44,7 +45,7 @@ pub(super) fn numbers(
         if variance == 0.0 && is_unfelt() {
             continue;
         }
-        let sd = (misfit * variance).max(0.0).sqrt();
+        let sd = variance.max(0.0).sqrt();
         let size = if *name == "phase_rad" { 1.0 } else { *value };
         found.push((name, *value, sd.hypot(candidate.law_sd * size)));
     }

@@ -20,7 +20,7 @@ pub(crate) struct Rival {
 }
 
 /// Share of what an effect of one joint's torque explains that it explains there, at least.
-pub(crate) const OF_OWN_JOINT: f64 = 0.5;
+const OF_OWN_JOINT: f64 = 0.5;
 
 /// What is known of a pick beside the other picks.
 pub(super) struct Beside {
@@ -91,7 +91,7 @@ fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candi
 }
 
 /// Share of what one rest's squares are less than another's that is of a channel; 1 where they are not less.
-pub(crate) fn gained_by_channel(rows: usize, [without, with]: [&[f64]; 2], channel: usize) -> f64 {
+fn gained_by_channel(rows: usize, [without, with]: [&[f64]; 2], channel: usize) -> f64 {
     let gained = |range: std::ops::Range<usize>| {
         let [without, with] = [without, with].map(|own| &own[range.clone()]);
         dot(without, without) - dot(with, with)

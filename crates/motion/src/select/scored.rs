@@ -47,6 +47,17 @@ impl<'c> Pool<'c> {
         }
     }
 
+    /// Candidates of an effect that do not depend on a rest.
+    pub(crate) fn given_of(&self, effect: &str) -> impl Iterator<Item = &Candidate<'c>> {
+        self.given.iter().filter(move |own| own.effect == effect)
+    }
+
+    /// Candidates that are of no joint and of no single recording, and do not depend on a rest.
+    pub(crate) fn of_arm(&self) -> impl Iterator<Item = &Candidate<'c>> {
+        let is_of_arm = |own: &&Candidate<'c>| own.joint.is_none() && !own.is_of_recording;
+        self.given.iter().filter(is_of_arm)
+    }
+
     /// Effects at places.
     pub(crate) fn places(&self) -> usize {
         let mut places: Vec<_> = self
