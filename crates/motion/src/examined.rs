@@ -303,6 +303,23 @@ mod tests {
     }
 
     #[test]
+    fn an_effect_that_undoes_another_is_no_answer() {
+        let with = |nats: f64| {
+            let mut found = left("torque-offset", 0.2, 600.0);
+            let mut other = found.channels[0].clone();
+            (other.joint, other.rms_before, other.rms_after) = (1, 1.05, 0.99);
+            found.channels.push(other);
+            let mut gain = found.findings[0].clone();
+            (gain.effect, gain.joint, gain.nats) = ("torque-gain", Some(1), nats);
+            found.findings.push(gain);
+            found
+        };
+        // there were 51 nats, and 22 of chance, to explain
+        assert!(with(250.0).is_adequate());
+        assert!(!with(350.0).is_adequate());
+    }
+
+    #[test]
     fn an_effect_of_one_law_leaves_nothing_that_follows_the_posture() {
         assert!(!left("torque-offset", 0.9, 600.0).is_adequate());
         assert!(!left("torque-offset", 0.9, 50.0).is_adequate());

@@ -357,6 +357,22 @@ mod tests {
     }
 
     #[test]
+    fn a_solution_scatters_by_noise_and_by_what_is_known() {
+        let system = System::new(&[all(&[1.0; 4])], &[Some(0.5)]).counting_known(3.0);
+        let solved = system.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
+        // (4 + 3 4) b = 11
+        assert!((solved.solution[0] - 11.0 / 16.0).abs() < 1e-12);
+        // (2 4 + 3^2 4) / 16^2
+        let found = system.scatter(&solved, &[0], (2.0, 3.0))[(0, 0)];
+        assert!((found - 44.0 / 256.0).abs() < 1e-12, "{found}");
+        // a number that the rows fix has the covariance of least squares
+        let free = System::new(&[all(&[1.0; 4])], &[None]).counting_known(3.0);
+        let solved = free.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
+        let found = free.scatter(&solved, &[0], (2.0, 3.0))[(0, 0)];
+        assert!((found - 0.5).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
     fn what_is_known_pulls_and_what_is_fixed_stays() {
         let (one, two) = (all(&[1.0, 1.0]), all(&[1.0, -1.0]));
         let system = System::new(&[one, two], &[Some(0.5), None]);

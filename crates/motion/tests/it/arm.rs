@@ -64,6 +64,8 @@ pub(crate) struct Truth {
     pub(crate) payload_kgm2: f64,
     /// Further dry friction of the first joint \[N m\].
     pub(crate) rough_nm: f64,
+    /// Share by which both armatures are larger than stated.
+    pub(crate) armatures: f64,
     /// Share of the first drive's torque that it loses to friction.
     pub(crate) load_share: f64,
     /// How long before the motion its friction turns over \[s\].
@@ -259,14 +261,14 @@ fn torque(
             + d12 * a2
             + h * (2.0 * w1 * w2 + w2 * w2)
             + g1
-            + 0.3 * factor[2] * a1
+            + 0.3 * (factor[2] + truth.armatures) * a1
             + friction(w1 + truth.lead_s * a1, 1.5 + truth.rough_nm + more, 0.8)
             + 0.8 * (w1 - (w1 + truth.lead_s * a1))
             + push[0]
             + truth.cogging_nm * (30.0 * q1 + 0.4).sin(),
         push[1] + d12 * a1 + about * a2 - h * w1 * w1
             + g2
-            + 0.1 * factor[3] * a2
+            + 0.1 * (factor[3] + truth.armatures) * a2
             + friction(w2 + truth.lead_s * a2, 0.6, 0.3)
             + 0.3 * (w2 - (w2 + truth.lead_s * a2)),
     ];

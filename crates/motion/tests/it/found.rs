@@ -207,6 +207,34 @@ fn what_leaves_a_gap_of_the_second_recording_is_not_named() {
 }
 
 #[test]
+fn armatures_that_are_off_together_are_found_beside_a_payload() {
+    for payload_kg in [0.0, 1.2] {
+        let truth = Truth {
+            payload_kg,
+            armatures: 0.4,
+            ..Truth::default()
+        };
+        let found = examined(truth, 1);
+        assert!(found.is_adequate(), "{:?}", found.findings);
+        let places = found.findings.iter().map(|own| (own.effect, own.joint));
+        let mut places: Vec<_> = places.collect();
+        places.sort_unstable();
+        let mut wanted = vec![("armature", Some(0)), ("armature", Some(1))];
+        wanted.extend((payload_kg > 0.0).then_some(("payload", None)));
+        assert_eq!(places, wanted);
+        for own in &found.findings {
+            let wanted = match (own.effect, own.joint) {
+                ("payload", _) => 1.2,
+                (_, Some(0)) => 0.12,
+                _ => 0.04,
+            };
+            let (name, value, sd) = own.numbers[0];
+            assert!((value - wanted).abs() < 2.5 * sd, "{name}: {value} +- {sd}");
+        }
+    }
+}
+
+#[test]
 fn the_phase_of_cogging_is_that_of_a_cosine() {
     let truth = Truth {
         cogging_nm: 0.5,
