@@ -224,9 +224,9 @@ fn armatures_that_are_off_together_are_found_beside_a_payload() {
         assert_eq!(places, wanted);
         for own in &found.findings {
             let wanted = match (own.effect, own.joint) {
-                ("payload", _) => 1.2,
-                (_, Some(0)) => 0.12,
-                _ => 0.04,
+                ("payload", _) => payload_kg,
+                (_, Some(0)) => 0.3 * truth.armatures,
+                _ => 0.1 * truth.armatures,
             };
             let (name, value, sd) = own.numbers[0];
             assert!((value - wanted).abs() < 2.5 * sd, "{name}: {value} +- {sd}");

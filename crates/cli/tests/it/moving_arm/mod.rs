@@ -4,6 +4,7 @@ mod bad;
 mod commands;
 mod exported;
 mod log;
+mod simulator;
 
 use std::path::{Path, PathBuf};
 use std::process::Output;
