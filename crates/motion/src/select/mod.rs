@@ -29,6 +29,8 @@ pub(crate) const LEAST_NATS: f64 = 16.0;
 /// A further effect explains this share of the whole, or that one of what is left.
 const OF_WHOLE: f64 = 0.03;
 const OF_REST: f64 = 0.5;
+/// Beside a delay of all positions it explains this share of the whole: a shifted torque is not the one that was read.
+const OF_DELAYED: f64 = 2e-3;
 /// Candidates that are fitted in full, strongest first, and the share of the strongest that they explain at least.
 const IN_FULL: usize = 6;
 const NEAR: f64 = 0.5;
@@ -99,41 +101,7 @@ pub(crate) fn select(
         torque: &torque,
     };
     let pool = Pool::new(context, without, refuted);
-    let before = bare.excess;
-    let mut state = State {
-        taken: Vec::new(),
-        fitted: bare.clone(),
-        early_s: None,
-    };
-    let mut way = Vec::new();
-    while kinds(&state.taken) <= MOST && state.taken.len() < MOST_PLACES {
-        if !state.taken.is_empty() && is_quiet(problem, &state.fitted) {
-            break;
-        }
-        let of_whole = OF_WHOLE * before;
-        let least = LeastNats {
-            of_law: LEAST_NATS.max(of_whole.min(OF_REST * state.fitted.excess)),
-            of_recording: match state.taken.is_empty() {
-                true => LEAST_NATS,
-                false => LEAST_NATS.max(of_whole),
-            },
-        };
-        match best(&frame, &pool, &state, least) {
-            Some(next) if kinds(&next.taken) <= MOST => {
-                way.push(std::mem::replace(&mut state, next));
-            }
-            _ => break,
-        }
-    }
-    way.push(state.clone());
-    if !is_quiet(problem, &state.fitted)
-        && let Some(other) = armatures::together(&frame, &pool, &way)
-    {
-        state = other;
-    }
-    while let Some(fewer) = without_needless(&frame, &state) {
-        state = fewer;
-    }
+    let mut state = searched(&frame, &pool, &bare);
     let misfit = (1.0 + 2.0 * state.fitted.excess / state.fitted.freedom.max(1.0)).max(1.0);
     let mut shape_sds = Vec::new();
     for index in 0..state.taken.len() {
@@ -186,6 +154,51 @@ pub(crate) fn select(
         early_s: state.early_s.unwrap_or(0.0),
         tried: pool.places(),
     }
+}
+
+/// Effects one by one, each the best beside those before; armatures together where that leaves a gap; less those that a later one stands for.
+fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> {
+    let before = bare.excess;
+    let mut state = State {
+        taken: Vec::new(),
+        fitted: bare.clone(),
+        early_s: None,
+    };
+    let mut way = Vec::new();
+    while kinds(&state.taken) <= MOST && state.taken.len() < MOST_PLACES {
+        if !state.taken.is_empty() && is_quiet(frame.problem, &state.fitted) {
+            break;
+        }
+        let of_whole = OF_WHOLE * before;
+        let of_delayed = match state.taken.iter().any(Candidate::is_delay_of_all) {
+            true => OF_DELAYED * before,
+            false => 0.0,
+        };
+        let of_rest = of_whole.min(OF_REST * state.fitted.excess);
+        let least = LeastNats {
+            of_law: LEAST_NATS.max(of_rest).max(of_delayed),
+            of_recording: match state.taken.is_empty() {
+                true => LEAST_NATS,
+                false => LEAST_NATS.max(of_whole),
+            },
+        };
+        match best(frame, pool, &state, least) {
+            Some(next) if kinds(&next.taken) <= MOST => {
+                way.push(std::mem::replace(&mut state, next));
+            }
+            _ => break,
+        }
+    }
+    way.push(state.clone());
+    if !is_quiet(frame.problem, &state.fitted)
+        && let Some(other) = armatures::together(frame, pool, &way)
+    {
+        state = other;
+    }
+    while let Some(fewer) = without_needless(frame, &state) {
+        state = fewer;
+    }
+    state
 }
 
 /// What a further effect has to explain \[nats\].
