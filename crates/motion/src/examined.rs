@@ -3,7 +3,10 @@
 use crate::MotionError;
 use crate::change::Change;
 use crate::dependence::Dependence;
-use crate::effect::{GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact, is_of_own_joint};
+use crate::effect::{
+    CONTACT, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact, is_of_own_joint,
+};
+use crate::findings::SAMPLING;
 use crate::scale::{Doubt, Scale};
 use crate::unseen::Unseen;
 
@@ -187,6 +190,30 @@ impl Examined {
             && !self.is_contradicted()
     }
 
+    /// Whether effects that were found beside rows that the log repeats or lacks, which bend what is left, explain the gap of a second
+    /// recording.
+    pub fn is_borne_out(&self) -> bool {
+        let beside = self.findings.iter().skip(1);
+        let is_told = |own: &Finding| own.is_told && !self.is_undoing(own);
+        let is_gap = |own: &Unseen| {
+            let rows = own.rows_in_all();
+            let square = own.before.iter().sum::<f64>() / rows.max(1) as f64;
+            !own.predictions.is_empty() && is_beyond_noise(square.sqrt() / own.noise, rows)
+        };
+        let is_of_log = self
+            .findings
+            .first()
+            .is_some_and(|own| own.effect == SAMPLING);
+        is_of_log
+            && self.findings.len() > 1
+            && self.doubts.is_empty()
+            && beside.clone().all(is_told)
+            && self.unseen.iter().any(is_gap)
+            && self.left_of_second.is_none_or(|left| left <= OF_SECOND)
+            && !self.is_push_contradicted
+            && !beside.clone().any(|own| own.effect == CONTACT)
+    }
+
     /// Whether the effects leave more of a second recording's gap than they may.
     pub fn is_contradicted(&self) -> bool {
         // a spring between motor and link is known to first order alone
@@ -268,6 +295,7 @@ pub(crate) fn gap(rows: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::unseen::PARTS;
 
     /// A joint whose effects leave 1.9 times its noise of 60, of which a share follows the posture.
     fn left(effect: &'static str, share_of_posture: f64, after_nats: f64) -> Examined {
@@ -317,6 +345,39 @@ mod tests {
         // there were 51 nats, and 22 of chance, to explain
         assert!(with(250.0).is_adequate());
         assert!(!with(350.0).is_adequate());
+    }
+
+    #[test]
+    fn an_effect_beside_a_fault_of_the_log_is_borne_out_by_a_second_recording_alone() {
+        let with = |before: f64, left_of_second: Option<f64>| {
+            let mut found = left("presliding", 0.2, 3e4);
+            let mut fault = found.findings[0].clone();
+            (fault.effect, fault.joint) = (SAMPLING, None);
+            found.findings.insert(0, fault);
+            found.unseen = vec![Unseen {
+                joint: 0,
+                noise: 1.0,
+                rows: [10; PARTS],
+                before: [10.0 * before; PARTS],
+                after: [10.0; PARTS],
+                predictions: vec![(0, [0.0; 3])],
+            }];
+            Examined {
+                left_of_second,
+                ..found
+            }
+        };
+        let borne_out = with(100.0, None);
+        assert!(!borne_out.is_adequate() && borne_out.is_borne_out());
+        assert!(with(100.0, Some(0.08)).is_borne_out());
+        assert!(!with(100.0, Some(0.3)).is_borne_out());
+        // a second recording without a gap says nothing
+        assert!(!with(1.0, None).is_borne_out());
+        let alone = Examined {
+            findings: borne_out.findings[1..].to_vec(),
+            ..borne_out
+        };
+        assert!(!alone.is_borne_out());
     }
 
     #[test]

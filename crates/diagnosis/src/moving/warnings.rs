@@ -25,11 +25,18 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         .any(|own| own.effect == SAMPLING.name)
         && !examined.is_adequate()
     {
-        warnings.push(
-            "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows".to_owned(),
-        );
+        let said = match examined.is_borne_out() {
+            true => {
+                "the rows that the log repeats or lacks bend what is left of the torques: the other causes are those that the second recording bears out"
+            }
+            false => {
+                "the torques were not judged beyond the rows that the log repeats or lacks: record again without such rows"
+            }
+        };
+        warnings.push(said.to_owned());
     }
-    let adequate = examined.findings.iter().filter(|_| examined.is_adequate());
+    let is_answer = examined.is_adequate() || examined.is_borne_out();
+    let adequate = examined.findings.iter().filter(|_| is_answer);
     for found in adequate.filter(|own| !is_kept(device, own)) {
         warnings.push(format!(
             "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",

@@ -33,7 +33,7 @@ impl<'e> Words<'e> {
         Self {
             device,
             examined,
-            is_adequate: examined.is_adequate(),
+            is_adequate: examined.is_adequate() || examined.is_borne_out(),
             shown: Shown::Torque,
         }
     }
