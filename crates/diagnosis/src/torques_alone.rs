@@ -93,7 +93,10 @@ pub(crate) fn diagnose(
         }
         warnings.extend(seen.warnings);
         predictions = seen.predictions;
-        held_out = format!("the second recording, {rows}");
+        // a motion's second recording may be one that the first one does not predict
+        if !is_moving || !seen.held_out.is_empty() {
+            held_out = format!("the second recording, {rows}");
+        }
     }
     Ok(Diagnosis {
         verdict,

@@ -212,6 +212,11 @@ impl<'e> Words<'e> {
     }
 
     fn answer_of(&self, unseen: &Unseen) -> HeldOutAnswer {
+        // what is not named closes nothing
+        let sums_after = match self.is_adequate {
+            true => &unseen.after,
+            false => &unseen.before,
+        };
         let rms = |sums: &[f64; PARTS], without: Option<usize>| {
             let kept = (0..PARTS).filter(|part| Some(*part) != without);
             let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
@@ -225,7 +230,7 @@ impl<'e> Words<'e> {
         let reduction = |without| {
             let share = gap_reduction_percent(
                 rms(&unseen.before, without),
-                rms(&unseen.after, without),
+                rms(sums_after, without),
                 unseen.noise,
             );
             share.filter(|_| is_gap)
@@ -242,7 +247,7 @@ impl<'e> Words<'e> {
         HeldOutAnswer {
             channel: self.channel(unseen.joint),
             rms_before: rms(&unseen.before, None),
-            rms_after: rms(&unseen.after, None),
+            rms_after: rms(sums_after, None),
             noise_floor: unseen.noise,
             unit: self.unit(unseen.joint).to_owned(),
             reduction_percent: percent,
@@ -263,7 +268,7 @@ impl<'e> Words<'e> {
                 channel: self.channel(own.joint),
                 measured: *measured,
                 before: *before,
-                after: *after,
+                after: if self.is_adequate { *after } else { *before },
             };
             found.predictions.extend(own.predictions.iter().map(of_row));
         }
