@@ -326,7 +326,7 @@ pub(crate) mod partial {
     /// Share of its gain that a law must keep beside free functions of another covariate of its joint. Choice.
     pub(crate) const KEPT_SHARE: f64 = 0.5;
     /// Share of the squares beyond noise of a moving arm's second recording that a name may leave there. Choice (A201).
-    pub(crate) const MOST_LEFT_OF_SECOND: f64 = 0.6;
+    pub(crate) const MOST_LEFT_OF_SECOND: f64 = haptical_motion::OF_SECOND_BESIDE_SPRING;
     /// Probability below which a name is no finding where it leaves a rest. Choice.
     pub(crate) const LEAST_PROBABILITY: f64 = 0.5;
     /// Share of a law's gain by which free functions elsewhere must predict more: the gap lies there. Choice.

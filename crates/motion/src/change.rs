@@ -49,7 +49,7 @@ impl Change {
                 let mass_kg = number("mass_kg").filter(|mass_kg| *mass_kg > 0.0)?;
                 let moment = vector(["moment_x_kg_m", "moment_y_kg_m", "moment_z_kg_m"]);
                 // the same about all axes, where it was fitted
-                let own_kgm2 = pick.coefficients.get(4).copied().unwrap_or(0.0).max(0.0);
+                let own_kgm2 = pick.read_off.get(4).copied().unwrap_or(0.0).max(0.0);
                 let own = Matrix3::identity() * own_kgm2;
                 let point = Inertia::about_centre(mass_kg, &(moment / mass_kg), &own);
                 Some(Self::Inertia {
@@ -91,7 +91,7 @@ impl Change {
             "gravity-direction" => {
                 let gravity = arm.bodies.gravity_mps2();
                 let [first, second] = gravity_axes(gravity)?;
-                let [a, b] = *pick.coefficients.first_chunk::<2>()?;
+                let [a, b] = *pick.read_off.first_chunk::<2>()?;
                 let size = gravity.norm();
                 let turned = (gravity + (first * a + second * b) * size).normalize() * size;
                 Some(Self::Gravity {

@@ -30,10 +30,10 @@ const PART: f64 = 0.01;
 
 /// What an effect of one joint's torque may explain at most, over what the base model leaves there.
 const MOST_OF_GAP: f64 = 4.0;
-/// Share of a second recording's squares beyond noise that effects may leave of it; beside a spring between motor and link, which is known to
-/// first order alone.
+/// Share of a second recording's squares beyond noise that effects may leave of it.
 const OF_SECOND: f64 = 0.1;
-const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
+/// The same beside a spring between motor and link, which is known to first order alone (A201).
+pub const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
 
 /// What the torques of a moving arm show.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -188,6 +188,11 @@ impl Examined {
             && !self.findings.iter().any(|own| self.is_undoing(own))
             && !self.is_of_another_law()
             && !self.is_contradicted()
+    }
+
+    /// Whether what was found is an answer.
+    pub fn is_answer(&self) -> bool {
+        self.is_adequate() || self.is_borne_out()
     }
 
     /// Whether effects that were found beside rows that the log repeats or lacks, which bend what is left, explain the gap of a second

@@ -135,8 +135,9 @@ impl Predicted<'_> {
         found
     }
 
-    /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model are fitted to the first recording anew. Beside a pick that belongs to the first
-    /// recording alone none is refuted, for then this one may have one of its own.
+    /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model
+    /// are fitted to the first recording anew. Beside a pick that belongs to the first recording alone none is refuted, for then this
+    /// one may have one of its own.
     pub(crate) fn refuted(&self, (own, base): (&Problem, &Base)) -> Vec<Place> {
         let picks = &self.selection.picks;
         if picks.iter().any(|own| own.is_of_recording) {

@@ -29,7 +29,7 @@ pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{examine, is_moving_arm};
-pub use examined::{ChannelFit, Examined, Finding, NearRival};
+pub use examined::{ChannelFit, Examined, Finding, NearRival, OF_SECOND_BESIDE_SPRING};
 pub use identify::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
     NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,

@@ -19,6 +19,7 @@ use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
 use crate::judge::verdict::{self, contradicted, verdict};
 use crate::judge::whiteness::Tested;
+use crate::moving::leaves_of_second;
 use crate::noise::NoiseSource;
 use crate::noise::stated::is_stated;
 use crate::thresholds::noise::LOUD;
@@ -176,12 +177,7 @@ fn warnings(
     }));
     let left = contradicted(findings, causes).filter(|_| verdict == Verdict::Unknown);
     warnings.extend(left.zip(causes.first()).map(|(left, cause)| {
-        format!(
-            "{} at {} would fit the log, but leaves {:.0} % of the squares of the second recording's gap: not named",
-            cause.effect,
-            cause.place(),
-            100.0 * left
-        )
+        leaves_of_second(&format!("{} at {}", cause.effect, cause.place()), left)
     }));
     warnings.extend(overruled(findings));
     warnings.extend(unstated);

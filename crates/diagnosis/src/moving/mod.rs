@@ -11,6 +11,7 @@ use haptical_model::{Device, Recording};
 use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 
 use self::followed::followed;
+pub(crate) use self::warnings::leaves_of_second;
 use self::warnings::warnings;
 use self::words::Words;
 use crate::answer::ChannelGap;

@@ -35,9 +35,8 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         };
         warnings.push(said.to_owned());
     }
-    let is_answer = examined.is_adequate() || examined.is_borne_out();
-    let adequate = examined.findings.iter().filter(|_| is_answer);
-    for found in adequate.filter(|own| !is_kept(device, own)) {
+    let named = examined.findings.iter().filter(|_| examined.is_answer());
+    for found in named.filter(|own| !is_kept(device, own)) {
         warnings.push(format!(
             "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
             found.effect
@@ -93,6 +92,14 @@ fn is_kept(device: &Device, found: &Finding) -> bool {
     specs.any(|spec| spec.hook.is_on_drives() && is_law(spec).is_ok() && is_whole(spec))
 }
 
+/// Why causes are not named that leave a share of the second recording's squares beyond noise.
+pub(crate) fn leaves_of_second(causes: &str, left: f64) -> String {
+    let percent = 100.0 * left;
+    format!(
+        "{causes} would fit the log, but {percent:.0} % of the squares of the second recording's gap stay: not named"
+    )
+}
+
 /// What the second recording contradicts.
 fn of_second(examined: &Examined) -> Vec<String> {
     let place = |effect: &str, joint: Option<usize>| match joint {
@@ -114,11 +121,7 @@ fn of_second(examined: &Examined) -> Vec<String> {
         let found: Vec<String> = (examined.findings.iter())
             .map(|own| place(own.effect, own.joint))
             .collect();
-        said.push(format!(
-            "{} would fit the log, but leaves {:.0} % of the squares of the second recording's gap: not named",
-            found.join(", "),
-            100.0 * left
-        ));
+        said.push(leaves_of_second(&found.join(", "), left));
     }
     if examined.is_push_contradicted {
         said.push(

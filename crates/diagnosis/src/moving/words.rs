@@ -33,7 +33,7 @@ impl<'e> Words<'e> {
         Self {
             device,
             examined,
-            is_adequate: examined.is_adequate() || examined.is_borne_out(),
+            is_adequate: examined.is_answer(),
             shown: Shown::Torque,
         }
     }

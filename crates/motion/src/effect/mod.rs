@@ -145,8 +145,9 @@ pub(crate) const CONTACT: &str = contact::EFFECT.name;
 /// Late positions of all joints, and late torques.
 pub(crate) const ENCODER_LATENCY: &str = delay::ENCODER_LATENCY.name;
 pub(crate) const TORQUE_LATENCY: &str = delay::TORQUE_LATENCY.name;
-/// The effect that is known well below its resonance alone.
+/// The effect that may be at every joint.
 pub(crate) const ARMATURE: &str = armature::EFFECT.name;
+/// The effect that is known well below its resonance alone.
 pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
 /// The scale of a torque.
 pub(crate) const TORQUE_GAIN: &str = torque_gain::EFFECT.name;

@@ -5,8 +5,8 @@ use super::scored::Pool;
 use super::{Frame, State, is_quiet, is_taken, with, without_needless};
 use crate::effect::ARMATURE;
 
-/// The first of the states on the way of a selection, and then of the effects of the whole arm, to which the armatures that explain something are all that
-/// is missing; none where no such state leaves noise alone.
+/// The first state that leaves noise alone once the armatures that explain something are added: of those on the way of a selection,
+/// then of each effect of the whole arm by itself. None where there is no such state.
 pub(super) fn together<'c>(
     frame: &Frame<'_>,
     pool: &Pool<'c>,

@@ -2,13 +2,12 @@
 
 use std::rc::Rc;
 
+use crate::examined::ALLOWED_REST;
 use crate::fit::base::{Base, Term};
 use crate::fit::column::Column;
 use crate::fit::plausible;
 use crate::fit::problem::Problem;
 use crate::fit::system::{Solved, System};
-
-use crate::examined::ALLOWED_REST;
 
 /// Times that numbers beyond their limits are put at them.
 const ROUNDS: usize = 6;
@@ -44,8 +43,9 @@ impl<'c> Frame<'c> {
         }
     }
 
-    /// Times that what is known of the base model's numbers counts where an effect's own are read off it. A sound arm may leave a rest that is no gap, and
-    /// that rest moves the numbers which the motion fixes badly: spread over all of them, it is worth so much to each (A202).
+    /// Times that what is known of the base model's numbers counts where an effect's own are read off the fit. A sound arm may leave
+    /// a rest that is no gap, and that rest moves the numbers which the motion fixes badly: spread over all of them, it is worth so
+    /// much to each (A202).
     pub(crate) fn times(&self) -> f64 {
         let known = self
             .base

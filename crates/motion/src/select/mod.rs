@@ -68,6 +68,8 @@ pub(crate) struct Pick {
     pub(crate) numbers: Vec<(&'static str, f64, f64)>,
     pub(crate) columns: Vec<Rc<Column>>,
     pub(crate) coefficients: Vec<f64>,
+    /// The coefficients that its numbers are read off.
+    pub(crate) read_off: Vec<f64>,
     /// Which of its effect's laws it is, its shape, and what it is linear about.
     pub(crate) kind: usize,
     pub(crate) shape: Vec<f64>,
@@ -120,6 +122,7 @@ pub(crate) fn select(
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
         let beside = rivals::rivals(&frame, &pool, &state, index, misfit);
         let widened = ((misfit, times), shape_sds[index]);
+        let read_off = known.effects()[columns.clone()].to_vec();
         let mut numbers = numbers(&known, columns, candidate, widened);
         for own in numbers.iter_mut().filter(|own| own.0 == "delay_s") {
             own.2 = own.2.hypot(plausible::OF_STEP * problem.samples.step_s);
@@ -137,6 +140,7 @@ pub(crate) fn select(
             is_told: beside.is_told,
             numbers,
             coefficients,
+            read_off,
             columns: candidate.columns.clone(),
             kind: candidate.kind,
             shape: candidate.shape.iter().map(|own| own.1).collect(),
