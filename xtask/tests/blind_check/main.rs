@@ -156,6 +156,18 @@ fn a_spring_that_the_second_recording_does_not_show_is_not_named() {
     assert_eq!(answer["verdict"], "unknown");
 }
 
+/// Draws whose payload's interval missed once: a rest that is no gap was put into the masses of the wrist.
+#[test]
+fn the_interval_of_a_payload_does_not_lean_on_a_rest_that_is_no_gap() {
+    for (index, drawn_kg) in [("1840", 1.832), ("2415", 2.407)] {
+        let causes = causes_of("moving", index, "161803");
+        assert_eq!(causes[0]["effect"], "payload");
+        let mass = &causes[0]["parameters"]["mass_kg"];
+        let [low, high] = [0, 1].map(|end| mass["ci95"][end].as_f64().unwrap());
+        assert!((low..=high).contains(&drawn_kg), "{index}: {mass}");
+    }
+}
+
 #[test]
 fn what_cannot_be_done_is_refused_before_anything_is_drawn() {
     for (words, said) in [
