@@ -207,6 +207,19 @@ fn what_leaves_a_gap_of_the_second_recording_is_not_named() {
 }
 
 #[test]
+fn a_weight_is_known_no_better_than_the_bodies_that_measure_it() {
+    let truth = Truth {
+        payload_kg: 6.0,
+        ..Truth::default()
+    };
+    let found = examined(truth, 1);
+    assert_eq!(found.findings[0].effect, "payload");
+    let (_, value, sd) = found.findings[0].numbers[0];
+    assert!(sd > 0.05 * value, "{value} +- {sd}");
+    assert!((value - 6.0).abs() < 2.0 * sd, "{value} +- {sd}");
+}
+
+#[test]
 fn armatures_that_are_off_together_are_found_beside_a_payload() {
     for payload_kg in [0.0, 1.2] {
         let truth = Truth {
@@ -271,6 +284,11 @@ fn a_push_for_a_part_of_the_log_is_named_with_its_share_of_it() {
         ..Truth::default()
     };
     assert_found(truth, "contact", None, ("share", 0.075, 0.02));
+    // its point is not known
+    let found = examined(truth, 1);
+    let mut numbers = found.findings[0].numbers.iter();
+    let (_, force_n, sd) = numbers.find(|own| own.0 == "force_n").unwrap();
+    assert!(*sd > 0.1 * force_n, "{force_n} +- {sd}");
 }
 
 #[test]

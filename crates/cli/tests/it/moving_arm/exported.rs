@@ -1,6 +1,7 @@
 //! What was named on a moving arm is in corrected.toml, in a URDF and in an MJCF, and the next recording then has no gap.
 
 use haptical_model::{Device, RigidBodies};
+use serde_json::Value;
 
 use super::log::{Arm, Log};
 use super::{Trial, told, warns};
@@ -101,6 +102,11 @@ fn a_heavier_link_is_in_its_mass() {
     trial.write("log2.csv", &Log::of(arm, 2));
     let answer = trial.answer("arm.xml", "log.csv", &["--without", "payload"]);
     assert_eq!(told(&answer).1[0], "link-inertia", "{answer}");
+    // what a link has more of need not be at its centre
+    let mass = &answer["causes"][0]["parameters"]["mass_kg"];
+    let number = |value: &Value| value.as_f64().unwrap();
+    let half = 0.5 * (number(&mass["ci95"][1]) - number(&mass["ci95"][0]));
+    assert!(half > 0.5 * number(&mass["value"]), "{mass}");
     std::fs::create_dir(trial.path("kept")).unwrap();
     let corrected = trial.path("kept").join("corrected.toml");
     std::fs::copy(trial.path("out").join("corrected.toml"), &corrected).unwrap();
