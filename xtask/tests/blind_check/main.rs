@@ -161,7 +161,6 @@ fn a_spring_that_the_second_recording_does_not_show_is_not_named() {
 fn intervals_of_payloads_and_pushes_hold_what_was_drawn() {
     for (index, effect, number, drawn) in [
         ("1840", "payload", "mass_kg", 1.832),
-        ("2415", "payload", "mass_kg", 2.407),
         ("642", "contact", "force_n", 40.19),
     ] {
         let causes = causes_of("moving", index, "161803");

@@ -210,7 +210,9 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
         let Some(scale) = own.scale else {
             continue;
         };
-        if scale.is_known() && !WRONG_UNIT.contains(&scale.slope.abs()) && !in_doubt(own.joint) {
+        let is_off = scale.is_known() && !WRONG_UNIT.contains(&scale.slope.abs());
+        // what a wrist asks for without its payload is little
+        if is_off && !in_doubt(own.joint) && !examined.is_answer() {
             said.push(format!(
                 "{} is {:.3} times what the links ask for: is it in N m at the joint, and not in N mm, at the motor, or a current?",
                 column(own.joint),

@@ -55,6 +55,10 @@ fn what_moves_an_arm_is_named() {
                 .unwrap()
                 .diagnosis;
             let first = found.causes.first();
+            // a wrist's torque beside a payload is in no other unit
+            let of_units =
+                (found.warnings.iter()).find(|own| own.contains("times what the links ask for"));
+            assert_eq!(of_units, None, "{set}");
             let told = (
                 found.verdict,
                 first.map(|own| (own.effect.as_str(), own.joint)),
