@@ -28,16 +28,18 @@ use crate::{STATUS_BAD_INPUT, terminal};
     about,
     after_help = "\
 Example:
-  haptical init demo
+  haptical init demo --example gap
   haptical identify --device demo/device.toml --log demo/log.csv --out demo/result
-  haptical diagnose --device demo/device.toml --log demo/log.csv --out demo/gap
+  haptical diagnose --device demo/device.toml --log demo/log.csv --validate demo/second.csv --out demo/gap
+
+Alone, `haptical` says what can be done with the files of this folder.
 
 Exit status: 0 done; 1 a result is not what its inputs give (`verify` alone); 2 bad arguments or input;
 3 nothing can be identified from these numbers; 130 interrupted by Ctrl-C."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
-    pub(crate) command: Command,
+    pub(crate) command: Option<Command>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -74,13 +76,12 @@ any work unless --force is given.")]
 Example:
   haptical check device.toml log.csv.gz")]
     Check(CheckArguments),
-    /// Write a template device file and a small simulated log of it
+    /// Write an example to begin with: a device, a log of it, and the next command
     #[command(after_help = "\
 Example:
-  haptical init demo
-
-Writes demo/device.toml and demo/log.csv.")]
-    Init(InitArguments),
+  haptical init demo                      a template device file and a log of it
+  haptical init demo --example gap        two recordings with a gap to find")]
+    Init(crate::init::InitArguments),
     /// Write a calibrated device as numbers for a control loop (Rust, C, JSON) or for a simulator (URDF, MJCF)
     #[command(after_help = "\
 Examples:
@@ -270,16 +271,6 @@ pub(crate) struct CheckArguments {
     /// Print the findings as JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct InitArguments {
-    /// Folder for the two files; made if it is missing
-    #[arg(default_value = ".")]
-    pub(crate) dir: PathBuf,
-    /// Overwrite files that exist
-    #[arg(long)]
-    pub(crate) force: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -11,6 +11,7 @@ mod identify;
 mod import;
 mod init;
 mod interrupt;
+mod next;
 mod plan;
 mod play;
 mod result;
@@ -36,7 +37,11 @@ fn main() -> ExitCode {
         Err(error) => return arguments::explain(&error, wants_json),
     };
     interrupt::listen();
-    match run(arguments.command) {
+    let done = match arguments.command {
+        Some(command) => run(command),
+        None => next::run().map(|()| ExitCode::SUCCESS),
+    };
+    match done {
         Ok(status) => status,
         Err(failure) => failure::report(&failure, wants_json),
     }

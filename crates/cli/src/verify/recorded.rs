@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::compare::Written;
-use crate::arguments::{Arguments, failure_of};
+use crate::arguments::{Arguments, Command, failure_of};
 use crate::failure::Failure;
 use crate::result::ResultCommand;
 
@@ -196,7 +196,7 @@ fn replay(provenance: &Provenance) -> Result<Box<dyn ResultCommand>, String> {
     let words = ["haptical", name, "--out=."].into_iter().chain(arguments);
     let none = || format!("`{name}` gives no result");
     match Arguments::try_parse_from(words) {
-        Ok(arguments) => arguments.command.into_result().ok_or_else(none),
+        Ok(arguments) => (arguments.command.and_then(Command::into_result)).ok_or_else(none),
         Err(error) if error.use_stderr() => Err(failure_of(&error).what().to_owned()),
         Err(_) => Err(none()),
     }

@@ -28,6 +28,7 @@ mod moving_arm;
 mod moving_log;
 mod mujoco;
 mod mujoco_truth;
+mod next;
 mod other_commands;
 mod overwriting;
 mod plan;

@@ -169,13 +169,6 @@ fn the_version_is_the_package_version() {
 }
 
 #[test]
-fn without_a_command_the_help_is_shown_and_the_status_is_2() {
-    let output = haptical().output().unwrap();
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("Usage:"));
-}
-
-#[test]
 fn completions_know_the_commands() {
     for shell in ["bash", "zsh", "fish"] {
         let output = haptical().args(["completions", shell]).output().unwrap();

@@ -1,0 +1,156 @@
+//! `haptical` alone: what can be done with the files of the folder.
+
+mod found;
+
+use std::path::Path;
+
+use haptical::files::shell_word;
+
+use self::found::{Found, FoundLog};
+use crate::failure::Failure;
+use crate::terminal;
+
+/// What is said of a folder that has neither a device nor a log.
+const BEGIN: &str = "\
+No device and no log in this folder. To begin:
+  haptical init demo --example gap        two recordings with a gap to find
+  haptical init demo                      a template for a device of your own, and a log
+  haptical init demo --example urdf-arm   an arm described by a URDF, and a tracker
+";
+const END: &str = "\nAll commands: haptical --help\n";
+
+/// A command, and what it is for.
+struct Step {
+    what: &'static str,
+    command: String,
+}
+
+/// Says what can be done next in the folder in which the command runs.
+pub(crate) fn run() -> Result<(), Failure> {
+    terminal::write_output(text(&Found::in_folder(Path::new("."))).as_bytes())
+}
+
+fn text(found: &Found) -> String {
+    let mut text = String::new();
+    let steps = steps(found);
+    if steps.is_empty() {
+        text.push_str(BEGIN);
+    } else {
+        text.push_str("In this folder:\n");
+        let logs: Vec<&str> = found.logs.iter().map(|log| log.name.as_str()).collect();
+        let names = |names: &[String]| names.join(", ");
+        let mut line = |what: &str, names: &str| {
+            if !names.is_empty() {
+                text.push_str(&format!("  {what:<8} {names}\n"));
+            }
+        };
+        line("device", &names(&found.devices));
+        line("rig", &names(&found.rigs));
+        line("log", &logs.join(", "));
+        line("table", &names(&found.tables));
+        line("fit", &names(&found.fits));
+        let gaps = found.gaps.iter();
+        let gaps: Vec<String> = gaps
+            .map(|(name, what)| format!("{name} ({what})"))
+            .collect();
+        line("gap", &names(&gaps));
+        text.push_str("\nNext:\n");
+        for step in steps {
+            text.push_str(&format!("  {}\n      {}\n", step.what, step.command));
+        }
+    }
+    text.push_str(END);
+    text
+}
+
+fn steps(found: &Found) -> Vec<Step> {
+    let mut steps = Vec::new();
+    let mut step = |what, command| steps.push(Step { what, command });
+    let device = chosen(&found.devices);
+    match (device, found.logs.first()) {
+        (Some(device), Some(log)) => of_pair(found, device, log, &mut step),
+        (Some(device), None) => {
+            if let Some(table) = chosen(&found.tables) {
+                step(
+                    "Make a log of a table of another maker",
+                    format!("haptical import --guess {}", shell_word(table)),
+                );
+            }
+            step(
+                "Choose the poses to record",
+                format!(
+                    "haptical plan --device {} --poses 60 --out plan",
+                    shell_word(device)
+                ),
+            );
+        }
+        (None, Some(_)) => step(
+            "Describe the device: put its URDF or MJCF here, or change this template",
+            "haptical init template".to_owned(),
+        ),
+        (None, None) => {}
+    }
+    steps
+}
+
+/// The steps of a device and its log.
+fn of_pair(
+    found: &Found,
+    device: &str,
+    log: &FoundLog,
+    step: &mut impl FnMut(&'static str, String),
+) {
+    let rig =
+        chosen(&found.rigs).map_or_else(String::new, |rig| format!(" --rig {}", shell_word(rig)));
+    let (device, name) = (shell_word(device), shell_word(&log.name));
+    let second = found.logs.get(1);
+    let second = second.map_or_else(String::new, |log| {
+        format!(" --validate {}", shell_word(&log.name))
+    });
+    if found.fits.is_empty() && found.gaps.is_empty() {
+        step(
+            "See what the log could identify",
+            format!("haptical check {device} {name}{rig}"),
+        );
+    }
+    if found.fits.is_empty() && log.has_references {
+        step(
+            "Calibrate",
+            format!("haptical identify --device {device}{rig} --log {name} --out fit"),
+        );
+    }
+    if found.gaps.is_empty() && (log.has_references || log.has_drives) {
+        step(
+            "Find what is still wrong, and its cause",
+            format!("haptical diagnose --device {device}{rig} --log {name}{second} --out gap"),
+        );
+    }
+    let mut settled = None;
+    for (folder, verdict) in &found.gaps {
+        let folder = shell_word(folder);
+        match verdict.as_str() {
+            "named" => settled = Some(format!("{folder}/corrected.toml")),
+            "ambiguous" | "unknown" => step(
+                "Choose the recording that tells the candidates apart",
+                format!("haptical plan --settle {folder}/gap.json --log {name} --out next"),
+            ),
+            _ => {}
+        }
+    }
+    let fit = chosen(&found.fits).map(|folder| format!("{}/identified.toml", shell_word(folder)));
+    if let Some(model) = settled.or(fit) {
+        step(
+            "Put it into a simulator, or a controller",
+            format!("haptical export --device {model} --format mjcf --out model.xml"),
+        );
+        step(
+            "Compute a result again, and compare",
+            "haptical verify .".to_owned(),
+        );
+    }
+}
+
+/// The first of some names.
+fn chosen(names: &[String]) -> Option<&str> {
+    names.first().map(String::as_str)
+}

@@ -1,0 +1,117 @@
+//! `haptical` alone, and the examples of `haptical init`: every command that they print runs.
+
+use std::path::Path;
+
+use crate::{haptical, text};
+
+/// Runs the command alone in a folder.
+fn alone(folder: &Path) -> String {
+    let output = haptical().current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+/// Commands of a text, one a line.
+fn commands(text: &str) -> Vec<String> {
+    let own = text.lines().filter(|line| line.starts_with(' '));
+    own.filter_map(|line| line.trim().strip_prefix("haptical "))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Runs a command, whose words have no blanks.
+fn run(folder: &Path, command: &str) -> String {
+    let mut program = haptical();
+    let output = program
+        .current_dir(folder)
+        .args(command.split(' '))
+        .output()
+        .unwrap();
+    let said = text(&output.stderr);
+    assert!(output.status.success(), "haptical {command}\n{said}");
+    text(&output.stdout)
+}
+
+#[test]
+fn what_an_example_prints_runs() {
+    for (example, count) in [("paper", 1), ("urdf-arm", 2), ("sockets", 2), ("gap", 1)] {
+        let folder = tempfile::tempdir().unwrap();
+        let printed = run(folder.path(), &format!("init here --example {example}"));
+        let next = commands(&printed);
+        assert_eq!(next.len(), count, "{printed}");
+        for command in next {
+            run(folder.path(), &command);
+        }
+        if example == "gap" {
+            let gap = std::fs::read_to_string(folder.path().join("here/gap/gap.json")).unwrap();
+            let gap: serde_json::Value = serde_json::from_str(&gap).unwrap();
+            let answer = std::fs::read_to_string(folder.path().join("here/answer.toml")).unwrap();
+            let answer: toml::Table = answer.parse().unwrap();
+            let (cause, answer) = (&gap["causes"][0], &answer["effect"][0]);
+            assert_eq!(gap["verdict"], "named");
+            assert_eq!(cause["effect"].as_str(), answer["name"].as_str());
+            assert_eq!(cause["joint"].as_i64(), answer["joint"].as_integer());
+        }
+    }
+}
+
+#[test]
+fn a_folder_is_followed_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "init . --example gap");
+    let mut done: Vec<String> = Vec::new();
+    loop {
+        let next = commands(&alone(folder.path()));
+        let fresh: Vec<String> = next
+            .into_iter()
+            .filter(|command| !done.contains(command) && command != "--help")
+            .collect();
+        if fresh.is_empty() {
+            break;
+        }
+        for command in fresh {
+            run(folder.path(), &command);
+            done.push(command);
+        }
+    }
+    let verbs: Vec<&str> = done
+        .iter()
+        .filter_map(|command| command.split(' ').next())
+        .collect();
+    assert_eq!(verbs, ["check", "identify", "diagnose", "export", "verify"]);
+    assert!(done[2].contains("--validate second.csv"), "{done:?}");
+    // the cause is in the model that is exported, where one is named
+    assert!(done[3].contains("gap/corrected.toml"), "{done:?}");
+}
+
+#[test]
+fn a_folder_without_data_says_how_to_begin() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = alone(folder.path());
+    let begin = commands(&said);
+    assert!(begin[0].starts_with("init demo --example gap"), "{said}");
+    // a device alone: poses are chosen
+    run(folder.path(), "init .");
+    std::fs::remove_file(folder.path().join("log.csv")).unwrap();
+    let next = commands(&alone(folder.path()));
+    assert!(next[0].starts_with("plan "), "{next:?}");
+    run(folder.path(), &next[0]);
+}
+
+#[test]
+fn names_with_blanks_are_quoted_and_rubbish_is_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "init .");
+    let place = |name: &str| folder.path().join(name);
+    std::fs::rename(place("log.csv"), place("my log.csv")).unwrap();
+    std::fs::write(place("broken.toml"), [0xff, 0xfe, 0]).unwrap();
+    std::fs::write(place("broken.csv.gz"), b"no gzip").unwrap();
+    std::fs::write(place("empty.csv"), b"").unwrap();
+    std::fs::write(place("gap.json"), b"{").unwrap();
+    let said = alone(folder.path());
+    assert!(said.contains("--log 'my log.csv'"), "{said}");
+    assert!(
+        !said.contains("broken") && !said.contains("empty.csv"),
+        "{said}"
+    );
+}
