@@ -53,6 +53,7 @@ impl Direction {
     }
 
     /// An entry.
+    #[inline]
     pub fn entry(&self, index: usize) -> f64 {
         let place = index.checked_sub(self.first);
         place

@@ -80,6 +80,8 @@ impl Case {
 
 /// A minute at 100 rows a second.
 const MINUTE: [&str; 6] = ["--seconds", "60", "--rate-hz", "100", "--seed", "3"];
+/// Half of it: enough for what has no instant.
+const HALF_A_MINUTE: [&str; 6] = ["--seconds", "30", "--rate-hz", "100", "--seed", "3"];
 
 /// Errors after a repair may be so much larger than those of a log that was sound: a cell is lost, noise is smoothed, and a
 /// fault's size is known to a part of the noise.
@@ -173,7 +175,7 @@ fn rows_that_a_diagnosis_skips_are_repaired_too() {
 #[test]
 fn a_late_cable_is_brought_to_its_times() {
     let effects = "[[effect]]\nname = \"cable-latency\"\ndelay_s = 0.004\n";
-    let case = Case::simulated(effects, &MINUTE);
+    let case = Case::simulated(effects, &HALF_A_MINUTE);
     let repair = assert_repaired(&case, "cable-latency", &[]);
     let change = &repair["changes"][0];
     assert_eq!(
@@ -183,7 +185,7 @@ fn a_late_cable_is_brought_to_its_times() {
     // nothing was recorded after the last row
     assert_eq!(
         (&change["emptied"], &change["emptied_lines"]),
-        (&1.into(), &serde_json::json!([6001]))
+        (&1.into(), &serde_json::json!([3001]))
     );
     // the fault is the log's: no device has it, and the model of the result has it no more
     assert!(!case.path("result/corrected.toml").exists());
@@ -192,7 +194,7 @@ fn a_late_cable_is_brought_to_its_times() {
 #[test]
 fn late_motor_encoders_are_brought_to_their_times() {
     let effects = "[[effect]]\nname = \"encoder-latency\"\ndelay_s = 0.004\n";
-    let case = Case::simulated(effects, &MINUTE);
+    let case = Case::simulated(effects, &HALF_A_MINUTE);
     let repair = assert_repaired(&case, "encoder-latency", &[]);
     let changes = repair["changes"].as_array().unwrap();
     let of = |what: &str| {
@@ -248,7 +250,7 @@ fn what_is_of_the_device_or_not_sure_stays_in_the_log() {
         (slack, "named", "of the device, not of the log"),
         ("", "no-gap", "there is no gap"),
     ] {
-        let case = Case::simulated(effects, &MINUTE);
+        let case = Case::simulated(effects, &HALF_A_MINUTE);
         let (gap, said) = case.repaired(&[]);
         assert_eq!(gap["verdict"], verdict, "{said}");
         assert_eq!(
@@ -274,10 +276,7 @@ fn what_is_of_the_device_or_not_sure_stays_in_the_log() {
 #[test]
 fn a_repair_is_made_again_by_verify_and_never_over_its_input() {
     let effects = "[[effect]]\nname = \"cable-latency\"\ndelay_s = 0.004\n";
-    let case = Case::simulated(
-        effects,
-        &["--seconds", "30", "--rate-hz", "100", "--seed", "3"],
-    );
+    let case = Case::simulated(effects, &HALF_A_MINUTE);
     let (gap, _) = case.repaired(&[]);
     assert_eq!(gap["repair"]["log"], "repaired.csv");
     let verified = case.sandbox.ran(&["verify", "result"]);
@@ -360,8 +359,7 @@ fn logs_of_another_simulator_are_repaired() {
 /// A device that mostly rests: between the changes of a count neighbours do not differ at all, and each change stood alone.
 #[test]
 fn changes_of_a_count_are_no_wild_readings() {
-    let motion = ["--seconds", "30", "--rate-hz", "100", "--seed", "3"];
-    let (gap, said) = Case::simulated("", &motion).repaired(&[]);
+    let (gap, said) = Case::simulated("", &HALF_A_MINUTE).repaired(&[]);
     assert_eq!(gap["verdict"], "no-gap", "{said}");
     assert_eq!(gap["causes"], serde_json::json!([]), "{said}");
     assert!(gap["repair"]["log"].is_null(), "{said}");

@@ -352,7 +352,7 @@ fn give_back<const JOINTS: usize>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(2000) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(1000) })]
 
     #[test]
     fn every_row_of_every_device_with_effects(case in any_case()) {
