@@ -326,3 +326,31 @@ fn examples_use_what_their_crate_uses() {
         }
     }
 }
+
+/// Every crate from outside that a manifest names has a line in docs/dependencies.md, and every line names such a crate.
+#[test]
+fn every_dependency_has_its_reason() {
+    let used: BTreeSet<String> = packages()
+        .iter()
+        .flat_map(|package| &package.dependencies)
+        .filter(|dependency| dependency.path.is_none())
+        .map(|dependency| dependency.name.clone())
+        .collect();
+    let page = read("docs/dependencies.md");
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| "));
+    let names = rows.filter_map(|row| row.split(" | ").next());
+    let told: BTreeSet<String> = names
+        .flat_map(|names| names.split(", "))
+        .filter(|name| *name != "dependency" && !name.starts_with("---"))
+        .map(str::to_owned)
+        .collect();
+    // named in the manifest of a job alone, to build another crate's features once
+    let not_used = BTreeSet::from(["libc".to_owned()]);
+    let untold: Vec<&String> = used
+        .difference(&told)
+        .filter(|name| !not_used.contains(*name))
+        .collect();
+    let idle: Vec<&String> = told.difference(&used).collect();
+    assert!(untold.is_empty(), "without a reason: {untold:?}");
+    assert!(idle.is_empty(), "told, and used nowhere: {idle:?}");
+}

@@ -359,3 +359,11 @@ fn a_joint_that_two_others_drive() {
     let angle = ((turns[0].transpose() * turns[2]).trace() / 2.0 - 0.5).acos();
     assert!((angle - 0.2).abs() < 1e-12, "{angle}");
 }
+
+/// The README's commands, and the lines that they print.
+#[test]
+fn the_readme_is_true() {
+    let readme = root().join("README.md");
+    let commands = run_console(&readme);
+    assert!(commands >= 9, "{commands} commands");
+}
