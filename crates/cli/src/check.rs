@@ -5,6 +5,7 @@ use haptical::{Identify, Log, check};
 
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
+use crate::flags::word;
 use crate::terminal::{self, Progress};
 
 /// Runs the command.
@@ -26,5 +27,15 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     if arguments.json {
         return terminal::write_json(&found);
     }
-    terminal::write_output(found.to_string().as_bytes())
+    let mut said = found.to_string();
+    let identifies = found
+        .log
+        .as_ref()
+        .is_some_and(|log| !log.identifiable.is_empty());
+    if let Some(log) = arguments.log.as_deref().filter(|_| identifies) {
+        let device = arguments.device_options.typed(&arguments.device);
+        let (log, hold) = (word(log), arguments.hold.typed());
+        said += &format!("\nNext:\n  haptical identify{device} --log {log}{hold} --out result\n");
+    }
+    terminal::write_output(said.as_bytes())
 }

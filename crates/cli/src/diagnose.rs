@@ -8,11 +8,11 @@ use haptical::{Diagnose, diagnose_as};
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
-use crate::terminal::Progress;
+use crate::terminal::{self, Progress};
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
-    result::run(arguments, Some(&arguments.out), arguments.json, |paths| {
+    result::run(arguments, Some(&arguments.out), arguments.json, &|paths| {
         let mut said = format!("{:<9}{}\n", "written", paths.join("  "));
         // a device that has the causes: checked on a log that nobody has seen, then used
         let mut corrected = paths.iter().filter(|path| path.ends_with("corrected.toml"));
@@ -79,7 +79,10 @@ impl ResultCommand for DiagnoseArguments {
         Ok(MadeResult {
             files: gap.files()?,
             warnings: gap.warnings().to_vec(),
-            summary: gap.to_string(),
+            summary: match terminal::is_one() {
+                true => gap.brief(),
+                false => gap.to_string(),
+            },
         })
     }
 }

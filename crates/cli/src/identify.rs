@@ -2,19 +2,21 @@
 
 use std::path::Path;
 
-use haptical::files::{Overwrite, ResultKind};
-use haptical::{DYNAMICS, identify_as, identify_dynamics_as};
+use haptical::files::{Overwrite, ResultKind, shell_word};
+use haptical::{DYNAMICS, identify_as, identify_dynamics_as, is_urdf};
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
+use crate::flags::word;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
 use crate::terminal::Progress;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
-    result::run(arguments, Some(&arguments.out), arguments.json, |paths| {
+    result::run(arguments, Some(&arguments.out), arguments.json, &|paths| {
         let lines = paths.iter().map(|path| format!("  {path}\n"));
-        format!("\nWritten:\n{}", lines.collect::<String>())
+        let written = lines.collect::<String>();
+        format!("\nWritten:\n{written}\nNext:\n{}", arguments.next(paths))
     })
 }
 
@@ -72,6 +74,23 @@ impl ResultCommand for IdentifyArguments {
 }
 
 impl IdentifyArguments {
+    /// What one would type next.
+    fn next(&self, paths: &[String]) -> String {
+        let (device, log) = (self.device_options.typed(&self.device), word(&self.log));
+        let hold = self.hold.typed();
+        let mut lines = format!("  haptical diagnose{device} --log {log}{hold} --out gap\n");
+        let identified = paths.iter().find(|path| path.ends_with("identified.toml"));
+        if let Some(identified) = identified {
+            let identified = shell_word(identified);
+            let format = match is_urdf(&self.device) {
+                true => format!("urdf --urdf {} --out calibrated.urdf", word(&self.device)),
+                false => "rust --out model.rs".to_owned(),
+            };
+            lines += &format!("  haptical export --device {identified} --format {format}\n");
+        }
+        lines
+    }
+
     /// Whether the dynamics alone are asked for.
     fn is_of_dynamics(&self) -> Result<bool, Failure> {
         let refuse = |what: &str, next: &str| Err(Failure::command_line("arguments", what, next));

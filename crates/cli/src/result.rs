@@ -95,7 +95,7 @@ pub(crate) fn run(
     command: &impl ResultCommand,
     out: Option<&Path>,
     json: bool,
-    written: fn(&[String]) -> String,
+    written: &dyn Fn(&[String]) -> String,
 ) -> Result<(), Failure> {
     let (kind, inputs) = (command.kind(), command.inputs());
     if let Some(out) = out {

@@ -1,6 +1,6 @@
 //! Standard output and error: a reader that goes away is no failure, and progress is for terminals.
 
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -12,6 +12,11 @@ use crate::failure::Failure;
 fn harmless(text: &str) -> String {
     let steers = |c: char| c.is_control() && c != '\n' && c != '\t';
     text.replace(steers, " ")
+}
+
+/// Whether standard output is a terminal: elsewhere nothing is cut.
+pub(crate) fn is_one() -> bool {
+    std::io::stdout().is_terminal()
 }
 
 /// Writes text to standard output. A closed pipe ends the output silently, as `head` expects.

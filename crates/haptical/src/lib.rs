@@ -9,6 +9,7 @@ mod error;
 pub mod files;
 mod forward;
 mod identify;
+mod lines;
 mod log;
 mod page;
 mod plan;
@@ -48,8 +49,9 @@ pub use forward::{
 pub use identify::{
     BodyEntry, CombinationEntry, DYNAMICS, EffectEntry, EffectNumber, Found, FoundDynamics,
     IdentifiabilityEntry, Identified, IdentifiedDynamics, Identify, JointEntry, LossEntry,
-    NoiseEntry, NotIdentified, NumberEntry, ParameterEntry, RankEntry, RejectedEntry, StackedEntry,
-    TorqueEntry, TransmissionEntry, identify, identify_as, identify_dynamics, identify_dynamics_as,
+    MovedEntry, NoiseEntry, NotIdentified, NumberEntry, ParameterEntry, RankEntry, RejectedEntry,
+    StackedEntry, TorqueEntry, TransmissionEntry, identify, identify_as, identify_dynamics,
+    identify_dynamics_as,
 };
 pub use log::Log;
 pub use plan::{

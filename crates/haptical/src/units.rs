@@ -32,6 +32,16 @@ impl Shown {
         }
     }
 
+    /// For what a person measures with a ruler and a protractor.
+    pub fn for_people(unit: &str) -> Self {
+        match unit {
+            "m" => Self::new("mm", 1e3),
+            "rad" => Self::new("°", 180.0 / std::f64::consts::PI),
+            "1" => Self::new("", 1.0),
+            _ => Self::coarse(unit),
+        }
+    }
+
     fn new(name: &'static str, per_si: f64) -> Self {
         Self { name, per_si }
     }

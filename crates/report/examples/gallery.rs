@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use haptical_report::{
-    BarRow, BarRows, Block, Cell, Column, Document, Figure, FigureGrid, HeatCell, HeatMap, Mark,
-    ReportError, Section, Series, Table, Tone, histogram, write_atomically,
+    ArmPicture, BarRow, BarRows, Block, Cell, Column, Document, Figure, FigureGrid, HeatCell,
+    HeatMap, Mark, ReportError, Section, Series, Table, Tone, histogram, write_atomically,
 };
 
 /// Numbers that look random and are the same on every machine: fractions of multiples of a root.
@@ -235,6 +235,23 @@ fn table() -> Result<Table, ReportError> {
     Ok(table)
 }
 
+fn arm() -> ArmPicture {
+    let before = vec![[0.0; 3], [0.0, 0.0, 0.4], [0.3, 0.0, 0.5], [0.5, 0.1, 0.2]];
+    let mut after = before.clone();
+    (after[2][2], after[3][1]) = (0.502, 0.104);
+    ArmPicture {
+        title: "What moved".to_owned(),
+        names: ["as given".to_owned(), "as identified".to_owned()],
+        up: [0.0, 0.0, 1.0],
+        before,
+        after,
+        notes: vec![
+            (2, "elbow: 2.0 mm".to_owned()),
+            (3, "handle: 4.0 mm, 0.20°".to_owned()),
+        ],
+    }
+}
+
 #[allow(clippy::print_stdout, reason = "an example talks to the terminal")]
 fn main() -> Result<(), ReportError> {
     let folder = PathBuf::from(
@@ -267,6 +284,7 @@ fn main() -> Result<(), ReportError> {
         ),
         ("waterfall", "Bars in rows.", waterfall().to_svg(860)?),
         ("heat", "Shaded cells.", heat().to_svg(860)?),
+        ("arm", "An arm that moved.", arm().to_svg(440, 330)?),
     ];
     let mut blocks = Vec::new();
     for (name, caption, svg) in drawings {
@@ -293,6 +311,10 @@ fn main() -> Result<(), ReportError> {
             text: "A sentence that stands out.".to_owned(),
         },
         Block::Table(table),
+        Block::Command {
+            purpose: "A command to copy:".to_owned(),
+            command: "cargo run -p haptical-report --example gallery".to_owned(),
+        },
         Block::Folded {
             summary: "What is folded away".to_owned(),
             blocks: vec![Block::Paragraph("Opened by a click.".to_owned())],

@@ -1,6 +1,7 @@
 //! Rows of horizontal bars with a name before and a value behind each: waterfalls and shares.
 
-use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
+use crate::canvas::{Anchor, Canvas, Rectangle, Stroke};
+use crate::colour::Colour;
 use crate::error::ReportError;
 use crate::figure::axis::Axis;
 use crate::figure::layout::{
@@ -87,7 +88,7 @@ impl BarRows {
         }
     }
 
-    /// The picture as SVG on white, as high as its rows need; the same rows give the same bytes.
+    /// The picture as SVG, as high as its rows need; the same rows give the same bytes.
     ///
     /// # Errors
     /// [`ReportError::NonFinite`] for a NaN or infinite end of a bar, [`ReportError::Empty`] without

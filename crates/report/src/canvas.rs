@@ -1,5 +1,6 @@
 //! Drawing primitives in px, written as SVG.
 
+use crate::colour::{Colour, style_element};
 use crate::error::ReportError;
 use crate::text::clean;
 
@@ -10,52 +11,6 @@ const LARGEST_SIDE_PX: u32 = 20_000;
 
 /// A point in px, from the upper left corner.
 pub(crate) type Point = (f64, f64);
-
-/// A colour with its opacity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Colour {
-    rgb: (u8, u8, u8),
-    opacity: f64,
-}
-
-impl Colour {
-    pub(crate) const WHITE: Self = Self::opaque(255, 255, 255);
-    pub(crate) const INK: Self = Self::opaque(0x22, 0x22, 0x22);
-    pub(crate) const AXIS: Self = Self::opaque(0x55, 0x55, 0x55);
-    pub(crate) const GRID: Self = Self::opaque(0xe2, 0xe2, 0xe2);
-
-    const fn opaque(red: u8, green: u8, blue: u8) -> Self {
-        Self {
-            rgb: (red, green, blue),
-            opacity: 1.0,
-        }
-    }
-
-    /// Colour of the palette by Okabe and Ito, Color Universal Design, 2008; the yellow, which is
-    /// the faintest on white, comes last.
-    pub(crate) fn palette(index: usize) -> Self {
-        match index % 8 {
-            0 => Self::opaque(0x00, 0x72, 0xb2),
-            1 => Self::opaque(0xd5, 0x5e, 0x00),
-            2 => Self::opaque(0x00, 0x9e, 0x73),
-            3 => Self::opaque(0xcc, 0x79, 0xa7),
-            4 => Self::opaque(0xe6, 0x9f, 0x00),
-            5 => Self::opaque(0x56, 0xb4, 0xe9),
-            6 => Self::opaque(0x00, 0x00, 0x00),
-            _ => Self::opaque(0xf0, 0xe4, 0x42),
-        }
-    }
-
-    pub(crate) fn with_opacity(self, opacity: f64) -> Self {
-        Self { opacity, ..self }
-    }
-
-    /// Opacity and colour as attributes of SVG, the colour under the name `paint`.
-    fn attributes(self, paint: &str) -> String {
-        let ((red, green, blue), opacity) = (self.rgb, self.opacity);
-        format!("opacity=\"{opacity}\" {paint}=\"#{red:02X}{green:02X}{blue:02X}\"")
-    }
-}
 
 /// Colour and width of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +69,7 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
-    /// A white picture.
+    /// An empty picture.
     pub(crate) fn new(width_px: u32, height_px: u32) -> Result<Self, ReportError> {
         let sides = 1..=LARGEST_SIDE_PX;
         if !sides.contains(&width_px) || !sides.contains(&height_px) {
@@ -129,7 +84,7 @@ impl Canvas {
             size_px: (width_px, height_px),
         };
         let page = canvas.page();
-        canvas.fill(page, Colour::WHITE);
+        canvas.fill(page, Colour::PAPER);
         Ok(canvas)
     }
 
@@ -156,7 +111,7 @@ impl Canvas {
 
     /// A filled rectangle; none where it could not be seen.
     pub(crate) fn fill(&mut self, area: Rectangle, colour: Colour) {
-        if colour.opacity == 0.0 {
+        if colour.is_invisible() {
             return;
         }
         let [x, y] = [area.left, area.top].map(units);
@@ -173,6 +128,18 @@ impl Canvas {
         let fill = colour.attributes("fill");
         self.elements += &format!(
             "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {fill} stroke=\"none\" stroke-width=\"0\"/>\n"
+        );
+    }
+
+    /// A circle that is not filled.
+    pub(crate) fn ring(&mut self, (x, y): Point, radius_px: f64, stroke: Stroke) {
+        let ([x, y], radius) = ([x, y].map(units), units(radius_px).max(1));
+        let (colour, width) = (
+            stroke.colour.attributes("stroke"),
+            units(stroke.width_px).max(1),
+        );
+        self.elements += &format!(
+            "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"none\" {colour} stroke-width=\"{width}\"/>\n"
         );
     }
 
@@ -208,14 +175,16 @@ impl Canvas {
         );
     }
 
-    /// The SVG text, with `title` as the name that screen readers and tool tips give it.
+    /// The SVG text, with `title` as the name that screen readers and tool tips give it. It follows the reader's choice of
+    /// a light or dark page.
     pub(crate) fn finish(&self, title: &str) -> String {
         let (width, height) = self.size_px;
         let [wide, high] = [width, height].map(|px| units(f64::from(px)));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
-             viewBox=\"0 0 {wide} {high}\" role=\"img\">\n<title>{}</title>\n{}</svg>\n",
+             viewBox=\"0 0 {wide} {high}\" role=\"img\">\n<title>{}</title>\n{}{}</svg>\n",
             escaped(title),
+            style_element(),
             self.elements,
         )
     }

@@ -2,11 +2,18 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use crate::colour::{dark_rules, style_element};
 use crate::table::Table;
 use crate::text::clean;
 
 /// The style sheet in the head of every document.
 const STYLE: &str = include_str!("document.css");
+/// Puts a button behind each command that copies it: there is none without script.
+const COPY: &str = include_str!("copy.js");
+/// The only script that a browser is told to run, by its SHA-256 in base64.
+const COPY_SHA256: &str = "jjhaLN7fxABdtnNEoyG8QgWrYAk9yRPFZebi3aurreI=";
+/// Widest figure that a phone shows whole, in px; a wider one scrolls in its box there, with a sentence that says so.
+const PHONE_PX: u32 = 480;
 /// Elements that a figure may hold; none of them runs or loads anything.
 const DRAWING_ELEMENTS: [&str; 13] = [
     "svg", "g", "title", "desc", "text", "tspan", "rect", "circle", "ellipse", "line", "polyline",
@@ -20,7 +27,7 @@ pub struct Document {
     pub title: String,
     /// Paragraph under the title; may be empty.
     pub lead: String,
-    /// Sections, listed in a table of contents when there are several.
+    /// Sections, listed in a table of contents when there are several and none is folded.
     pub sections: Vec<Section>,
 }
 
@@ -31,6 +38,8 @@ pub struct Section {
     pub heading: String,
     /// What is under it.
     pub blocks: Vec<Block>,
+    /// Whether all but the heading is folded away until the reader opens it.
+    pub is_folded: bool,
 }
 
 /// A piece of a section.
@@ -50,6 +59,13 @@ pub enum Block {
     },
     /// A list of points.
     List(Vec<String>),
+    /// A command to type, with a button that copies it.
+    Command {
+        /// What it is for; may be empty.
+        purpose: String,
+        /// The command, on one line.
+        command: String,
+    },
     /// Files in the folder of the page, a line each.
     Links(Vec<Link>),
     /// A sentence that answers a question, marked as met or not met.
@@ -110,6 +126,16 @@ impl Section {
         Self {
             heading: heading.into(),
             blocks,
+            is_folded: false,
+        }
+    }
+
+    /// The same section, folded away behind its heading.
+    #[must_use]
+    pub fn folded(self) -> Self {
+        Self {
+            is_folded: true,
+            ..self
         }
     }
 }
@@ -132,37 +158,45 @@ impl Document {
         }
     }
 
-    /// The page as one HTML file: style and figures inside, no script, no outside reference.
+    /// The page as one HTML file: style and figures inside, no outside reference, no script but the one that copies a
+    /// command.
     ///
     /// All text is escaped. A figure that is more than a drawing (a script, a link, a reference, an
     /// event handler) is left out, and a sentence in its place says so.
     pub fn to_html(&self) -> String {
+        let has_commands = self
+            .sections
+            .iter()
+            .any(|section| has_command(&section.blocks));
+        let scripts = match has_commands {
+            true => format!("; script-src 'sha256-{COPY_SHA256}'"),
+            false => String::new(),
+        };
+        // Belt and braces: the browser is told to load nothing, and to run nothing else.
+        let policy = format!("default-src 'none'; style-src 'unsafe-inline'{scripts}");
+        let is_folded = self.sections.iter().any(|section| section.is_folded);
         let page = html! {
             (DOCTYPE)
             html lang="en" {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
-                    // Belt and braces: the browser is told to load and run nothing.
-                    meta http-equiv="Content-Security-Policy"
-                        content="default-src 'none'; style-src 'unsafe-inline'";
+                    meta http-equiv="Content-Security-Policy" content=(policy);
                     title { (clean(&self.title)) }
-                    style { (PreEscaped(STYLE)) }
+                    style { (PreEscaped(STYLE)) (PreEscaped(dark_rules(".card "))) }
                 }
                 body {
                     header {
                         h1 { (clean(&self.title)) }
                         @if !self.lead.is_empty() { p.lead { (clean(&self.lead)) } }
                     }
-                    @if self.sections.len() > 1 { (self.contents()) }
+                    @if self.sections.len() > 1 && !is_folded { (self.contents()) }
                     main {
                         @for (index, section) in self.sections.iter().enumerate() {
-                            section id=(anchor(index)) {
-                                h2 { (clean(&section.heading)) }
-                                @for block in &section.blocks { (block.to_html()) }
-                            }
+                            (section.to_html(&anchor(index)))
                         }
                     }
+                    @if has_commands { script { (PreEscaped(COPY)) } }
                 }
             }
         };
@@ -180,19 +214,71 @@ impl Document {
     }
 }
 
+impl Section {
+    fn to_html(&self, anchor: &str) -> Markup {
+        html! {
+            @if self.is_folded {
+                details.section {
+                    summary { h2 { (clean(&self.heading)) } }
+                    section id=(anchor) { (in_order(&self.blocks)) }
+                }
+            } @else {
+                section id=(anchor) {
+                    @if !self.heading.is_empty() { h2 { (clean(&self.heading)) } }
+                    (in_order(&self.blocks))
+                }
+            }
+        }
+    }
+}
+
+/// Blocks under each other; figures that follow one another, and a narrow table behind a figure, side by side where there is
+/// room.
+fn in_order(blocks: &[Block]) -> Markup {
+    let is_figure = |block: &Block| matches!(block, Block::Svg { .. });
+    let is_narrow = |block: &Block| matches!(block, Block::Table(table) if table.is_narrow());
+    let groups =
+        blocks.chunk_by(|one, next| is_figure(one) && (is_figure(next) || is_narrow(next)));
+    html! {
+        @for group in groups {
+            @if group.len() > 1 {
+                div.figures { @for block in group { (block.to_html()) } }
+            } @else {
+                @for block in group { (block.to_html()) }
+            }
+        }
+    }
+}
+
+/// A command whose lines are broken between words alone.
+fn by_word(command: &str) -> Markup {
+    html! {
+        @for (index, word) in clean(command).split(' ').enumerate() {
+            @if index > 0 { " " }
+            span { (word) }
+        }
+    }
+}
+
+/// Whether there is a command among the blocks.
+fn has_command(blocks: &[Block]) -> bool {
+    blocks.iter().any(|block| match block {
+        Block::Command { .. } => true,
+        Block::Folded { blocks, .. } => has_command(blocks),
+        _ => false,
+    })
+}
+
 impl Block {
     fn to_html(&self) -> Markup {
         match self {
             Self::Paragraph(text) => html! { p { (clean(text)) } },
             Self::Table(table) => table.to_html(),
-            Self::Svg { caption, svg } => html! {
-                figure.drawing {
-                    @if is_drawing(svg) {
-                        div.card tabindex="0" { (PreEscaped(svg)) }
-                    } @else {
-                        p.note { "A figure was left out here: it is not a plain SVG drawing." }
-                    }
-                    @if !caption.is_empty() { figcaption { (clean(caption)) } }
+            Self::Svg { caption, svg } => drawing(caption, svg),
+            Self::Command { purpose, command } => html! {
+                div.run {
+                    @if !purpose.is_empty() { p { (clean(purpose)) } }
+                    div.row { pre.command tabindex="0" { (by_word(command)) } }
                 }
             },
             Self::List(items) => html! { ul { @for item in items { li { (clean(item)) } } } },
@@ -203,11 +289,34 @@ impl Block {
             Self::Folded { summary, blocks } => html! {
                 details {
                     summary { (clean(summary)) }
-                    @for block in blocks { (block.to_html()) }
+                    (in_order(blocks))
                 }
             },
         }
     }
+}
+
+/// A figure in its box. The rules of its dark colours are those of the page.
+fn drawing(caption: &str, svg: &str) -> Markup {
+    let svg = svg.replacen(&style_element(), "", 1);
+    let is_wide = width_px(&svg).is_some_and(|width| width > PHONE_PX);
+    html! {
+        figure.drawing.wide[is_wide] {
+            @if is_drawing(&svg) {
+                div.card tabindex="0" { (PreEscaped(&svg)) }
+                @if is_wide { p.sign { "The picture goes on to the right: swipe it." } }
+            } @else {
+                p.note { "A figure was left out here: it is not a plain SVG drawing." }
+            }
+            @if !caption.is_empty() { figcaption { (clean(caption)) } }
+        }
+    }
+}
+
+/// The width that a figure states.
+fn width_px(svg: &str) -> Option<u32> {
+    let (_, rest) = svg.split_once(" width=\"")?;
+    rest.split_once('"')?.0.parse().ok()
 }
 
 impl Link {

@@ -1,11 +1,12 @@
 //! A grid of shaded cells with a text in each, under column names and behind row names.
 
-use crate::canvas::{Anchor, Canvas, Colour, Rectangle};
+use crate::canvas::{Anchor, Canvas, Rectangle};
+use crate::colour::Colour;
 use crate::error::ReportError;
 use crate::figure::layout::{
     LINE_PX, MARGIN_PX, TEXT_PX, TITLE_LINE_PX, TITLE_PX, draw_name, draw_title,
 };
-use crate::text::{BOLD_FACTOR, widest_px, wrap};
+use crate::text::{BOLD_FACTOR, widest_px, width_px, wrap};
 
 /// Height of a row.
 const ROW_PX: f64 = 28.0;
@@ -15,15 +16,13 @@ const CELL_PX: (f64, f64) = (110.0, 24.0);
 const NAME_SHARE: f64 = 0.5;
 /// Space between a row's name and its first cell.
 const GAP_PX: f64 = 8.0;
-/// White space around a cell.
+/// Free space around a cell.
 const SEAM_PX: f64 = 1.0;
-/// Place of the shade's colour in the palette: dark letters can be read on all its shades.
-const SHADE: usize = 5;
 
 /// One cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatCell {
-    /// From 0, nearly white, to 1, the full colour; values outside count as the nearer end.
+    /// From 0, nearly the page's, to 1, the full colour; values outside count as the nearer end.
     pub shade: f64,
     /// Text in the cell.
     pub text: String,
@@ -60,13 +59,15 @@ impl HeatMap {
         }
     }
 
-    /// The picture as SVG on white, as high as its rows need; the same grid gives the same bytes.
+    /// The picture as SVG, as high as its rows need; the same grid gives the same bytes.
     ///
     /// # Errors
     /// [`ReportError::RowWidth`] for a row with more or fewer cells than columns,
     /// [`ReportError::NonFinite`] for a shade that is not finite, [`ReportError::Empty`] without rows
     /// or columns, [`ReportError::TooSmall`] when the names leave no room for the cells, and
     /// [`ReportError::PictureSize`].
+    ///
+    /// [`HeatMap::width_px`] is a width that fits.
     pub fn to_svg(&self, width_px: u32) -> Result<String, ReportError> {
         self.check()?;
         let width = f64::from(width_px);
@@ -114,6 +115,20 @@ impl HeatMap {
         Ok(canvas.finish(&self.title))
     }
 
+    /// The least width at which every cell's text is in its cell, at least `least_px`.
+    pub fn width_px(&self, least_px: u32) -> u32 {
+        let cells = self.rows.iter().flat_map(|(_, cells)| cells).flatten();
+        let texts = widest_px(cells.map(|cell| &cell.text), TEXT_PX);
+        // a column's name is broken between its words
+        let words = self.columns.iter().flat_map(|name| name.split_whitespace());
+        let words = words.map(|word| width_px(word, TEXT_PX));
+        let cell = (words.fold(texts, f64::max) + 6.0 * SEAM_PX).clamp(CELL_PX.1, CELL_PX.0);
+        let names = self.rows.iter().map(|(name, _)| width_px(name, TEXT_PX));
+        let names = names.fold(0.0, f64::max);
+        let all = 2.0 * MARGIN_PX + names + GAP_PX + cell * self.columns.len() as f64;
+        all.max(f64::from(least_px)).ceil() as u32
+    }
+
     fn check(&self) -> Result<(), ReportError> {
         for (is_empty, missing) in [
             (self.columns.is_empty(), "columns"),
@@ -152,7 +167,7 @@ fn draw_cell(canvas: &mut Canvas, area: Rectangle, content: Option<&HeatCell>) {
     match content {
         None => canvas.circle(middle, 1.2, Colour::AXIS),
         Some(cell) => {
-            let colour = Colour::palette(SHADE).with_opacity(cell.shade.clamp(0.0, 1.0));
+            let colour = Colour::SHADE.with_opacity(cell.shade.clamp(0.0, 1.0));
             canvas.fill(area, colour);
             if !cell.text.is_empty() {
                 canvas.text(&cell.text, middle, TEXT_PX, Anchor::Middle);

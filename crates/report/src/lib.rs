@@ -1,11 +1,14 @@
 //! Tables, SVG figures and self-contained HTML pages, written as text and never as a side effect.
 //!
 //! A [`Table`] turns into terminal text, Markdown, CSV, JSON and HTML; a [`Figure`] or
-//! [`FigureGrid`], [`BarRows`] and [`HeatMap`] into SVG; a [`Document`] collects both into one HTML file. The same input gives
+//! [`FigureGrid`], [`BarRows`], [`HeatMap`] and [`ArmPicture`] into SVG; a [`Document`] collects both into one HTML file. The same input gives
 //! the same bytes. Only [`write_atomically`] touches the file system.
 
+mod arm;
 mod bar_rows;
 mod canvas;
+mod colour;
+mod digits;
 mod document;
 mod error;
 mod figure;
@@ -14,7 +17,9 @@ mod heat_map;
 mod table;
 mod text;
 
+pub use arm::ArmPicture;
 pub use bar_rows::{BarRow, BarRows};
+pub use digits::earned_decimals;
 pub use document::{Block, Document, Link, Section, Tone};
 pub use error::ReportError;
 pub use figure::series::{Mark, Series, histogram};

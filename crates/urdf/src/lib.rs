@@ -19,5 +19,6 @@ pub use error::UrdfError;
 pub use write::added_joints::NewJoints;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
 pub use write::mjcf::new_mjcf;
+pub use write::origins::{JointOrigin, UrdfOrigins};
 pub use write::patched::{CorrectedMjcf, corrected_mjcf};
 pub use write::urdf::new_urdf;

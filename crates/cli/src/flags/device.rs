@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical::files::Source;
+use haptical::files::{Source, shell_word};
 use haptical::{Device, Equipment};
 
 use crate::failure::Failure;
@@ -32,6 +32,11 @@ pub(crate) struct ChainOptions {
     pub(crate) tip: Vec<String>,
 }
 
+/// A path as a word of a command line.
+pub(crate) fn word(path: &Path) -> String {
+    shell_word(&path.display().to_string())
+}
+
 impl DeviceOptions {
     /// As the library takes them.
     pub(crate) fn equipment(&self) -> Equipment {
@@ -42,6 +47,16 @@ impl DeviceOptions {
             rig: self.rig.as_deref().map(Source::given),
             ..Equipment::default()
         }
+    }
+
+    /// The flags as one would type them, with that of the device file; a blank before each.
+    pub(crate) fn typed(&self, device: &Path) -> String {
+        let own = std::iter::once(format!(" --device {}", word(device)));
+        let rig = self.rig.iter().map(|rig| format!(" --rig {}", word(rig)));
+        let named = |flag: &str, link: &String| format!(" --{flag} {}", shell_word(link));
+        let base = self.chain.base.iter().map(|link| named("base", link));
+        let tips = self.chain.tip.iter().map(|link| named("tip", link));
+        own.chain(rig).chain(base).chain(tips).collect()
     }
 
     /// Reads a device that messages call by its whole path.

@@ -1,6 +1,7 @@
 //! `--hold` and `--deviation`: how far numbers of links may be from the device file's.
 
 use clap::Args;
+use haptical::files::shell_word;
 
 use crate::arguments::above_zero;
 
@@ -15,6 +16,19 @@ pub(crate) struct HoldOptions {
     /// the log fixes no better than to half of this is kept
     #[arg(long, value_name = "NUMBERS=SIZE", value_delimiter = ',', value_parser = deviation)]
     pub(crate) deviation: Vec<(String, f64)>,
+}
+
+impl HoldOptions {
+    /// The flags as one would type them, a blank before each.
+    pub(crate) fn typed(&self) -> String {
+        let flag = |name: &str, words: &[String]| match words.is_empty() {
+            true => String::new(),
+            false => format!(" --{name} {}", shell_word(&words.join(","))),
+        };
+        let sizes = self.deviation.iter();
+        let sizes: Vec<String> = sizes.map(|(word, size)| format!("{word}={size}")).collect();
+        flag("hold", &self.hold) + &flag("deviation", &sizes)
+    }
 }
 
 fn deviation(text: &str) -> Result<(String, f64), String> {

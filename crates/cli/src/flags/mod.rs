@@ -9,7 +9,7 @@ use std::path::Path;
 
 use crate::failure::Failure;
 
-pub(crate) use device::DeviceOptions;
+pub(crate) use device::{DeviceOptions, word};
 pub(crate) use hold::HoldOptions;
 pub(crate) use overwrite::OverwriteOptions;
 

@@ -21,7 +21,7 @@ pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
         let what = "--poses without --out: the poses have no place to go";
         return Err(Failure::command_line("arguments", what, "give --out DIR"));
     }
-    result::run(arguments, out, arguments.json, |paths| {
+    result::run(arguments, out, arguments.json, &|paths| {
         let lines = paths.iter().map(|path| format!("written: {path}\n"));
         lines.collect()
     })

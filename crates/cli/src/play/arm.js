@@ -103,8 +103,8 @@ function makeArm(svg, data) {
     line: element(parts, "path", { class: `line ${name}-stroke` }),
     joints: Array.from({ length: jointCount }, () => joint(name)),
     handle: name === "nominal"
-      ? element(parts, "circle", { class: "mark nominal-fill", r: 9 })
-      : element(parts, "rect", { class: "mark calibrated-fill", width: 15, height: 15 }),
+      ? element(parts, "rect", { class: "mark nominal-fill", width: 15, height: 15 })
+      : element(parts, "circle", { class: "mark calibrated-fill", r: 9 }),
     ends: exits.map(() => element(parts, "path", { class: "mark measured" })),
   }));
   const tracked = element(parts, "path", { class: "measured-stroke" });
@@ -157,7 +157,7 @@ function makeArm(svg, data) {
       const handle = points[count - 1];
       arm.line.setAttribute("d", path(points.slice(1)));
       arm.joints.forEach((joint, k) => centreAt(joint, points[k + 1], 0));
-      centreAt(arm.handle, handle, isNominal ? 0 : 7.5);
+      centreAt(arm.handle, handle, isNominal ? 7.5 : 0);
       exits.forEach((channel, k) => {
         arm.cables[k].setAttribute("d", path([channel.exit_um, handle]));
         // The error is model minus measurement [um]: the measured end lies that much nearer.

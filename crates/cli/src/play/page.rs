@@ -101,10 +101,10 @@ fn arm(recorded: &Recorded) -> Markup {
             }
             figcaption {
                 ul.legend {
-                    li { span.swatch.nominal {} "nominal arm, handle: circle" }
+                    li { span.swatch.nominal {} "nominal arm, dashed, handle: square" }
                     @if recorded.calibrated {
                         li { span.swatch.calibrated {}
-                            "calibrated arm, handle: square; its deviation drawn "
+                            "calibrated arm, handle: circle; its deviation drawn "
                             output.gain { "1" } " times" }
                     }
                     @if recorded.channels.iter().any(|channel| channel.exit_um.is_some()) {
@@ -208,6 +208,7 @@ fn plots(recorded: &Recorded) -> Markup {
                 p.note { "Model minus measurement. A gap in a curve is a missing reading, a change \
                           of run, or a reading outside the range of a fitted polynomial. Click into \
                           a plot to go there." }
+                p.note.sign { "The plots go on to the right: swipe them." }
                 div #plots { }
             }
         }

@@ -25,7 +25,7 @@ fn three_files_are_written_and_the_device_loads_again() {
     let summary = text(&output.stdout);
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert_eq!(names_in(&sandbox.path("result")), FILES);
-    assert!(summary.lines().count() < 40, "{summary}");
+    assert!(summary.lines().count() < 60, "{summary}");
     for wanted in ["cable", "Not identified", "alpha7", "result/report.html"] {
         assert!(summary.contains(wanted), "{wanted}: {summary}");
     }
@@ -158,8 +158,23 @@ fn the_report_shows_the_numbers_of_the_json_file() {
     ]) {
         assert!(page.contains(wanted), "{wanted}");
     }
-    // Two figures a channel and one a transmission.
-    assert_eq!(page.matches("<svg").count(), 14);
+    // Two figures a channel, one a transmission, and the arm.
+    assert_eq!(page.matches("<svg").count(), 15);
+    // Answer, picture, what moved, what to do next, and the rest folded.
+    let places = [
+        "parameters identified",
+        "What moved",
+        "numbers that moved most",
+        "What to do next:",
+        "<details class=\"section\">",
+    ];
+    let places = places.map(|words| page.find(words).unwrap_or_else(|| panic!("no `{words}`")));
+    assert!(places.is_sorted(), "{places:?}");
+    let command = "haptical diagnose --device device.toml --log log.csv --out gap";
+    let words = command
+        .split(' ')
+        .map(|word| format!("<span>{word}</span>"));
+    assert!(page.contains(&words.collect::<Vec<_>>().join(" ")));
     let correlated = result["correlations_above_0_95"].as_array().unwrap();
     assert!(!correlated.is_empty());
     for pair in correlated {

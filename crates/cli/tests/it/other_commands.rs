@@ -109,6 +109,92 @@ fn check_says_what_the_log_could_identify() {
     assert_eq!(refused[1]["reason"], "d0 acts like +4.000000 theta1");
 }
 
+/// Names that `check` says could be identified, those that it says not, and what `identify` says of both.
+fn judged_by_both(
+    device: &str,
+    log: &str,
+    flags: &[&str],
+    root: &std::path::Path,
+) -> [Vec<String>; 4] {
+    let run = |words: &[&str]| {
+        let output = haptical()
+            .current_dir(root)
+            .args(words)
+            .args(flags)
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    let names = |list: &serde_json::Value,
+                 of: &dyn Fn(&serde_json::Value) -> Option<String>|
+     -> Vec<String> {
+        let mut names: Vec<String> = list.as_array().unwrap().iter().filter_map(of).collect();
+        names.sort();
+        names
+    };
+    let checked = run(&["check", device, log, "--json"]);
+    let out = root.join("both");
+    let found = run(&[
+        "identify",
+        "--device",
+        device,
+        "--log",
+        log,
+        "--out",
+        out.to_str().unwrap(),
+        "--force",
+        "--json",
+    ]);
+    let plain = |name: &serde_json::Value| name.as_str().map(str::to_owned);
+    let named = |entry: &serde_json::Value| plain(&entry["name"]);
+    let valued =
+        |entry: &serde_json::Value| entry["value"].as_f64().and_then(|_| plain(&entry["name"]));
+    [
+        names(&checked["log"]["identifiable"], &plain),
+        names(&found["parameters"], &valued),
+        names(&checked["log"]["not_identified"], &named),
+        names(&found["not_identified"], &named),
+    ]
+}
+
+/// The drives' forms are those that the samples support: a polynomial has not eleven numbers in one command and five in the
+/// other.
+#[test]
+fn check_and_identify_count_alike() {
+    let sandbox = Sandbox::new();
+    let root = sandbox.folder.path();
+    let [could, did, could_not, did_not] = judged_by_both("device.toml", "log.csv", &[], root);
+    assert_eq!(could, did);
+    assert_eq!(could_not, did_not);
+    assert!(
+        could.iter().any(|name| name == "chebyshev4[4]")
+            && !could.iter().any(|name| name == "chebyshev4[9]")
+    );
+    // few samples support few terms of equation (1): the others are held, and both say so
+    let few: String = sandbox
+        .log_text()
+        .lines()
+        .take(41)
+        .map(|line| line.to_owned() + "\n")
+        .collect();
+    sandbox.write("few.csv", few);
+    let device = sandbox.device_text();
+    let rows = device.find("[[link]]").unwrap()..device.find("[[joint]]").unwrap();
+    let drives = device.replacen(&device[rows], "", 1);
+    sandbox.write(
+        "drives.toml",
+        drives.split("[cable_encoder]").next().unwrap(),
+    );
+    let [could, did, could_not, did_not] = judged_by_both("drives.toml", "few.csv", &[], root);
+    assert_eq!((could.len(), could_not.len()), (did.len(), did_not.len()));
+    assert_eq!(could, did);
+    assert!(
+        could_not.iter().any(|name| name.starts_with("input_drum")),
+        "{could_not:?}"
+    );
+}
+
 #[test]
 fn check_without_external_encoders_says_which_offsets_merge() {
     let sandbox = Sandbox::new();

@@ -4,8 +4,9 @@ mod text;
 mod torques;
 
 use haptical_calibration::{
-    CalibrationError, Channel, Options, Weights, candidate_parameters, channels, check_columns,
-    check_rig, check_stands, held_for_scale, identifiability_at, prepare_device,
+    CalibrationError, Channel, HeldOut, Options, TransmissionFit, TransmissionTerms, Weights,
+    candidate_parameters, channels, check_columns, check_rig, check_stands, fit_transmissions,
+    held_for_scale, identifiability_at, prepare_device, split,
 };
 use haptical_model::{
     Device as Model, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
@@ -107,6 +108,8 @@ const HELD: &str = "held";
 const DEGREE: usize = 10;
 const DEGREE_OF_FEW: usize = 2;
 const READINGS_FOR_DEGREE: usize = 200;
+/// Below this many rows an identification is checked by folds, and fitted to all rows.
+const SHORT_LOG: usize = 100;
 /// Terms of equation (1) that a joint without drums can have: offset, ratio, output eccentricity.
 const TERMS_WITHOUT_DRUMS: usize = 4;
 
@@ -139,7 +142,13 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
         if let Some(found) = torques::torques_alone(&model, &log.recording, &place.label) {
             return Ok(found);
         }
-        checked_log(&model, &log.recording, place.label.clone()).map_err(|error| {
+        let found = checked_log(
+            &model,
+            &log.recording,
+            &request.options,
+            place.label.clone(),
+        );
+        found.map_err(|error| {
             Error::calibration(&error, &source.path, &place.path).with_equipment(device)
         })
     });
@@ -189,6 +198,7 @@ fn checked_device(device: &Model, recording: Option<&Recording>, file: String) -
 fn checked_log(
     device: &Model,
     recording: &Recording,
+    options: &Options,
     file: String,
 ) -> Result<CheckedLog, CalibrationError> {
     let channels = channels(device, recording)?;
@@ -197,12 +207,12 @@ fn checked_log(
     check_columns(device, recording)?;
     let prepared = prepare_device(device, recording)?;
     let device = &prepared;
-    let (device, mut parameters) = candidates(device, recording, &channels);
+    let (device, mut parameters, unsupported) = candidates(device, recording, &channels, options);
     let held = held_for_scale(&device, recording, &channels);
     parameters.retain(|parameter| !held.contains(parameter));
     let weights = Weights::stated(&device, &channels);
-    let rules = Options::default().rules;
-    let judged = identifiability_at(&device, recording, &channels, &parameters, &weights, &rules)?;
+    let rules = &options.rules;
+    let judged = identifiability_at(&device, recording, &channels, &parameters, &weights, rules)?;
     let mut identifiable = Vec::new();
     let held = held.iter().map(|parameter| parameter.name(&device));
     let held = held.map(|name| NotIdentified {
@@ -213,7 +223,13 @@ fn checked_log(
         ),
         name,
     });
-    let mut not_identified: Vec<NotIdentified> = held.collect();
+    let unsupported = unsupported.iter().map(|parameter| parameter.name(&device));
+    let unsupported = unsupported.map(|name| NotIdentified {
+        status: HELD,
+        reason: format!("{name} is held: the samples support a form without it"),
+        name,
+    });
+    let mut not_identified: Vec<NotIdentified> = held.chain(unsupported).collect();
     for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
         match judged.reason(index) {
             None => identifiable.push(name.clone()),
@@ -262,39 +278,52 @@ fn checked_log(
             .filter(|name| !is_channel(name))
             .cloned()
             .collect(),
-        identifiability: RankEntry::from_judgements(std::iter::once(&judged)),
+        identifiability: RankEntry {
+            candidates: identifiable.len() + not_identified.len(),
+            ..RankEntry::from_judgements(std::iter::once(&judged))
+        },
         identifiable,
         not_identified,
         good_for: Vec::new(),
     })
 }
 
-/// What an identification from these channels could free: links where a channel sees the chain,
-/// equation (1) of capstans, and of the others what their external encoder shows.
+/// What an identification from these channels could free, what of it the samples do not support, and the device with the
+/// forms of transmission errors that they do support: links where a channel sees the chain, and the drives as
+/// [`identify`](crate::identify()) takes them. What a form adds is zero as long as the device file says nothing of it.
 fn candidates(
     device: &Model,
     recording: &Recording,
     channels: &[Channel],
-) -> (Model, Vec<ParameterId>) {
+    options: &Options,
+) -> (Model, Vec<ParameterId>, Vec<ParameterId>) {
     let mut device = device.clone();
     let sees_chain = channels.iter().any(|channel| channel.sees_chain());
     let mut parameters = match sees_chain {
         true => candidate_parameters(&device),
         false => Vec::new(),
     };
+    let mut unsupported = Vec::new();
+    let forms = forms(&device, recording, channels, options);
     for joint in 0..device.joints.len() {
         let has_output = channels.contains(&Channel::Output { joint });
         let kind = device.joints[joint].transmission;
         if !has_output && (kind != TransmissionKind::Capstan || !sees_chain) {
             continue;
         }
+        let form = forms.iter().find(|form| form.joint == joint);
+        let terms = form.map(|form| form.terms);
+        let degree = match terms {
+            Some(TransmissionTerms::Polynomial(degree)) => Some(degree),
+            _ => None,
+        };
         let has_no_error = device.joints[joint].transmission_error == TransmissionError::default();
         if kind == TransmissionKind::Parallelogram && has_no_error {
             let few = recording.len() < READINGS_FOR_DEGREE;
-            let degree = if few { DEGREE_OF_FEW } else { DEGREE };
+            let usual = if few { DEGREE_OF_FEW } else { DEGREE };
             device.joints[joint].transmission_error = TransmissionError::Chebyshev {
                 range_rad: range(&recording.joint[joint]),
-                coefficients: vec![0.0; degree + 1],
+                coefficients: vec![0.0; degree.unwrap_or(usual) + 1],
             };
         }
         let has_drums = device.joints[joint].drum_distance_m.is_some();
@@ -303,9 +332,36 @@ fn candidates(
         if matches!(error, TransmissionError::Capstan(_)) && !has_drums {
             own.truncate(TERMS_WITHOUT_DRUMS);
         }
+        if let Some(terms) = terms {
+            let lacking = terms.unsupported_parameters(kind);
+            let is_lacking = |parameter: &ParameterId| matches!(parameter, ParameterId::Transmission { index, .. } if lacking.contains(index));
+            unsupported.extend(own.iter().copied().filter(is_lacking));
+            own.retain(|parameter| !is_lacking(parameter));
+        }
         parameters.extend(own);
     }
-    (device, parameters)
+    (device, parameters, unsupported)
+}
+
+/// The forms of transmission errors that the rows of a fit support; none where they cannot be fitted, which the fit itself
+/// then says.
+fn forms(
+    device: &Model,
+    recording: &Recording,
+    channels: &[Channel],
+    options: &Options,
+) -> Vec<TransmissionFit> {
+    // folds are a check of a fit to all rows
+    let held_out = match options.held_out {
+        HeldOut::Share(share) if recording.len() >= SHORT_LOG => HeldOut::Share(share),
+        _ => HeldOut::None,
+    };
+    let part = split(recording, held_out);
+    let fitted = part.map(|part| recording.select(&part.fit));
+    let rows = fitted.as_ref().unwrap_or(recording);
+    let weights = Weights::stated(device, channels);
+    let found = fit_transmissions(device, rows, channels, &weights, options);
+    found.map_or_else(|_| Vec::new(), |(_, forms)| forms)
 }
 
 /// Smallest and largest reading.

@@ -5,6 +5,7 @@ use std::fmt::{Display, Error, Formatter, Result, Write};
 use haptical_report::{Cell, ReportError, Table};
 
 use super::{Checked, CheckedJoint, CheckedLog};
+use crate::identify::refused;
 
 /// Names per line of the list of identifiable parameters.
 const NAMES_PER_LINE: usize = 8;
@@ -83,7 +84,7 @@ fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {
         text,
         "\nAt the nominal device this log could identify {} of {} parameters:",
         log.identifiable.len(),
-        log.identifiability.candidates
+        log.identifiable.len() + log.not_identified.len()
     )?;
     for names in log.identifiable.chunks(NAMES_PER_LINE) {
         writeln!(text, "  {}", names.join(" "))?;
@@ -91,8 +92,5 @@ fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {
     if !log.not_identified.is_empty() {
         writeln!(text, "Not these:")?;
     }
-    for refused in &log.not_identified {
-        writeln!(text, "  {:<10} {}", refused.status, refused.reason)?;
-    }
-    Ok(())
+    text.write_str(&refused::lines(&log.not_identified))
 }

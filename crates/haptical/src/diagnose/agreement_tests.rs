@@ -6,7 +6,7 @@ use haptical_diagnosis::{
 use proptest::prelude::*;
 
 use crate::diagnose::example_tests::named;
-use crate::diagnose::summary::text;
+use crate::diagnose::summary::{Room, text};
 use crate::diagnose::words::verdict_sentence;
 
 const NAMES: [&str; 8] = [
@@ -103,7 +103,7 @@ proptest! {
     #[test]
     fn verdict_sentence_and_table_agree(answer in answer()) {
         let sentence = verdict_sentence(&answer);
-        let said = text(&answer, None);
+        let said = text(&answer, None, Room::Terminal);
         let channels = &answer.gap.channels;
         let row = |name: &str| said.lines().find(|line| line.starts_with(&format!("{name:<12} ")));
         let shares: f64 = channels.iter().map(|channel| channel.share_of_gap).sum();

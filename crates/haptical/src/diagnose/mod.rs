@@ -6,6 +6,7 @@ mod corrected;
 #[cfg(test)]
 mod example_tests;
 mod faults;
+mod joints;
 mod next;
 mod page;
 pub(crate) mod quantity;
@@ -22,6 +23,8 @@ use haptical_diagnosis::{
     Verdict, diagnose as diagnose_recording,
 };
 use haptical_effects::structure::JOINT_COMPLIANCE;
+use haptical_model::Recording;
+use haptical_report::Block;
 
 use serde::Serialize;
 
@@ -32,11 +35,14 @@ use crate::files::{
     write_result,
 };
 use crate::identify::{flag_of_loss, flags_of_fit, hold};
+use crate::lines::labelled;
 use crate::log::Log;
+use crate::page::arm;
 
 pub use self::repair::{Repair, RepairChange, RepairCheck};
 pub(crate) use self::several::joined;
 use self::several::{LogRead, refuse_same_log};
+use self::summary::Room;
 
 /// Header of predictions.csv, in the order of [`Prediction`].
 const PREDICTION_COLUMNS: [&str; 5] = ["row", "channel", "measured", "before", "after"];
@@ -82,6 +88,12 @@ pub struct Diagnosed {
     /// The text of corrected.toml.
     #[serde(skip)]
     corrected: Option<String>,
+    /// The arm as given and as corrected.
+    #[serde(skip)]
+    arm: Option<Block>,
+    /// Names of the joints of the answer.
+    #[serde(skip)]
+    joints: Option<String>,
     provenance: GapProvenance,
     haptical_version: String,
     device: String,
@@ -172,6 +184,7 @@ pub fn diagnose_as(
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
         false => None,
     };
+    let arm = arm_of(model.unwrap_or(device), &diagnosis, &recording)?;
     let own = std::mem::take(&mut diagnosis.warnings);
     let of_logs = logs.iter().map(|log| &log.warnings);
     let further = [
@@ -204,6 +217,8 @@ pub fn diagnose_as(
         },
         answer: summary::answer(&diagnosis),
         corrected: corrected::text(device, &diagnosis)?,
+        arm,
+        joints: joints::named(device, &diagnosis),
         repair,
         diagnosis,
         haptical_version: version.to_owned(),
@@ -213,6 +228,17 @@ pub fn diagnose_as(
         validate: validate.map(|log| log.source().label.clone()),
         model: model.map(|model| model.source().label.clone()),
     })
+}
+
+/// The arm as given and as corrected; none where nothing is.
+fn arm_of(
+    given: &Device,
+    diagnosis: &Diagnosis,
+    recording: &Recording,
+) -> Result<Option<Block>, Error> {
+    let corrected = diagnosis.corrected.as_ref();
+    let picture = corrected.map(|corrected| arm::picture(&given.model, corrected, recording));
+    picture.transpose().map(Option::flatten)
 }
 
 /// The log set right by its diagnosis, and diagnosed again; what was set right is no part of the device with the causes.
@@ -272,8 +298,12 @@ impl Diagnosed {
             page_name,
             page::page(
                 &self.diagnosis,
-                self.repaired_log(),
-                &self.provenance.record,
+                page::Besides {
+                    repaired: self.repaired_log(),
+                    arm: self.arm.as_ref(),
+                    joints: self.joints.as_deref(),
+                    record: &self.provenance.record,
+                },
             )?
             .into_bytes(),
         )];
@@ -308,16 +338,31 @@ impl Diagnosed {
     }
 }
 
+impl Diagnosed {
+    /// The answer in fewer than 25 lines, for a terminal: what is too long for them ends in a mark. What is printed by
+    /// `Display` has every word.
+    pub fn brief(&self) -> String {
+        self.said(Room::Terminal)
+    }
+
+    fn said(&self, room: Room) -> String {
+        let mut said = summary::text(&self.diagnosis, self.repaired_log(), room);
+        if let Some(names) = &self.joints {
+            said += &labelled("joints", names, 9);
+        }
+        if let Some(words) = several::words(&self.logs) {
+            said += &format!("{:<9}{words}\n", "logs");
+        }
+        if let Some(repair) = &self.repair {
+            said += &repair.to_string();
+        }
+        said
+    }
+}
+
 impl std::fmt::Display for Diagnosed {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str(&summary::text(&self.diagnosis, self.repaired_log()))?;
-        if let Some(words) = several::words(&self.logs) {
-            writeln!(formatter, "{:<9}{words}", "logs")?;
-        }
-        match &self.repair {
-            Some(repair) => write!(formatter, "{repair}"),
-            None => Ok(()),
-        }
+        formatter.write_str(&self.said(Room::Any))
     }
 }
 

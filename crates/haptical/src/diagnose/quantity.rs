@@ -1,6 +1,7 @@
 //! Numbers of effects in units for people.
 
 use haptical_effects::{Role, Unit, parameter};
+use haptical_report::earned_decimals;
 
 use crate::units::decimals;
 
@@ -77,10 +78,8 @@ impl Quantity {
 
     /// Digits after the point that show two digits of the interval's half width.
     fn decimals(&self, value: f64, [low, high]: [f64; 2]) -> usize {
-        // A hair more, so that a half of 0.1 that rounding makes 0.09999 has no digit more.
-        let half = 0.5 * (high - low) * self.per_si * (1.0 + 1e-9);
-        if half > 0.0 && half.is_finite() {
-            (1.0 - half.log10().floor()).clamp(0.0, 7.0) as usize
+        if let Some(earned) = earned_decimals(0.5 * (high - low) * self.per_si) {
+            earned
         } else if (value * self.per_si).fract() == 0.0 {
             0
         } else {

@@ -1,4 +1,4 @@
-//! A diagnosis in fewer than 25 lines for a terminal.
+//! A diagnosis in words: whole, and in fewer than 25 lines for a terminal.
 
 use std::fmt::Write as _;
 
@@ -9,10 +9,9 @@ use crate::diagnose::words::{
     absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, parameters,
     percent, place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
 };
+use crate::lines::{WIDTH, lines_of};
 use crate::units::Shown;
 
-/// Longest line, in characters.
-const WIDTH: usize = 100;
 /// Lines that channels and causes have together; gap.json has all of both.
 const LISTED: usize = 9;
 /// Causes that are listed where there are more than one more.
@@ -24,30 +23,41 @@ const MOVED: usize = 2;
 /// Width of the word before a text.
 const INDENT: usize = 9;
 
+/// How much room a summary has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Room {
+    /// What does not fit in a line or two of a terminal is cut, with a mark.
+    Terminal,
+    /// Every word is there.
+    Any,
+}
+
+/// A summary in the making.
+struct Summary {
+    text: String,
+    room: Room,
+}
+
 /// The summary: verdict, gap, place, causes, what cannot be seen, next step, `repaired` the name of the log that was
 /// written without its faults.
-pub(super) fn text(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
-    let mut text = String::new();
-    push(&mut text, "", &answer(diagnosis), 4);
-    text.push('\n');
-    channels(&mut text, diagnosis);
+pub(super) fn text(diagnosis: &Diagnosis, repaired: Option<&str>, room: Room) -> String {
+    let text = String::new();
+    let mut said = Summary { text, room };
+    said.push("", &answer(diagnosis), 4);
+    said.text.push('\n');
+    channels(&mut said.text, diagnosis);
     if let Some(place) = place_sentence(diagnosis) {
-        push(&mut text, "where", &place, 2);
+        said.push("where", &place, 2);
     }
-    causes(&mut text, &diagnosis.causes);
+    said.causes(&diagnosis.causes);
     if let Some(absorbed) = absorbed_sentence(diagnosis, MOVED) {
-        push(&mut text, "absorbed", &absorbed, 3);
+        said.push("absorbed", &absorbed, 3);
     }
-    held_out(&mut text, diagnosis);
-    push(&mut text, "unseen", &unseen(diagnosis), 1);
-    let room = MOST_LINES.saturating_sub(text.lines().count());
-    push(
-        &mut text,
-        "next",
-        &next_step(diagnosis, repaired),
-        room.max(2),
-    );
-    text
+    said.held_out(diagnosis);
+    said.push("unseen", &unseen(diagnosis), 1);
+    let left = MOST_LINES.saturating_sub(said.text.lines().count());
+    said.push("next", &next_step(diagnosis, repaired), left.max(2));
+    said.text
 }
 
 /// The verdict in a sentence or two.
@@ -106,22 +116,62 @@ fn cause_lines(diagnosis: &Diagnosis) -> usize {
         }
 }
 
-/// Name, probability, numbers and rivals of each cause.
-fn causes(text: &mut String, causes: &[CauseAnswer]) {
-    if let [only] = causes {
-        return push(text, "cause", &cause(only), 2);
+impl Summary {
+    /// Name, probability, numbers and rivals of each cause.
+    fn causes(&mut self, causes: &[CauseAnswer]) {
+        if let [only] = causes {
+            return self.push("cause", &cause(only), 2);
+        }
+        let listed = match causes.len() {
+            count if count > MOST_CAUSES + 1 => MOST_CAUSES,
+            count => count,
+        };
+        for (index, cause) in causes.iter().take(listed).enumerate() {
+            let label = format!("cause {}", index + 1);
+            self.push(&label, &self::cause(cause), 1);
+        }
+        if listed < causes.len() {
+            let more = causes.len() - listed;
+            let _ = writeln!(self.text, "and {more} more causes, see gap.json");
+        }
     }
-    let listed = match causes.len() {
-        count if count > MOST_CAUSES + 1 => MOST_CAUSES,
-        count => count,
-    };
-    for (index, cause) in causes.iter().take(listed).enumerate() {
-        let label = format!("cause {}", index + 1);
-        push(text, &label, &self::cause(cause), 1);
+
+    fn held_out(&mut self, diagnosis: &Diagnosis) {
+        let Some(held_out) = held_out_answer(diagnosis) else {
+            return;
+        };
+        let closed = match record(diagnosis, &held_out.channel) {
+            Some(channel) if channel.reduction_percent.is_some() => {
+                format!("{} of the gap closed", closed(channel))
+            }
+            Some(channel) if channel.has_gap => format!("share of the gap {}", closed(channel)),
+            _ => "no gap there".to_owned(),
+        };
+        let said = format!(
+            "{closed} ({}); on {}",
+            held_out_sizes(held_out),
+            diagnosis.held_out
+        );
+        self.push("held out", &said, 2);
     }
-    if listed < causes.len() {
-        let more = causes.len() - listed;
-        let _ = writeln!(text, "and {more} more causes, see gap.json");
+
+    /// A text behind a word, on a terminal in at most `most` lines.
+    fn push(&mut self, label: &str, said: &str, most: usize) {
+        let indent = if label.is_empty() { 0 } else { INDENT };
+        let mut lines = lines_of(said, indent);
+        if self.room == Room::Terminal && lines.len() > most {
+            lines.truncate(most);
+            if let Some(last) = lines.last_mut() {
+                while last.chars().count() + 2 > WIDTH - indent {
+                    last.pop();
+                }
+                last.push_str(" …");
+            }
+        }
+        for (index, line) in lines.iter().enumerate() {
+            let label = if index == 0 { label } else { "" };
+            let _ = writeln!(self.text, "{label:<indent$}{line}");
+        }
     }
 }
 
@@ -143,25 +193,6 @@ pub(super) fn cause(cause: &CauseAnswer) -> String {
     said
 }
 
-fn held_out(text: &mut String, diagnosis: &Diagnosis) {
-    let Some(held_out) = held_out_answer(diagnosis) else {
-        return;
-    };
-    let closed = match record(diagnosis, &held_out.channel) {
-        Some(channel) if channel.reduction_percent.is_some() => {
-            format!("{} of the gap closed", closed(channel))
-        }
-        Some(channel) if channel.has_gap => format!("share of the gap {}", closed(channel)),
-        _ => "no gap there".to_owned(),
-    };
-    let said = format!(
-        "{closed} ({}); on {}",
-        held_out_sizes(held_out),
-        diagnosis.held_out
-    );
-    push(text, "held out", &said, 2);
-}
-
 /// What cannot be seen, in counts.
 fn unseen(diagnosis: &Diagnosis) -> String {
     let mut parts = vec![
@@ -179,35 +210,6 @@ fn unseen(diagnosis: &Diagnosis) -> String {
     parts.join(", ")
 }
 
-/// A text behind a word, in at most `most` lines.
-fn push(text: &mut String, label: &str, said: &str, most: usize) {
-    let indent = if label.is_empty() { 0 } else { INDENT };
-    let mut lines: Vec<String> = Vec::new();
-    let room = WIDTH - indent;
-    for word in said.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
-                *line += " ";
-                *line += word;
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    if lines.len() > most {
-        lines.truncate(most);
-        if let Some(last) = lines.last_mut() {
-            while last.chars().count() + 2 > room {
-                last.pop();
-            }
-            last.push_str(" …");
-        }
-    }
-    for (index, line) in lines.iter().enumerate() {
-        let label = if index == 0 { label } else { "" };
-        let _ = writeln!(text, "{label:<indent$}{line}");
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,7 +218,7 @@ mod tests {
 
     #[test]
     fn the_summary_says_all_that_the_brief_wants() {
-        let said = text(&named(), None);
+        let said = text(&named(), None, Room::Terminal);
         for wanted in [
             "Named. capstan-compliance at joint 2 (probability 98 %)",
             "out2             1.200 mrad    0.1100 mrad    0.1050 mrad   97.3 % (95 % interval 96.1 \
@@ -252,12 +254,19 @@ mod tests {
             why: "3 mm".to_owned(),
         }];
         for diagnosis in [full, named(), no_gap(), unknown()] {
-            let said = text(&diagnosis, None);
+            let said = text(&diagnosis, None, Room::Terminal);
             assert!(
                 said.lines().count() < 24,
                 "{} lines: {said}",
                 said.lines().count()
             );
+            // in a file every word is there
+            let whole = text(&diagnosis, None, Room::Any);
+            assert!(!whole.contains('…'));
+            let next = next_step(&diagnosis, None);
+            let words =
+                |text: &str| -> String { text.split_whitespace().collect::<Vec<_>>().join(" ") };
+            assert!(words(&whole).ends_with(&words(&next)), "{whole}");
         }
     }
 
@@ -287,7 +296,7 @@ mod tests {
     fn what_a_calibration_had_taken_up_is_one_line_with_units() {
         let mut diagnosis = named();
         diagnosis.absorbed = Some(absorbed());
-        let said = text(&diagnosis, None);
+        let said = text(&diagnosis, None, Room::Terminal);
         let said: Vec<&str> = said.split_whitespace().collect();
         let said = said.join(" ");
         let wanted = "absorbed The earlier model took up 93 % of capstan-compliance at joint 2: identify it again. With the \
@@ -310,7 +319,7 @@ mod tests {
             channel.channel = format!("out{}", 10 + index);
             many.gap.channels.insert(0, channel);
         }
-        let said = text(&many, None);
+        let said = text(&many, None, Room::Terminal);
         assert!(
             said.contains("\nout2 ") && said.contains("\ncable "),
             "{said}"
@@ -320,9 +329,10 @@ mod tests {
 
     #[test]
     fn long_texts_are_cut_with_a_mark() {
-        let mut text = String::new();
-        push(&mut text, "next", &"word ".repeat(100), 2);
-        let lines: Vec<&str> = text.lines().collect();
+        let (text, room) = (String::new(), Room::Terminal);
+        let mut summary = Summary { text, room };
+        summary.push("next", &"word ".repeat(100), 2);
+        let lines: Vec<&str> = summary.text.lines().collect();
         assert_eq!(lines.len(), 2);
         assert!(lines.iter().all(|line| line.chars().count() <= WIDTH));
         assert!(lines[0].starts_with("next     word") && lines[1].starts_with("         word"));

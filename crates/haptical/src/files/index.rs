@@ -84,7 +84,10 @@ fn section(result: &Recorded) -> Result<Section, Error> {
     let blocks = vec![
         answer,
         Block::Links(links.collect()),
-        facts("", rows)?.into(),
+        Block::Folded {
+            summary: "What it was made from".to_owned(),
+            blocks: vec![facts("", rows)?.into()],
+        },
     ];
     Ok(Section::new(result.kind.title, blocks))
 }

@@ -146,15 +146,18 @@ impl Record {
 
     /// The command as one would type it.
     fn command_line(&self) -> String {
-        let mut line = format!("haptical {}", self.command);
-        for argument in &self.arguments {
-            line.push(' ');
-            line.push_str(&match argument.split_once('=') {
-                Some((flag, value)) => format!("{flag} {}", shell_word(value)),
-                None => argument.clone(),
-            });
-        }
-        line
+        format!("haptical {}{}", self.command, typed(&self.arguments))
+    }
+
+    /// Those of its flags that another command of the same device takes, as one would type them, a blank before each.
+    pub(crate) fn typed(&self, flags: &[&str]) -> String {
+        let is_wanted = |argument: &&String| {
+            let flag = argument
+                .split_once('=')
+                .map_or(argument.as_str(), |(flag, _)| flag);
+            flags.contains(&flag)
+        };
+        typed(self.arguments.iter().filter(is_wanted))
     }
 
     /// The record for a page.
@@ -196,6 +199,30 @@ fn words(numbers: &impl Serialize) -> Result<String, Error> {
     });
     Ok(words.collect::<Vec<_>>().join(", "))
 }
+
+/// Arguments as one would type them, a blank before each.
+fn typed<'a>(arguments: impl IntoIterator<Item = &'a String>) -> String {
+    let words = arguments
+        .into_iter()
+        .map(|argument| match argument.split_once('=') {
+            Some((flag, value)) => format!(" {flag} {}", shell_word(value)),
+            None => format!(" {argument}"),
+        });
+    words.collect()
+}
+
+/// Flags of a device: its file, its rig, its chain.
+pub(crate) const DEVICE_FLAGS: [&str; 4] = ["--device", "--rig", "--base", "--tip"];
+/// The same with logs, and what a fit holds.
+pub(crate) const FIT_FLAGS: [&str; 7] = [
+    "--device",
+    "--rig",
+    "--base",
+    "--tip",
+    "--log",
+    "--hold",
+    "--deviation",
+];
 
 /// A result as JSON, with its own SHA-256 in it.
 ///

@@ -153,10 +153,7 @@ impl Forward {
             lead: "How far the equations of motion of a device drift from a log, from whose state they begin again after each \
                    time."
                 .to_owned(),
-            sections: vec![Section {
-                heading: "Drift".to_owned(),
-                blocks,
-            }],
+            sections: vec![Section::new("Drift", blocks)],
         };
         Ok(page.to_html())
     }

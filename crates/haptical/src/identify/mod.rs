@@ -3,7 +3,9 @@
 mod dynamics;
 mod effects;
 pub(crate) mod intervals;
+mod moved;
 mod page;
+pub(crate) mod refused;
 mod result;
 mod summary;
 mod transmissions;
@@ -25,6 +27,7 @@ pub use self::dynamics::{
 };
 pub use self::effects::{EffectEntry, EffectNumber};
 use self::effects::{EffectFitError, calibrate_with_effects, held};
+pub use self::moved::MovedEntry;
 use self::result::identified;
 pub use self::result::{
     IdentifiabilityEntry, Identified, LossEntry, NoiseEntry, NotIdentified, ParameterEntry,
@@ -136,6 +139,7 @@ pub fn identify_as(
         recording.len(),
     );
     let mut result = identified(&calibration, labels, fit, force, warnings.concat(), record);
+    result.moved = moved::moved(device, &calibration, &result.parameters);
     effects.extend(held(&device.model, &model));
     result.tell_effects(effects);
     let written = |model: &Model| {

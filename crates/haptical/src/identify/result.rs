@@ -11,6 +11,7 @@ use haptical_model::{Device, ParameterId, TransmissionError};
 use serde::Serialize;
 
 use super::effects::EffectEntry;
+use super::moved::MovedEntry;
 use super::summary::{answer, next_step};
 use super::transmissions::{TransmissionEntry, transmissions};
 use crate::files::Record;
@@ -45,6 +46,8 @@ pub struct Identified {
     pub transmissions: Vec<TransmissionEntry>,
     /// All candidates.
     pub parameters: Vec<ParameterEntry>,
+    /// How far numbers moved, those that moved most first.
+    pub moved: Vec<MovedEntry>,
     /// Effects that were fitted, with their own numbers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<EffectEntry>,
@@ -133,6 +136,8 @@ pub struct ParameterEntry {
     pub standard_deviation: Option<f64>,
     /// 95 % interval.
     pub ci95: Option<[f64; 2]>,
+    /// Size that a deviation may plausibly have.
+    pub plausible_size: f64,
     /// `identifiable`: fixed by the data alone. `combination`: fixed only together with others ([`Identified`] lists the
     /// sums); the interval counts what these may be. Not fixed: `weak`, `dependent`, `invisible`, or `held`, which the
     /// samples do not support.
@@ -279,6 +284,7 @@ pub(super) fn identified(
         channels: figures(calibration.judged_channels()),
         channels_fit: figures(&calibration.fit_channels),
         transmissions: transmissions(calibration, &parameters),
+        moved: Vec::new(),
         effects: Vec::new(),
         combinations,
         not_identified,
@@ -355,6 +361,7 @@ fn entries(fit: &ParameterFit, nominal: &Device, device: &Device) -> Vec<Paramet
                 deviation: estimate.value.zip(nominal).map(|(value, was)| value - was),
                 standard_deviation: estimate.standard_deviation,
                 ci95: estimate.ci95,
+                plausible_size: parameter.plausible_size(device),
                 status,
                 combination,
                 reason,

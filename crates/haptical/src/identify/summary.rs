@@ -1,20 +1,21 @@
 //! An identification in a few lines for a terminal.
 
 use haptical_calibration::{ChannelReport, Combination, Kept};
-use haptical_report::{Cell, Table};
+use haptical_report::{Cell, Table, earned_decimals};
 
 use super::effects::EffectEntry;
+use super::moved;
+use super::refused;
 use super::result::Identified;
 use crate::diagnose::quantity::Quantity;
 use crate::error::Error;
+use crate::lines::labelled;
 use crate::units::Shown;
 
-/// Parameters that are listed one by one; identified.json has all.
-const LISTED: usize = 10;
-/// Longest line of a reason, in characters.
-const LONGEST_REASON: usize = 110;
+/// Sums that are listed one by one; identified.json has all.
+const LISTED: usize = 5;
 
-/// The summary: channels and what was not identified.
+/// The summary: channels, what moved most, and what was not identified.
 pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std::fmt::Result {
     let fixed = result.parameters.len() - result.not_identified.len();
     let combined = match result.combinations.len() {
@@ -32,19 +33,51 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     // a table of this many columns in each row is never refused
     let table = judged_table(&title, result).map_err(|_| std::fmt::Error)?;
     writeln!(text, "{}", table.to_terminal())?;
+    if !result.moved.is_empty() {
+        let (count, listed) = (result.moved.len(), result.moved.len().min(moved::LISTED));
+        let title = match count > listed {
+            true => format!("The {listed} of {count} numbers that moved most"),
+            false => "What moved".to_owned(),
+        };
+        let table = moved::table(&title, &result.moved[..listed]);
+        let table = table.map_err(|_| std::fmt::Error)?;
+        writeln!(text, "\n{}", table.to_terminal())?;
+        write!(
+            text,
+            "{}",
+            labelled("", &moved::note(&result.moved[..listed]), 0)
+        )?;
+    }
     if let Some(force) = force_sentence(result) {
-        writeln!(text, "\n{force}")?;
+        write!(text, "\n{}", labelled("", &force, 0))?;
     }
     if !result.effects.is_empty() {
         writeln!(text, "\nEffects that were fitted with geometry and drives:")?;
         for effect in &result.effects {
-            writeln!(text, "  {}", effect_line(effect))?;
+            write!(text, "{}", labelled("", &effect_line(effect), 2))?;
         }
     }
     if let Some(next) = &result.next {
         writeln!(text, "\n{next}")?;
     }
-    if !result.combinations.is_empty() {
+    combinations(text, result)?;
+    if !result.not_identified.is_empty() {
+        writeln!(text, "\nNot identified, kept at the nominal value:")?;
+        write!(text, "{}", refused::lines(&result.not_identified))?;
+    }
+    Ok(())
+}
+
+/// What is fixed only together with other numbers.
+fn combinations(text: &mut impl std::fmt::Write, result: &Identified) -> std::fmt::Result {
+    if moved::says_origins(&result.moved) && !result.combinations.is_empty() {
+        // sums of numbers that a URDF has not
+        writeln!(
+            text,
+            "\n{} numbers are fixed only in a combination with others: identified.json lists the sums.",
+            result.combinations.len()
+        )?;
+    } else if !result.combinations.is_empty() {
         writeln!(
             text,
             "\nFixed only in a combination; a single one's interval counts what the others may be:"
@@ -53,17 +86,6 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
             writeln!(text, "  {}", in_words(sum))?;
         }
         let more = result.combinations.len().saturating_sub(LISTED);
-        if more > 0 {
-            writeln!(text, "  and {more} more, see identified.json")?;
-        }
-    }
-    if !result.not_identified.is_empty() {
-        writeln!(text, "\nNot identified, kept at the nominal value:")?;
-        for refused in result.not_identified.iter().take(LISTED) {
-            let reason = shorten(&refused.reason);
-            writeln!(text, "  {:<10} {reason}", refused.status)?;
-        }
-        let more = result.not_identified.len().saturating_sub(LISTED);
         if more > 0 {
             writeln!(text, "  and {more} more, see identified.json")?;
         }
@@ -151,16 +173,16 @@ pub(super) fn next_step(result: &Identified) -> Option<String> {
 pub(super) fn force_sentence(result: &Identified) -> Option<String> {
     let force = result.force_direction.as_ref()?;
     let shown = Shown::fine("rad");
-    let [low, high] = force.ci95_rad;
+    let [low, high] = force.ci95_rad.map(|end| end * shown.per_si);
+    let decimals = earned_decimals(0.5 * (high - low)).unwrap_or(4);
     let locked = force.locked_joint.map_or(String::new(), |joint| {
         format!(", joint {joint} locked at home")
     });
     Some(format!(
-        "Direction of the handle's force by the identified model: {} root mean square (95 % interval {} to {}) over \
-         {} postures of the log{locked}.",
-        shown.text(force.rms_rad),
-        shown.text(low),
-        shown.text(high),
+        "Direction of the handle's force by the identified model: {:.decimals$} {} root mean square (95 % interval \
+         {low:.decimals$} to {high:.decimals$}) over {} postures of the log{locked}.",
+        force.rms_rad * shown.per_si,
+        shown.name,
         force.postures
     ))
 }
@@ -242,23 +264,12 @@ pub(super) fn in_words(sum: &Combination) -> String {
         format!("{sign}{factor}{}", term.name)
     });
     let half = (sum.ci95[1] - sum.ci95[0]) / 2.0 * shown.per_si;
-    let decimals = if half > 0.0 {
-        (1.0 - half.log10().floor()).clamp(1.0, 9.0) as usize
-    } else {
-        6
-    };
-    format!(
-        "{} = {:.decimals$} ± {half:.decimals$} {}",
+    let decimals = earned_decimals(half).unwrap_or(6);
+    let value = sum.value * shown.per_si;
+    let text = format!(
+        "{} = {value:.decimals$} ± {half:.decimals$} {}",
         terms.collect::<String>(),
-        sum.value * shown.per_si,
         shown.name
-    )
-}
-
-fn shorten(reason: &str) -> String {
-    if reason.chars().count() <= LONGEST_REASON {
-        return reason.to_owned();
-    }
-    let kept: String = reason.chars().take(LONGEST_REASON - 1).collect();
-    format!("{kept}…")
+    );
+    text.trim_end().to_owned()
 }

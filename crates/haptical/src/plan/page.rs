@@ -2,14 +2,17 @@
 
 use haptical_design::{NextPoses, ParameterStatus};
 use haptical_identification::Status;
-use haptical_report::{Block, Cell, Document, HeatCell, HeatMap, Section, Table};
+use haptical_report::{
+    BarRow, BarRows, Block, Cell, Document, HeatCell, HeatMap, Section, Series, Table, Tone,
+};
 
 use super::{Planned, text};
 use crate::error::Error;
+use crate::files::DEVICE_FLAGS;
+use crate::page::{FIGURE_PX, next};
 
-/// Widths of the picture: for the names, and for each rig.
-const NAMES_PX: u32 = 220;
-const RIG_PX: u32 = 170;
+/// Widest picture.
+const WIDEST_PX: u32 = 4000;
 
 /// Parameters against rigs, shaded by the decades that the standard deviation lies below the plausible size.
 pub(super) fn picture(plan: &Planned) -> Result<String, Error> {
@@ -31,9 +34,7 @@ pub(super) fn picture(plan: &Planned) -> Result<String, Error> {
         };
         map.rows.push((format!("{name}{unit}"), cells));
     }
-    let rigs = u32::try_from(plan.rigs().len()).unwrap_or(u32::MAX);
-    let width = rigs.saturating_mul(RIG_PX).saturating_add(NAMES_PX);
-    Ok(map.to_svg(width.clamp(640, 4000))?)
+    Ok(map.to_svg(map.width_px(FIGURE_PX.0).min(WIDEST_PX))?)
 }
 
 /// Decades of the standard deviation below the plausible size that make the full colour.
@@ -58,10 +59,26 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
         caption: caption.to_owned(),
         svg: picture.to_owned(),
     };
-    let mut sections = vec![Section::new(
-        "Which rig tells which parameters",
-        vec![picture],
-    )];
+    let mut blocks = vec![Block::Notice {
+        tone: Tone::Good,
+        label: "Before anything is measured:".to_owned(),
+        text: plan.answer.clone(),
+    }];
+    blocks.push(told(plan)?);
+    let (words, commands) = after(plan);
+    blocks.extend(next(words, commands));
+    let mut sections = vec![Section::new("", blocks)];
+    let mut fold = |heading: String, blocks: Vec<Block>| {
+        sections.push(Section::new(heading, blocks).folded());
+    };
+    let heading = "Which rig tells which parameters";
+    fold(heading.to_owned(), vec![picture]);
+    if let Some(chosen) = plan.next_poses() {
+        let said = text::said(chosen, plan.plan.measured_poses);
+        let lines = said.lines().map(|line| line.trim().to_owned()).collect();
+        let blocks = vec![Block::List(lines), predicted(chosen)?.into()];
+        fold("Next poses".to_owned(), blocks);
+    }
     for rig in plan.rigs() {
         let mut lines = text::lines(rig).into_iter();
         let mut blocks = vec![Block::Paragraph(lines.next().unwrap_or_default())];
@@ -70,18 +87,56 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
             true => Block::Paragraph("Every parameter is identified.".to_owned()),
             false => Block::List(open),
         });
-        sections.push(Section::new(format!("Rig {}", rig.measure), blocks));
-    }
-    if let Some(next) = plan.next_poses() {
-        let said = text::said(next, plan.plan.measured_poses);
-        let lines = said.lines().map(|line| line.trim().to_owned()).collect();
-        let blocks = vec![Block::List(lines), predicted(next)?.into()];
-        sections.push(Section::new("Next poses", blocks));
+        fold(format!("Rig {}", rig.measure), blocks);
     }
     let record = vec![plan.provenance.table()?.into()];
-    sections.push(Section::new("How this came about", record));
-    let lead = format!("{}: before anything is measured.", plan.device);
-    Ok(Document::new("Plan", lead, sections).to_html())
+    fold("How this came about".to_owned(), record);
+    Ok(Document::new(format!("Plan for {}", plan.device), "", sections).to_html())
+}
+
+/// How many parameters each rig tells.
+fn told(plan: &Planned) -> Result<Block, Error> {
+    let mut bars = BarRows::new("What each rig tells", "parameters");
+    let rigs = plan.rigs().iter();
+    bars.rows = rigs
+        .map(|rig| BarRow {
+            name: rig.measure.clone(),
+            from: 0.0,
+            to: rig.rank as f64,
+            colour: Series::AFTER,
+            value: format!("{} of {}", rig.rank, rig.parameters.len()),
+        })
+        .collect();
+    Ok(Block::Svg {
+        caption: "Parameters that poses with the rig would identify; below, which, and how well."
+            .to_owned(),
+        svg: bars.to_svg(FIGURE_PX.0)?,
+    })
+}
+
+/// What to do next: choose poses, or drive to those that were chosen.
+fn after(plan: &Planned) -> (&'static str, Vec<(String, String)>) {
+    let record = &plan.provenance;
+    let device = record.typed(&DEVICE_FLAGS);
+    match plan.next_poses() {
+        None => {
+            let measure = record.typed(&["--measure"]);
+            let command = format!("haptical plan{device}{measure} --poses 50 --out plan");
+            let purpose = "Poses for the first rig:".to_owned();
+            (
+                "choose the rig, then let the poses be chosen",
+                vec![(purpose, command)],
+            )
+        }
+        Some(_) => {
+            let command = format!("haptical identify{device} --log measured.csv --out result");
+            let purpose = "From the log of what was measured there:".to_owned();
+            (
+                "drive to the poses of poses.csv, which is in this folder, and measure at each",
+                vec![(purpose, command)],
+            )
+        }
+    }
 }
 
 fn predicted(next: &NextPoses) -> Result<Table, Error> {

@@ -12,29 +12,32 @@ use haptical_report::{Cell, Column, Table};
 use super::Planned;
 use crate::error::Error;
 use crate::identify::intervals::of_scales;
+use crate::lines::labelled;
 
 /// Remedies that are named for a parameter.
 const REMEDIES: usize = 3;
 
 /// The plan as text.
 pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt::Result {
-    writeln!(
-        text,
-        "{}: what {} poses of average worth would tell (standard deviation, or why not)\n",
-        plan.device, plan.plan.poses
-    )?;
-    // a table of this many columns in each row is never refused
-    let table = table(plan).map_err(|_| std::fmt::Error)?;
-    writeln!(text, "{}\n", table.to_terminal())?;
+    let first = format!("{}: {}", plan.device, plan.answer);
+    writeln!(text, "{}", labelled("", &first, 0))?;
+    if let Some(next) = plan.next_poses() {
+        writeln!(text, "{}", said(next, plan.plan.measured_poses))?;
+    }
     for rig in plan.rigs() {
-        for line in lines(rig) {
-            writeln!(text, "{line}")?;
+        for (index, line) in lines(rig).iter().enumerate() {
+            let label = if index == 0 { "" } else { "  " };
+            write!(text, "{}", labelled(label, line, label.len()))?;
         }
     }
-    match plan.next_poses() {
-        Some(next) => writeln!(text, "{}", said(next, plan.plan.measured_poses)),
-        None => Ok(()),
-    }
+    // a table of this many columns in each row is never refused
+    let table = table(plan).map_err(|_| std::fmt::Error)?;
+    writeln!(
+        text,
+        "\nWhat {} poses of average worth would tell: the standard deviation, or why there is none",
+        plan.plan.poses
+    )?;
+    writeln!(text, "{}", table.to_terminal())
 }
 
 /// The plan in a line.
@@ -101,9 +104,9 @@ pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
         rig.readings_per_pose
     )];
     let scales = of_scales(&rig.length_scales);
-    lines.extend((!scales.is_empty()).then(|| format!(" {scales}")));
+    lines.extend((!scales.is_empty()).then(|| scales.trim_start().to_owned()));
     let suggestions = rig.suggestions.iter();
-    lines.extend(suggestions.map(|suggestion| format!("  {}", suggested(suggestion))));
+    lines.extend(suggestions.map(suggested));
     lines
 }
 

@@ -18,6 +18,7 @@ mod errors;
 mod fleet;
 mod forward;
 mod late_encoders;
+mod moved;
 mod moving_sets;
 #[path = "../../examples/next_poses.rs"]
 mod next_poses;

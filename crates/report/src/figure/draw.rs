@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::canvas::{Canvas, Colour, Point, Rectangle, Stroke};
+use crate::canvas::{Canvas, Point, Rectangle, Stroke};
+use crate::colour::Colour;
 use crate::figure::axis::Axis;
 use crate::figure::clip::{clip_path, clip_polygon, dashes, thin_path};
 use crate::figure::series::{Mark, Series};
@@ -62,7 +63,8 @@ pub(crate) struct Slot {
 pub(crate) fn slots(series: &[Series], categories: bool) -> Vec<Slot> {
     let spacing = if categories { 1.0 } else { bar_spacing(series) };
     let is_bar = |s: &&Series| s.mark == Mark::Bars;
-    let is_symbol = |s: &&Series| categories && matches!(s.mark, Mark::Points | Mark::Intervals);
+    let is_symbol =
+        |s: &&Series| categories && matches!(s.mark, Mark::Points | Mark::Rings | Mark::Intervals);
     let bars = series.iter().filter(is_bar).count();
     let symbols = series.iter().filter(is_symbol).count();
     let single = bars == 1 && !categories;
@@ -139,7 +141,7 @@ pub(crate) fn draw_series(canvas: &mut Canvas, plot: &Plot, series: &Series, slo
                 canvas.polygon(&outline, colour.with_opacity(0.25));
             }
         }
-        Mark::Points => draw_points(canvas, plot, series, slot),
+        Mark::Points | Mark::Rings => draw_points(canvas, plot, series, slot),
         Mark::Bars => draw_bars(canvas, plot, series, slot),
         Mark::Intervals => draw_intervals(canvas, plot, series, slot),
     }
@@ -171,7 +173,11 @@ fn draw_points(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot) {
         let at = (plot.x_px(x + slot.offset), plot.y_px(y));
         let place = ((2.0 * at.0).round() as i64, (2.0 * at.1).round() as i64);
         if plot.holds(at) && (!many || drawn.insert(place)) {
-            marker(canvas, at, series.colour, if many { 2.0 } else { 4.0 });
+            let radius = if many { 2.0 } else { 4.0 };
+            match series.mark {
+                Mark::Rings => ring(canvas, at, series.colour, radius),
+                _ => marker(canvas, at, series.colour, radius),
+            }
         }
     }
 }
@@ -211,6 +217,12 @@ fn draw_intervals(canvas: &mut Canvas, plot: &Plot, series: &Series, slot: Slot)
             marker(canvas, (x, mid), series.colour, 3.5);
         }
     }
+}
+
+/// An open circle of a colour.
+pub(crate) fn ring(canvas: &mut Canvas, at: Point, index: usize, radius: f64) {
+    let stroke = Stroke::new(Colour::palette(index), 1.2);
+    canvas.ring(at, radius, stroke);
 }
 
 /// The symbol of a colour: circle, square, triangle or diamond, so that print without colour tells

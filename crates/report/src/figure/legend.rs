@@ -1,9 +1,10 @@
 //! The legend: entries in rows above the plot, where no point can be.
 
-use crate::canvas::{Anchor, Canvas, Colour, Rectangle, Stroke};
+use crate::canvas::{Anchor, Canvas, Rectangle, Stroke};
+use crate::colour::Colour;
 use crate::figure::Figure;
 use crate::figure::clip::dashes;
-use crate::figure::draw::{LINE_WIDTH_PX, marker};
+use crate::figure::draw::{LINE_WIDTH_PX, marker, ring};
 use crate::figure::layout::{LINE_PX, TEXT_PX};
 use crate::figure::series::Mark;
 use crate::text::{widest_px, wrap};
@@ -103,6 +104,7 @@ impl Entry {
                     canvas.path(&dash, stroke);
                 }
             }
+            Mark::Rings => ring(canvas, (middle, y), self.colour, 4.0),
             Mark::Points => marker(canvas, (middle, y), self.colour, 4.0),
             Mark::Bars => canvas.fill(block, colour),
             Mark::Band => canvas.fill(block, colour.with_opacity(0.25)),

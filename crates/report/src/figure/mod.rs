@@ -65,7 +65,7 @@ impl Figure {
         }
     }
 
-    /// The figure as an SVG picture on white; the same figure gives the same bytes.
+    /// The figure as an SVG picture; the same figure gives the same bytes.
     ///
     /// # Errors
     /// [`ReportError::NonFinite`] for a NaN or infinite point, [`ReportError::NotPositive`] for a

@@ -1,6 +1,7 @@
 //! One panel: checks a figure, chooses its axes, lays it out and draws it.
 
-use crate::canvas::{Anchor, Canvas, Colour, Point, Rectangle, Stroke};
+use crate::canvas::{Anchor, Canvas, Point, Rectangle, Stroke};
+use crate::colour::Colour;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;

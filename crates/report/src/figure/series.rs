@@ -10,6 +10,8 @@ pub enum Mark {
     DashedLine,
     /// One symbol for each point; the symbol depends on the colour.
     Points,
+    /// One open circle for each point.
+    Rings,
     /// One bar for each point, from 0 (or the foot of a logarithmic axis); bar series that share
     /// positions are drawn side by side.
     Bars,
@@ -48,6 +50,11 @@ pub struct Series {
 }
 
 impl Series {
+    /// Colour of what is before: measured by the device as given, vermilion with square symbols.
+    pub const BEFORE: usize = 1;
+    /// Colour of what is after: the identified or corrected device, blue with round symbols.
+    pub const AFTER: usize = 0;
+
     /// A series drawn with `mark`.
     pub fn new(
         label: impl Into<String>,

@@ -11,6 +11,9 @@ use crate::text::clean;
 /// Whole numbers up to here are exact in a 64-bit float and written to JSON without a point.
 const LARGEST_EXACT_WHOLE: f64 = 9_007_199_254_740_992.0;
 
+/// Columns that a phone has room for side by side.
+const PHONE_COLUMNS: usize = 3;
+
 impl Table {
     /// The table as a Markdown table with its title in bold above and its notes below.
     pub fn to_markdown(&self) -> String {
@@ -92,7 +95,7 @@ impl Table {
         })
     }
 
-    /// The table as HTML, in a box of its own that scrolls sideways.
+    /// The table as HTML; on a phone a wide one becomes a list of head and value for each row.
     pub fn to_html(&self) -> Markup {
         let class = |index| {
             if self.is_numeric_column(index) {
@@ -103,11 +106,13 @@ impl Table {
                 "text"
             }
         };
+        let is_wide = !self.is_narrow();
+        let label = |index: usize| is_wide.then(|| clean(&self.columns[index].heading()));
         html! {
             figure.table {
                 @if !self.title.is_empty() { figcaption { (clean(&self.title)) } }
                 div.scroll tabindex="0" {
-                    table {
+                    table.stack[is_wide] {
                         thead { tr {
                             @for (index, column) in self.columns.iter().enumerate() {
                                 th class=(class(index)) scope="col" {
@@ -121,7 +126,7 @@ impl Table {
                         tbody {
                             @for row in &self.rows { tr {
                                 @for (index, cell) in row.iter().enumerate() {
-                                    td class=(class(index)) { (html_cell(cell)) }
+                                    td class=(class(index)) data-label=[label(index)] { (html_cell(cell)) }
                                 }
                             } }
                         }
@@ -130,6 +135,11 @@ impl Table {
                 @for note in &self.notes { p.note { (clean(note)) } }
             }
         }
+    }
+
+    /// Whether a phone has room for its columns side by side.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.columns.len() <= PHONE_COLUMNS
     }
 
     /// Whether every cell of the column is short enough to stay on one line.

@@ -92,9 +92,10 @@ fn the_page_refers_to_nothing_outside_itself() {
         .filter(|rest| !rest.starts_with("://www.w3.org/2000/svg\"") && !rest.starts_with("-equiv"))
         .collect();
     assert!(outside.is_empty(), "{outside:?}");
-    for word in ["<script", "<link", "src=", "@import", "url("] {
+    for word in ["<script", "<link", " src=", "@import", "url("] {
         assert!(!html.contains(word), "{word}");
     }
+    assert!(!html.contains("script-src"), "no script is allowed");
     assert!(html.contains("name=\"viewport\"") && html.contains("@media print"));
     assert!(html.contains("prefers-color-scheme: dark") && html.contains("overflow-x: auto"));
 }
@@ -143,7 +144,22 @@ fn a_figure_that_is_more_than_a_drawing_is_left_out() {
 #[test]
 fn the_page_is_the_same_twice_and_its_drawing_survives() {
     assert_eq!(page(vec![drawing(&svg())]), page(vec![drawing(&svg())]));
-    assert!(page(vec![drawing(&svg())]).contains(svg().trim_end()));
+    // apart from the rules of its dark colours, which the page has once for all its figures
+    let (head, rest) = svg()
+        .split_once("<style>")
+        .map(|(a, b)| (a.to_owned(), b.to_owned()))
+        .unwrap();
+    let (_, drawn) = rest.split_once("</style>\n").unwrap();
+    let html = page(vec![drawing(&svg()), drawing(&svg())]);
+    assert_eq!(
+        html.matches(&format!("{head}{}", drawn.trim_end())).count(),
+        2
+    );
+    assert_eq!(
+        html.matches("prefers-color-scheme").count(),
+        2,
+        "one for text, one for figures"
+    );
 }
 
 #[test]
@@ -185,4 +201,84 @@ fn a_link_leads_to_a_file_of_the_folder_and_nowhere_else() {
         assert_eq!(html.matches("<a href=\"#").count(), 2, "the contents");
         assert_eq!(html.matches("<a href").count(), 2, "{file}");
     }
+}
+
+#[test]
+fn a_command_can_be_copied_and_no_other_script_runs() {
+    let command = |command: &str| Block::Command {
+        purpose: "Look <again>".to_owned(),
+        command: command.to_owned(),
+    };
+    let folded = Block::Folded {
+        summary: "more".to_owned(),
+        blocks: vec![command("haptical check 'a<b.toml'")],
+    };
+    let html = page(vec![folded]);
+    assert!(
+        html.contains("<pre class=\"command\" tabindex=\"0\"><span>haptical</span> <span>check</span> <span>'a&lt;b.toml'</span></pre>")
+    );
+    // the button is the script's work: without it, and in print, there is none
+    assert!(!html.contains("<button") && html.contains("Look &lt;again&gt;"));
+    let (_, rest) = html.split_once("<script>").unwrap();
+    let (script, rest) = rest.split_once("</script>").unwrap();
+    assert!(
+        !rest.contains("<script")
+            && html.contains(&format!("script-src 'sha256-{}'", base64_sha256(script)))
+    );
+    assert!(!page(vec![drawing(&svg())]).contains("script"));
+}
+
+/// SHA-256 in base64, as a content security policy has it.
+fn base64_sha256(text: &str) -> String {
+    use sha2::{Digest, Sha256};
+    const DIGITS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let digest = Sha256::digest(text.as_bytes());
+    let mut coded = String::new();
+    for triple in digest.chunks(3) {
+        let byte = |index: usize| u32::from(triple.get(index).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for place in 0..4 {
+            coded.push(match place <= triple.len() {
+                true => char::from(DIGITS[(bits >> (18 - 6 * place) & 63) as usize]),
+                false => '=',
+            });
+        }
+    }
+    coded
+}
+
+#[test]
+fn folded_sections_are_their_own_contents() {
+    let answer = Section::new("", vec![Block::Paragraph("answer".to_owned())]);
+    let rest = Section::new("<Rest>", vec![Block::Paragraph("rest".to_owned())]).folded();
+    let html = Document::new("T", "", vec![answer, rest]).to_html();
+    assert!(!html.contains("<nav"));
+    let wanted = "<details class=\"section\"><summary><h2>&lt;Rest&gt;</h2></summary><section id=\"section-2\"><p>rest</p>";
+    assert!(html.contains(wanted), "{html}");
+    assert!(html.contains("<section id=\"section-1\"><p>answer</p>"));
+}
+
+#[test]
+fn a_wide_picture_says_that_it_goes_on_and_figures_stand_side_by_side() {
+    let wide = svg().replacen(" width=\"400\"", " width=\"800\"", 1);
+    let html = page(vec![drawing(&svg()), drawing(&wide)]);
+    assert_eq!(html.matches("goes on to the right").count(), 1);
+    assert!(html.contains("<div class=\"figures\"><figure class=\"drawing\">"));
+    assert!(html.contains("<figure class=\"drawing wide\">"));
+}
+
+#[test]
+fn a_wide_table_has_its_heads_at_every_cell() {
+    let table = |heads: &str, count: usize| {
+        let row = vec![Cell::number(1.5, 1); count];
+        page(vec![
+            Table::with_heads("", heads)
+                .with_rows([row])
+                .unwrap()
+                .into(),
+        ])
+    };
+    let wide = table("a | b [mm] | c | d", 4);
+    assert!(wide.contains("class=\"stack\"") && wide.contains("data-label=\"b [mm]\">1.5</td>"));
+    assert!(!table("a | b [mm] | c", 3).contains("data-label=\""));
 }

@@ -46,7 +46,7 @@ fn cells_stand_under_their_columns_and_behind_their_rows() {
             "{text}"
         );
     }
-    assert_eq!(picture.rectangles_of("#56B4E9").len(), 3);
+    assert_eq!(picture.rectangles_of("#5AB4E8").len(), 3);
     // A cell without a value is a dot.
     assert_eq!(picture.circles.len(), 3);
 }
@@ -55,7 +55,7 @@ fn cells_stand_under_their_columns_and_behind_their_rows() {
 fn the_shade_is_the_opacity() {
     let svg = map().to_svg(640).unwrap();
     for opacity in ["0.1", "0.5", "1"] {
-        let wanted = format!("opacity=\"{opacity}\" fill=\"#56B4E9\"");
+        let wanted = format!("opacity=\"{opacity}\" fill=\"#5AB4E8\"");
         assert_eq!(svg.matches(&wanted).count(), 1, "{opacity}: {svg}");
     }
     assert_eq!(svg, map().to_svg(640).unwrap());

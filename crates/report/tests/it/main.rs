@@ -5,7 +5,9 @@
     reason = "helpers of tests may stop a test; clippy exempts only the tests themselves"
 )]
 
+mod arm;
 mod bar_rows;
+mod colour;
 mod document;
 mod figure;
 mod figure_geometry;

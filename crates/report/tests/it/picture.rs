@@ -93,7 +93,7 @@ impl Picture {
                     ));
                 }
                 "circle" => picture.circles.push((number("cx"), number("cy"))),
-                "title" => {}
+                "title" | "style" => {}
                 other => panic!("unexpected element {other}"),
             }
         }

@@ -124,9 +124,12 @@ fn html_escapes_and_marks_number_columns() {
         html.contains("&lt;home&gt;") && !html.contains("<home>"),
         "{html}"
     );
-    assert!(html.contains("<td class=\"number\">-0.200</td>"), "{html}");
     assert!(
-        html.contains("<td class=\"text short\">inner</td>"),
+        html.contains("<td class=\"number\" data-label=\"estimate [mm]\">-0.200</td>"),
+        "{html}"
+    );
+    assert!(
+        html.contains("<td class=\"text short\" data-label=\"parameter\">inner</td>"),
         "{html}"
     );
     assert!(html.contains("10<sup>\u{2212}9</sup>"), "{html}");

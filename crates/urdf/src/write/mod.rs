@@ -7,5 +7,6 @@ pub(crate) mod inertials;
 pub(crate) mod keyframes;
 pub(crate) mod mjcf;
 pub(crate) mod not_carried;
+pub(crate) mod origins;
 pub(crate) mod patched;
 pub(crate) mod urdf;

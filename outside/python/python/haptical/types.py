@@ -292,6 +292,17 @@ class Combination(TypedDict):
     ci95: Tuple[float, float]
 
 
+class Moved(TypedDict):
+    """How far a number is from the given device's; of a URDF's arm a shift or a turn of a joint's origin."""
+
+    name: str
+    unit: str
+    deviation: float
+    ci95: Tuple[float, float]
+    plausible_size: float
+    """Entries are in the order of the deviation over it, the largest first."""
+
+
 class Identification(TypedDict):
     """What `identify` gives: the fields of identified.json, the device file, and no record of files."""
 
@@ -308,6 +319,8 @@ class Identification(TypedDict):
     channels_fit: dict[str, Channel]
     transmissions: List[Transmission]
     parameters: Parameters
+    moved: List[Moved]
+    """Those that moved most first."""
     combinations: List[Combination]
     not_identified: List[NotIdentified]
     intervals: Optional[Intervals]

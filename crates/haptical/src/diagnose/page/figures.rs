@@ -9,11 +9,8 @@ use crate::error::Error;
 use crate::page::{FIGURE_PX, thinned};
 use crate::units::{Shown, decimals};
 
-/// Colours: before, after, causes in turn, left, noise.
-const BEFORE: usize = 1;
-const AFTER: usize = 0;
-const CAUSES: [usize; 4] = [0, 5, 3, 6];
-const LEFT: usize = 4;
+/// Colours beside those of before and after: causes in turn, noise.
+const CAUSES: [usize; 4] = [3, 5, 6, 7];
 const NOISE: usize = 2;
 /// Most rows of the picture of candidates.
 const MOST_ROWS: usize = 10;
@@ -60,7 +57,13 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
         });
     };
     let before = budget.levels[0];
-    row("before".to_owned(), 0.0, before, BEFORE, text(before));
+    row(
+        "before".to_owned(),
+        0.0,
+        before,
+        Series::BEFORE,
+        text(before),
+    );
     let causes = diagnosis.causes.iter().zip(budget.levels.windows(2));
     for ((cause, pair), colour) in causes.zip(CAUSES.into_iter().cycle()) {
         let name = named_at(&cause.effect, cause.joint);
@@ -73,7 +76,7 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     let floor = budget.floor;
     let left = (after - floor).max(0.0);
     let name = "left unexplained".to_owned();
-    row(name, floor + left, floor, LEFT, text(left));
+    row(name, floor + left, floor, Series::AFTER, text(left));
     row("noise floor".to_owned(), floor, 0.0, NOISE, text(floor));
     Ok(Some(Block::Svg {
         caption: budget.note.to_owned(),
@@ -223,9 +226,9 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
         let series = Series::new(label, Mark::Points, colour, points(residuals));
         figure.series.push(series);
     };
-    push("before", BEFORE, &trace.before);
+    push("before", Series::BEFORE, &trace.before);
     let caption = if trace.is_held_out {
-        push("after", AFTER, &trace.after);
+        push("after", Series::AFTER, &trace.after);
         format!(
             "On {}, which the fit did not see: predicted by the model, and with the causes in it.",
             rows_unseen(diagnosis)
@@ -233,7 +236,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     } else if diagnosis.causes.is_empty() {
         "What the model leaves; no cause was found.".to_owned()
     } else {
-        push("after", AFTER, &trace.after);
+        push("after", Series::AFTER, &trace.after);
         "The residual before and after the causes are put into the model.".to_owned()
     };
     figure.series.retain(|series| !series.points.is_empty());
@@ -285,7 +288,7 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
              cause. Dark: near the best; within {HUNDRED_TO_ONE:.1} nats (odds of 100 to 1) the data \
              do not tell it from the best."
         ),
-        svg: map.to_svg(FIGURE_PX.0)?,
+        svg: map.to_svg(map.width_px(FIGURE_PX.0))?,
     }))
 }
 

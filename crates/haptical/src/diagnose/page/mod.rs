@@ -6,54 +6,76 @@ mod tables;
 use std::collections::BTreeSet;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
-use haptical_report::{Block, Document, Section, Table, Tone};
+use haptical_report::{Block, Document, Section, Table};
 
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
     absorbed_sentence, percent, place_sentence, verdict_mark, verdict_sentence,
 };
 use crate::error::Error;
-use crate::files::Record;
-use crate::page::facts;
+use crate::files::{DEVICE_FLAGS, FIT_FLAGS, Record};
+use crate::page::{facts, next};
 
 /// Figures of residuals that are not folded away.
 const OPEN_FIGURES: usize = 2;
 
+/// What goes onto the page besides the diagnosis.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::diagnose) struct Besides<'a> {
+    /// Name of the log without its faults.
+    pub(in crate::diagnose) repaired: Option<&'a str>,
+    /// The arm as given and as corrected.
+    pub(in crate::diagnose) arm: Option<&'a Block>,
+    /// Names of the joints of the answer.
+    pub(in crate::diagnose) joints: Option<&'a str>,
+    /// How the diagnosis came about.
+    pub(in crate::diagnose) record: &'a Record,
+}
+
 /// The whole page.
 pub(in crate::diagnose) fn page(
     diagnosis: &Diagnosis,
-    repaired: Option<&str>,
-    record: &Record,
+    besides: Besides<'_>,
 ) -> Result<String, Error> {
-    let mut sections = vec![answer(diagnosis, repaired)?];
+    let mut sections = vec![answer(diagnosis, besides)?];
+    let mut fold = |heading: &str, blocks: Vec<Block>| {
+        sections.push(Section::new(heading, blocks).folded());
+    };
+    let channels = tables::channels(diagnosis)?.into();
+    let rests_on = Block::Paragraph(rests_on(diagnosis));
+    fold("Channel by channel", vec![rests_on, channels]);
     let place = place(diagnosis)?;
     if !place.is_empty() {
-        sections.push(Section::new("Where the gap lies", place));
+        fold("Where the gap lies", place);
     }
     if !diagnosis.causes.is_empty() {
-        sections.push(Section::new("Causes", causes(diagnosis)?));
+        fold("Causes", causes(diagnosis)?);
+    }
+    if let Some(arm) = besides.arm {
+        fold("The arm as corrected", vec![arm.clone()]);
     }
     if !diagnosis.candidates.is_empty() {
-        sections.push(Section::new("Candidates", candidates(diagnosis)?));
+        fold("Candidates", candidates(diagnosis)?);
     }
-    sections.push(Section::new("What cannot be seen", unseen(diagnosis)?));
+    fold("What cannot be seen", unseen(diagnosis)?);
     if !diagnosis.warnings.is_empty() {
-        let list = Block::List(diagnosis.warnings.clone());
-        sections.push(Section::new("Warnings", vec![list]));
+        fold("Warnings", vec![Block::List(diagnosis.warnings.clone())]);
     }
     if !diagnosis.noise.is_empty() {
-        let noise = tables::noise(diagnosis)?.into();
-        sections.push(Section::new("Noise", vec![noise]));
+        fold("Noise", vec![tables::noise(diagnosis)?.into()]);
     }
-    let tables = vec![record.table()?.into(), provenance(diagnosis)?.into()];
-    sections.push(Section::new("Provenance", tables));
+    let tables = vec![
+        besides.record.table()?.into(),
+        provenance(diagnosis)?.into(),
+    ];
+    fold("Provenance", tables);
     let name = &diagnosis.device.name;
     let title = format!("Diagnosis of {name}");
-    Ok(Document::new(title, lead(diagnosis), sections).to_html())
+    Ok(Document::new(title, "", sections).to_html())
 }
 
 /// What the answer rests on, in a sentence.
-fn lead(diagnosis: &Diagnosis) -> String {
+fn rests_on(diagnosis: &Diagnosis) -> String {
     let from = &diagnosis.provenance;
     let mut text = format!(
         "{} rows; {} of {} parameters of the model fixed by them; {} effects at their places \
@@ -66,24 +88,62 @@ fn lead(diagnosis: &Diagnosis) -> String {
     text
 }
 
-/// Verdict, next step, the gap as a figure and as a table.
-fn answer(diagnosis: &Diagnosis, repaired: Option<&str>) -> Result<Section, Error> {
+/// Verdict, the gap as a figure beside the first view of the residual, and the next step with its commands.
+fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error> {
     let (tone, label) = verdict_mark(diagnosis.verdict);
-    let mut blocks = vec![
-        Block::Notice {
-            tone,
-            label: label.to_owned(),
-            text: verdict_sentence(diagnosis),
-        },
-        Block::Notice {
-            tone: Tone::Neutral,
-            label: "What to do next:".to_owned(),
-            text: format!("{}.", next_step(diagnosis, repaired).trim_end_matches('.')),
-        },
-    ];
+    let mut blocks = vec![Block::Notice {
+        tone,
+        label: label.to_owned(),
+        text: verdict_sentence(diagnosis),
+    }];
+    let joints = besides
+        .joints
+        .map(|names| format!("In the robot description {names}."));
+    blocks.extend(joints.map(Block::Paragraph));
     blocks.extend(figures::gap(diagnosis)?);
-    blocks.push(tables::channels(diagnosis)?.into());
-    Ok(Section::new("Answer", blocks))
+    let words = next_step(diagnosis, besides.repaired);
+    blocks.extend(next(&words, commands(diagnosis, besides)));
+    Ok(Section::new("", blocks))
+}
+
+/// Commands that go on from here, as one would type them where this one was typed; what is named alone is in the folder of
+/// the page.
+fn commands(diagnosis: &Diagnosis, besides: Besides<'_>) -> Vec<(String, String)> {
+    let record = besides.record;
+    let (device, fit) = (record.typed(&DEVICE_FLAGS), record.typed(&FIT_FLAGS));
+    let mut commands = Vec::new();
+    let mut push = |purpose: &str, command: String| commands.push((purpose.to_owned(), command));
+    if let Some(log) = besides.repaired {
+        let command = format!("haptical identify{device} --log {log} --out result");
+        push("Calibrate from the log without its faults:", command);
+    }
+    if haptical_diagnosis::Question::of(diagnosis).is_some() {
+        let logs = record.typed(&["--log"]);
+        let command = format!("haptical plan{device}{logs} --settle gap.json --out next");
+        push(
+            "Choose the recording that tells the candidates apart:",
+            command,
+        );
+    }
+    if diagnosis.verdict == Verdict::Named && diagnosis.corrected.is_some() {
+        let command = format!("haptical identify{fit} --with gap.json --out result");
+        push("Fit the causes together with geometry and drives:", command);
+    }
+    if diagnosis.corrected.is_some() {
+        let command =
+            "haptical simulate --device corrected.toml --replay NEW_LOG --out predicted.csv";
+        push(
+            "Check the corrected device on a log that nobody has seen:",
+            command.to_owned(),
+        );
+        let command = "haptical export --device corrected.toml --format mjcf --out model.xml";
+        push("Put it into a simulator:", command.to_owned());
+    }
+    if diagnosis.verdict == Verdict::NoGap {
+        let command = format!("haptical identify{fit} --out result");
+        push("The identified device of these data:", command);
+    }
+    commands
 }
 
 /// Where the residual lies and how it looks there.
@@ -241,7 +301,14 @@ mod tests {
         };
         let inputs = vec![input("log", "log.csv"), input("validate", "log2.csv")];
         let record = Record::new("0", "diagnose", Vec::new(), inputs);
-        page(diagnosis, None, &record).unwrap()
+        let (repaired, arm, joints, record) = (None, None, Some("joint 2 is elbow"), &record);
+        let besides = Besides {
+            repaired,
+            arm,
+            joints,
+            record,
+        };
+        page(diagnosis, besides).unwrap()
     }
 
     /// Positions of texts in the page, all present.
@@ -257,8 +324,10 @@ mod tests {
             &page,
             &[
                 "explains the gap",
-                "What to do next:",
+                "In the robot description joint 2 is elbow.",
                 "Gap of out2",
+                "What to do next:",
+                "Channel by channel",
                 "before and after",
                 "stretches with the torque",
                 "258 [243, 273] N m/rad",

@@ -1,11 +1,12 @@
 //! identify.html of an identification of the dynamics.
 
-use haptical_report::{Block, Cell, Document, Section, Table};
+use haptical_report::{Block, Cell, Document, Figure, Mark, Section, Series, Table, Tone};
 
-use super::result::IdentifiedDynamics;
+use super::result::{IdentifiedDynamics, TorqueEntry};
 use super::text::{bodies, in_words, joints, noise, torques};
 use crate::error::Error;
-use crate::page::facts;
+use crate::files::FIT_FLAGS;
+use crate::page::{FIGURE_PX, facts, next};
 
 /// The whole page.
 pub(super) fn page(result: &IdentifiedDynamics) -> Result<String, Error> {
@@ -36,21 +37,76 @@ pub(super) fn page(result: &IdentifiedDynamics) -> Result<String, Error> {
             format!("{:.2} ms", 1e3 * result.torque_delay_s.value),
         ),
     ];
-    let mut sections = vec![
-        Section::new("Torques", vec![torques(result)?.into()]),
-        Section::new("Joints", vec![joints(result)?.into()]),
-        Section::new("Bodies", vec![bodies(result)?.into()]),
-        Section::new("Sums", vec![sums.into()]),
-        Section::new("What was fitted", vec![facts("", settings)?.into()]),
-    ];
+    let mut blocks = vec![Block::Notice {
+        tone: Tone::Good,
+        label: "Identified.".to_owned(),
+        text: result.answer.clone(),
+    }];
+    blocks.extend(left(result)?);
+    let words = "use identified.toml, which is in this folder, and see which effects the torques show besides";
+    blocks.extend(next(words, commands(result)));
+    let mut sections = vec![Section::new("", blocks)];
+    let mut fold = |heading: &str, blocks: Vec<Block>| {
+        sections.push(Section::new(heading, blocks).folded());
+    };
+    fold("Torques", vec![torques(result)?.into()]);
+    fold("Joints", vec![joints(result)?.into()]);
+    fold("Bodies", vec![bodies(result)?.into()]);
+    fold("Sums", vec![sums.into()]);
+    fold("What was fitted", vec![facts("", settings)?.into()]);
     if !result.warnings.is_empty() {
-        let list = vec![Block::List(result.warnings.clone())];
-        sections.push(Section::new("Warnings", list));
+        fold("Warnings", vec![Block::List(result.warnings.clone())]);
     }
-    sections.push(Section::new(
-        "Provenance",
-        vec![result.provenance.table()?.into()],
-    ));
+    fold("Provenance", vec![result.provenance.table()?.into()]);
     let title = format!("Dynamics of {}", result.device);
-    Ok(Document::new(title, result.answer.clone(), sections).to_html())
+    Ok(Document::new(title, "", sections).to_html())
+}
+
+/// The share of each torque that is not explained, before and after.
+fn left(result: &IdentifiedDynamics) -> Result<Option<Block>, Error> {
+    if result.torques.is_empty() {
+        return Ok(None);
+    }
+    let names = result.torques.iter().map(|own| own.channel.clone());
+    let mut figure = Figure::new("Torques not explained", "", "||tau - model|| / ||tau|| [%]");
+    figure.categories = Some(names.collect());
+    let percents = |of: fn(&TorqueEntry) -> f64| {
+        let each = result.torques.iter().enumerate();
+        each.map(|(index, own)| (index as f64, of(own))).collect()
+    };
+    figure.series = vec![
+        Series::new(
+            "before",
+            Mark::Bars,
+            Series::BEFORE,
+            percents(|own| own.percent.before),
+        ),
+        Series::new(
+            "after",
+            Mark::Bars,
+            Series::AFTER,
+            percents(|own| own.percent.after),
+        ),
+    ];
+    Ok(Some(Block::Svg {
+        caption: "On the log that was fitted: by the given device, and by the identified one."
+            .to_owned(),
+        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
+    }))
+}
+
+fn commands(result: &IdentifiedDynamics) -> Vec<(String, String)> {
+    let flags = result.provenance.typed(&FIT_FLAGS);
+    [
+        (
+            "Which effects the torques show besides:",
+            format!("haptical diagnose{flags} --out gap"),
+        ),
+        (
+            "The identified device for a simulator:",
+            "haptical export --device identified.toml --format mjcf --out model.xml".to_owned(),
+        ),
+    ]
+    .map(|(purpose, command)| (purpose.to_owned(), command))
+    .into()
 }

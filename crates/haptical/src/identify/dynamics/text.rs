@@ -1,6 +1,6 @@
 //! An identification of the dynamics in a few lines for a terminal.
 
-use haptical_report::{Cell, Table};
+use haptical_report::{Cell, Table, earned_decimals};
 
 use super::result::{IdentifiedDynamics, NumberEntry};
 use crate::error::Error;
@@ -155,9 +155,6 @@ pub(super) fn bodies(result: &IdentifiedDynamics) -> Result<Table, Error> {
 /// A number with half the width of its interval, to the digits that this leaves.
 pub(super) fn in_words(own: &NumberEntry) -> String {
     let half = 0.5 * (own.ci95[1] - own.ci95[0]);
-    let decimals = match half > 0.0 {
-        true => (1.0 - half.log10().floor()).clamp(0.0, 9.0) as usize,
-        false => 4,
-    };
+    let decimals = earned_decimals(half).unwrap_or(4);
     format!("{:.decimals$} ± {half:.decimals$}", own.value)
 }

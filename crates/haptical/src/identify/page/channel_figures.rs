@@ -8,11 +8,6 @@ use crate::error::Error;
 use crate::page::{FIGURE_PX, MOST_POINTS, thinned};
 use crate::units::Shown;
 
-/// Colours: before, after on the rows of the fit, after on held-out rows.
-const BEFORE: usize = 0;
-const AFTER: usize = 1;
-const AFTER_HELD_OUT: usize = 2;
-
 /// The horizontal axis of a figure, and the place of each row on it.
 struct Axis<'a> {
     label: String,
@@ -54,8 +49,7 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
     let shown = Shown::fine(unit);
     let per_si = shown.per_si;
     // Folds of a short log hold out every row once, so that the fit's rows would be drawn twice.
-    let folds = matches!((fit, held_out), (Some(fit), Some(held_out))
-        if held_out.rows.len() == fit.rows.len());
+    let folds = matches!((fit, held_out), (Some(fit), Some(held_out)) if are_folds(fit, held_out));
     let (fit_once, held_out_once) = (fit.filter(|_| !folds), held_out.filter(|_| !folds));
     let all = fit.into_iter().chain(held_out_once);
     let mut before = thinned(all.flat_map(|own| points(own, &own.before, axis, per_si)));
@@ -66,16 +60,22 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
         })
     };
     let series = [
-        ("before", BEFORE, before),
-        ("after, rows of the fit", AFTER, after(fit_once)),
+        ("before", Mark::Points, Series::BEFORE, before),
+        (
+            "after, rows of the fit",
+            Mark::Rings,
+            Series::AFTER,
+            after(fit_once),
+        ),
         (
             "after, rows not seen by the fit",
-            AFTER_HELD_OUT,
+            Mark::Points,
+            Series::AFTER,
             after(held_out),
         ),
     ];
     let series =
-        series.map(|(label, colour, points)| Series::new(label, Mark::Points, colour, points));
+        series.map(|(label, mark, colour, points)| Series::new(label, mark, colour, points));
     let mut series = series.to_vec();
     series.retain(|series| !series.points.is_empty());
     if series.is_empty() {
@@ -96,6 +96,12 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
         caption: sizes.unwrap_or_default(),
         svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
     }))
+}
+
+/// Whether rows that were held out were fitted too, in other folds.
+fn are_folds(fit: &ChannelReport, held_out: &ChannelReport) -> bool {
+    let first = held_out.rows.first();
+    first.is_some_and(|row| fit.rows.contains(row))
 }
 
 /// The points of residuals; those without a place on the axis are left out.
@@ -215,6 +221,13 @@ mod tests {
         let axis = over_time(&recording);
         let points: Vec<_> = points(&position, &[1.0, 2.0, 3.0], &axis, 1.0).collect();
         assert_eq!(points, [(20.0, 1.0), (20.0, 2.0), (20.0, 3.0)]);
+    }
+
+    #[test]
+    fn as_many_rows_of_another_run_are_no_folds() {
+        let rows = |rows: &[usize]| report("out1", Some(1), rows);
+        assert!(!are_folds(&rows(&[0, 1]), &rows(&[2, 3])));
+        assert!(are_folds(&rows(&[0, 1, 2, 3]), &rows(&[2, 0, 3, 1])));
     }
 
     #[test]

@@ -5,14 +5,19 @@ mod outliers;
 mod parameter_tables;
 mod transmission_figures;
 
+use std::path::Path;
+
 use haptical_calibration::Calibration;
 use haptical_model::Recording;
-use haptical_report::{Block, Cell, Document, Section, Table};
+use haptical_report::{Block, Cell, Document, Section, Table, Tone};
 
+use super::moved;
 use super::result::Identified;
-use super::summary::{channel_table, effect_line, force_sentence, judged_table, main_channel};
+use super::summary::{channel_table, effect_line, force_sentence, judged_table};
+use crate::device::is_urdf;
 use crate::error::Error;
-use crate::page::facts;
+use crate::files::{FIT_FLAGS, shell_word};
+use crate::page::{arm, facts, next};
 use crate::units::Shown;
 
 /// The whole page.
@@ -21,67 +26,121 @@ pub(super) fn page(
     calibration: &Calibration,
     recording: &Recording,
 ) -> Result<String, Error> {
-    let figures = channel_figures::blocks(calibration, recording)?;
-    let mut sections = vec![residuals(result)?, Section::new("Residuals", figures)];
+    let mut figures = channel_figures::blocks(calibration, recording)?;
+    let arm = arm::picture(&calibration.nominal, &calibration.device, recording)?;
+    let main = arm.or_else(|| {
+        let first = figures
+            .iter()
+            .position(|block| matches!(block, Block::Svg { .. }));
+        first.map(|index| figures.remove(index))
+    });
+    let mut sections = vec![answer(result, calibration, main)?];
+    let mut fold = |heading: &str, blocks: Vec<Block>| {
+        sections.push(Section::new(heading, blocks).folded());
+    };
+    fold("Residuals in numbers", residuals(result)?);
+    fold("Residuals in figures", figures);
     if !result.outliers.is_empty() {
-        sections.push(outliers::section(result)?);
+        fold("Outliers", outliers::blocks(result)?);
     }
     let transmissions = transmission_figures::blocks(result, calibration, recording)?;
     if !transmissions.is_empty() {
-        sections.push(Section::new("Transmissions", transmissions));
+        fold("Transmissions", transmissions);
     }
     if !result.effects.is_empty() {
         let lines = result.effects.iter().map(effect_line);
-        let list = vec![Block::List(lines.collect())];
-        sections.push(Section::new("Effects", list));
+        fold("Effects", vec![Block::List(lines.collect())]);
+    }
+    if result.moved.len() > moved::LISTED {
+        fold(
+            "All that moved",
+            vec![moved::table("", &result.moved)?.into()],
+        );
     }
     let mut parameters = vec![parameter_tables::identified(result)?.into()];
     parameters.extend(parameter_tables::combinations(result)?);
-    sections.push(Section::new("Parameters", parameters));
-    let refused = parameter_tables::not_identified(result)?;
-    sections.push(Section::new("What was not identified", refused));
-    let correlations = vec![parameter_tables::correlations(result)?];
-    sections.push(Section::new("Correlations", correlations));
+    fold("Parameters", parameters);
+    fold(
+        "What was not identified",
+        parameter_tables::not_identified(result)?,
+    );
+    fold(
+        "Correlations",
+        vec![parameter_tables::correlations(result)?],
+    );
     if !result.warnings.is_empty() {
-        let list = vec![Block::List(result.warnings.clone())];
-        sections.push(Section::new("Warnings", list));
+        fold("Warnings", vec![Block::List(result.warnings.clone())]);
     }
-    sections.push(provenance(result)?);
+    fold("Provenance", provenance(result)?);
     let title = format!("Identification of {}", calibration.nominal.name);
-    Ok(Document::new(title, lead(result), sections).to_html())
+    Ok(Document::new(title, "", sections).to_html())
 }
 
-/// The result in words, by the channel that matters most.
-fn lead(result: &Identified) -> String {
-    let Some(channel) = main_channel(result) else {
-        return format!("The result is {}.", result.held_out);
+/// What came out, the picture of it, what moved most, and what to do next.
+fn answer(
+    result: &Identified,
+    calibration: &Calibration,
+    picture: Option<Block>,
+) -> Result<Section, Error> {
+    let (tone, label) = match (&result.rejected, &result.next) {
+        (Some(_), _) => (Tone::Bad, "Not kept."),
+        (None, Some(_)) => (Tone::Neutral, "Identified, but more than noise is left."),
+        (None, None) => (Tone::Good, "Identified."),
     };
-    let shown = Shown::fine(&channel.unit);
-    let fixed = result.parameters.len() - result.not_identified.len();
-    let outliers = match channel.outliers {
-        0 => String::new(),
-        1 => "; 1 outlier is left out of these figures".to_owned(),
-        count => format!("; {count} outliers are left out of these figures"),
-    };
-    let force = force_sentence(result).map_or_else(String::new, |force| format!(" {force}"));
-    format!(
-        "The root mean square residual of {} is {} before and {} after identification; the noise \
-         floor is {}{outliers}. Rows that this is measured on: {}. {fixed} of {} parameters were identified \
-         from {} rows.{force}",
-        channel.channel,
-        shown.text(channel.rms_before_good),
-        shown.text(channel.rms_after_good),
-        shown.text(channel.noise_floor),
-        result.held_out,
-        result.parameters.len(),
-        result.rows,
-    ) + &result
-        .next
-        .as_ref()
-        .map_or_else(String::new, |next| format!(" {next}"))
+    let mut blocks = vec![Block::Notice {
+        tone,
+        label: label.to_owned(),
+        text: result.answer.clone(),
+    }];
+    blocks.extend(force_sentence(result).map(Block::Paragraph));
+    blocks.extend(picture);
+    if !result.moved.is_empty() {
+        let (count, listed) = (result.moved.len(), result.moved.len().min(moved::LISTED));
+        let title = match count > listed {
+            true => format!("The {listed} of {count} numbers that moved most"),
+            false => "What moved".to_owned(),
+        };
+        let table = moved::table(&title, &result.moved[..listed])?;
+        blocks.push(table.with_note(moved::note(&result.moved[..listed])).into());
+    }
+    let words = result.next.clone().unwrap_or_else(|| {
+        "nothing is left above the noise on rows that the fit did not see: use identified.toml, which is in this folder".to_owned()
+    });
+    blocks.extend(next(&words, commands(result, calibration)));
+    Ok(Section::new("", blocks))
 }
 
-fn residuals(result: &Identified) -> Result<Section, Error> {
+/// Commands that go on from here, as one would type them where this one was typed.
+fn commands(result: &Identified, calibration: &Calibration) -> Vec<(String, String)> {
+    let record = &result.provenance;
+    let diagnose = format!("haptical diagnose{} --out gap", record.typed(&FIT_FLAGS));
+    let mut commands = vec![(
+        "Which effect causes what is left, or that none does:".to_owned(),
+        diagnose,
+    )];
+    if calibration.nominal.has_links() {
+        let description = record.inputs.iter().find(|input| input.flag == "device");
+        let urdf = description.filter(|input| is_urdf(Path::new(&input.file)));
+        let export = match urdf {
+            Some(input) => format!(
+                "haptical export --device identified.toml --format urdf --urdf {} --out calibrated.urdf",
+                shell_word(&input.file)
+            ),
+            None => {
+                "haptical export --device identified.toml --format mjcf --out model.xml".to_owned()
+            }
+        };
+        commands.push(("The identified device for a simulator:".to_owned(), export));
+    }
+    let controller = "haptical export --device identified.toml --format rust --out model.rs";
+    commands.push((
+        "The same for a control loop (or c-header, json):".to_owned(),
+        controller.to_owned(),
+    ));
+    commands
+}
+
+fn residuals(result: &Identified) -> Result<Vec<Block>, Error> {
     let mut table = judged_table("Root mean square of model minus measurement", result)?;
     table.notes = vec![
         format!("Rows: {}.", result.held_out),
@@ -94,10 +153,10 @@ fn residuals(result: &Identified) -> Result<Section, Error> {
         let title = "The same on the rows of the fit";
         blocks.push(channel_table(title, &result.channels_fit)?.into());
     }
-    Ok(Section::new("Result", blocks))
+    Ok(blocks)
 }
 
-fn provenance(result: &Identified) -> Result<Section, Error> {
+fn provenance(result: &Identified) -> Result<Vec<Block>, Error> {
     let convergence = result.convergence.map_or_else(
         || "no parameter was fitted".to_owned(),
         |convergence| convergence.to_string(),
@@ -126,5 +185,5 @@ fn provenance(result: &Identified) -> Result<Section, Error> {
         "The factor is estimated from the residuals, 1 where the stated noise was taken.",
     );
     let tables = [result.provenance.table()?, fitted, noise];
-    Ok(Section::new("Provenance", tables.map(Block::Table).into()))
+    Ok(tables.map(Block::Table).into())
 }

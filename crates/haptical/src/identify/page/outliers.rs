@@ -1,7 +1,7 @@
 //! The readings that a robust loss distrusts, row by row.
 
 use haptical_calibration::Outlier;
-use haptical_report::{Block, Cell, Section, Table};
+use haptical_report::{Block, Cell, Table};
 
 use crate::error::Error;
 use crate::identify::result::Identified;
@@ -12,8 +12,8 @@ const SHOWN: usize = 20;
 /// Rows that the page has; identified.json has all.
 const MOST: usize = 2000;
 
-/// The section, of a result that has outliers.
-pub(super) fn section(result: &Identified) -> Result<Section, Error> {
+/// What there is to say of a result that has outliers.
+pub(super) fn blocks(result: &Identified) -> Result<Vec<Block>, Error> {
     let count = result.outliers.len();
     let words = format!(
         "{count} readings lie farther from the identified model than normal noise explains: one recording of a \
@@ -37,7 +37,7 @@ pub(super) fn section(result: &Identified) -> Result<Section, Error> {
             blocks: vec![table("", &result.outliers[open..folded], result)?.into()],
         });
     }
-    Ok(Section::new("Outliers", blocks))
+    Ok(blocks)
 }
 
 fn table(title: &str, outliers: &[Outlier], result: &Identified) -> Result<Table, Error> {

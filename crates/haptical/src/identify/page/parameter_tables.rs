@@ -1,6 +1,6 @@
 //! Tables of the parameters: identified, not identified, correlated.
 
-use haptical_report::{Block, Cell, Table};
+use haptical_report::{Block, Cell, Table, earned_decimals};
 
 use crate::error::Error;
 use crate::identify::intervals;
@@ -25,13 +25,9 @@ pub(super) fn identified(result: &Identified) -> Result<Table, Error> {
 
 fn row(entry: &ParameterEntry) -> Vec<Cell> {
     let shown = Shown::coarse(&entry.unit);
-    // As many digits as the standard deviation has, with two of its own.
-    let spread = entry.standard_deviation.unwrap_or(0.0) * shown.per_si;
-    let decimals = if spread > 0.0 {
-        (1.0 - spread.log10().floor()).clamp(1.0, 9.0) as usize
-    } else {
-        6
-    };
+    let half = entry.ci95.map(|[low, high]| 0.5 * (high - low));
+    let spread = half.or(entry.standard_deviation).unwrap_or(0.0) * shown.per_si;
+    let decimals = earned_decimals(spread).unwrap_or(6);
     let number = |value: Option<f64>| {
         Cell::number_or_missing(value.map(|value| value * shown.per_si), decimals)
     };

@@ -53,8 +53,8 @@ fn figure(
         format!("out{0} - theta{0} [{1}]", entry.joint, shown.name),
     );
     figure.series = vec![
-        Series::new("measured", Mark::Points, 5, thinned(measured)),
-        Series::new("identified", Mark::Line, 6, model),
+        Series::new("measured", Mark::Points, Series::BEFORE, thinned(measured)),
+        Series::new("identified", Mark::Line, Series::AFTER, model),
     ];
     figure.series.retain(|series| !series.points.is_empty());
     Ok(Block::Svg {

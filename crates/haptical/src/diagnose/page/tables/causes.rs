@@ -8,6 +8,8 @@ use crate::diagnose::words::{listed, named_at};
 use crate::error::Error;
 use crate::units::Shown;
 
+/// Nats from which on their tenths say nothing.
+const MANY_NATS: f64 = 100.0;
 /// Candidates that are not folded away.
 const OPEN_CANDIDATES: usize = 6;
 
@@ -76,7 +78,10 @@ pub(in crate::diagnose::page) fn candidates(
         vec![
             named_at(&candidate.effect, candidate.joint).into(),
             Cell::number(100.0 * candidate.probability, 1),
-            Cell::number(candidate.nats_behind, 1),
+            Cell::number(
+                candidate.nats_behind,
+                usize::from(candidate.nats_behind < MANY_NATS),
+            ),
             Cell::number(100.0 * candidate.share, 1),
         ]
     };
