@@ -1,9 +1,9 @@
 //! `haptical import`: recordings of other makers as logs of this program, written whole or not at all.
 
+#[cfg(any(feature = "mcap", feature = "rosbag2"))]
+mod bag;
 #[cfg(feature = "parquet")]
 mod lerobot;
-#[cfg(feature = "mcap")]
-mod mcap;
 mod mukca;
 mod poses;
 mod renamed;
@@ -43,10 +43,10 @@ enum From {
     /// Any CSV table, its columns renamed and scaled
     #[command(after_help = poses::HELP)]
     Poses(poses::PosesArguments),
-    /// Joint states (and poses) of ROS 2 in an MCAP file, the joints chosen by name
-    #[cfg(feature = "mcap")]
-    #[command(after_help = mcap::HELP)]
-    Mcap(mcap::McapArguments),
+    /// Joint states (and poses) of ROS 2 in a bag (.mcap, .db3), the joints chosen by name
+    #[cfg(any(feature = "mcap", feature = "rosbag2"))]
+    #[command(after_help = bag::HELP, alias = "mcap")]
+    Bag(bag::BagArguments),
     /// A LeRobot data set: its actions as commands, its observed states as joints, its episodes as runs
     #[cfg(feature = "parquet")]
     #[command(after_help = lerobot::HELP)]
@@ -58,8 +58,8 @@ pub(crate) fn run(arguments: &ImportArguments) -> Result<(), Failure> {
     match &arguments.from {
         From::Mukca(arguments) => mukca::run(arguments),
         From::Poses(arguments) => poses::run(arguments),
-        #[cfg(feature = "mcap")]
-        From::Mcap(arguments) => mcap::run(arguments),
+        #[cfg(any(feature = "mcap", feature = "rosbag2"))]
+        From::Bag(arguments) => bag::run(arguments),
         #[cfg(feature = "parquet")]
         From::Lerobot(arguments) => lerobot::run(arguments),
     }
