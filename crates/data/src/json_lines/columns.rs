@@ -1,6 +1,6 @@
 //! Objects of JSON, one after another, as columns: keys within keys are joined by points, elements are numbered from 1.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use serde_json::Value;
 
@@ -37,7 +37,7 @@ pub struct JsonColumns {
     pub cells: Vec<Vec<JsonCell>>,
     /// Line of each row.
     pub lines: Vec<u64>,
-    by_name: HashMap<String, usize>,
+    by_name: BTreeMap<String, usize>,
     text_bytes: u64,
 }
 
