@@ -1,7 +1,7 @@
 //! Logs of calibration measurements: comma-separated text in and out, plain or gzip, with errors
-//! that name the line and the column; columns in memory, Parquet and MCAP in.
+//! that name the line and the column; columns in memory, JSON lines, Parquet and bags of ROS 2 in.
 //!
-//! Feature `parquet` reads Parquet files, feature `mcap` reads joint states of ROS 2 from MCAP files.
+//! Feature `parquet` reads Parquet files; `mcap` and `rosbag2` read joint states of ROS 2 from MCAP and from rosbag2's SQLite.
 //!
 //! ```
 //! use haptical_data::{JointShape, LogShape, read_log_from, write_log_to};
@@ -25,13 +25,15 @@
 mod column;
 mod edit;
 mod error;
-#[cfg(feature = "mcap")]
-mod mcap_log;
+mod json_lines;
+mod nearest;
 #[cfg(feature = "parquet")]
 mod parquet_lists;
 #[cfg(feature = "parquet")]
 mod parquet_log;
 mod read;
+#[cfg(any(feature = "mcap", feature = "rosbag2"))]
+mod ros;
 mod shape;
 mod size;
 mod write;
@@ -40,13 +42,17 @@ pub use edit::{LogColumn, LogEdits, edit_log};
 pub use error::near_miss::NearMiss;
 pub use error::place::Place;
 pub use error::{DataError, Fault};
-#[cfg(feature = "mcap")]
-pub use mcap_log::{McapOptions, read_mcap, read_mcap_from};
+pub use json_lines::{JsonCell, JsonColumns};
+pub use nearest::{Nearest, nearest, usual_distance_ns};
 #[cfg(feature = "parquet")]
 pub use parquet_lists::{ParquetColumns, read_parquet_columns};
+pub use read::known::known_file;
 pub use read::table::{Cells, log_from_columns};
 pub use read::{LoadedLog, read_log, read_log_from};
+#[cfg(any(feature = "mcap", feature = "rosbag2"))]
+pub use ros::{BagOptions, read_bag, read_bag_from};
 pub use shape::{JointShape, LogShape};
+pub use size::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 pub use write::LogWriter;
 pub use write::log_file::LogFile;
 pub use write::whole::{write_log, write_log_to};

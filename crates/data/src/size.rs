@@ -8,11 +8,11 @@ pub(crate) const LONGEST_LINE_BYTES: u64 = 1 << 20;
 pub(crate) const LONGEST_GAP_BYTES: u64 = 2 << 20;
 
 /// Most columns.
-pub(crate) const MOST_COLUMNS: usize = 4096;
+pub const MOST_COLUMNS: usize = 4096;
 
 /// Most memory for what is read \[bytes\]: 10 million rows of 50 columns fit. The size of the file
 /// is not limited, nor how far it was compressed: a device at rest compresses a thousandfold.
-pub(crate) const MOST_MEMORY_BYTES: u64 = 4 << 30;
+pub const MOST_MEMORY_BYTES: u64 = 4 << 30;
 
 /// Longest name of a contact or a plane \[bytes\].
 pub(crate) const LONGEST_ID_BYTES: usize = 256;

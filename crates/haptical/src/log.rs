@@ -24,7 +24,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// Reads a log of a device: CSV, plain or gzip; with cargo features Parquet and MCAP.
+    /// Reads a log of a device: CSV or JSON lines, plain or gzip; with cargo features Parquet and bags of ROS 2.
     ///
     /// # Errors
     /// A file that cannot be read or is no log of this device, with line and column; distances in millimetres.
@@ -39,10 +39,12 @@ impl Log {
     pub fn open(source: &Source, device: &Device) -> Result<Self, Error> {
         let shape = LogShape::from(&device.model);
         let file = match File::open(&source.path) {
-            Ok(file) => file,
-            Err(error) => {
+            Ok(file) if !source.path.is_dir() => file,
+            // says what is wrong with it
+            _ => {
                 let refused = read_log(&source.path, &shape).err();
-                return Err(refused.map_or_else(|| Error::internal(error), Error::from));
+                let was_there = || Error::internal("the log was there a moment later");
+                return Err(refused.map_or_else(was_there, Error::from));
             }
         };
         let mut reader = HashingReader::new(file);

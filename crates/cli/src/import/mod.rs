@@ -1,13 +1,14 @@
 //! `haptical import`: recordings of other makers as logs of this program, written whole or not at all.
 
+#[cfg(any(feature = "mcap", feature = "rosbag2"))]
+mod bag;
 #[cfg(feature = "parquet")]
 mod lerobot;
-#[cfg(feature = "mcap")]
-mod mcap;
 mod mukca;
 mod poses;
 mod renamed;
 mod sockets;
+mod table;
 
 use std::path::{Path, PathBuf};
 
@@ -23,15 +24,21 @@ use crate::terminal;
 
 /// End of the help of `haptical import`.
 pub(crate) const HELP: &str = "\
-Example:
+Tables of any kind, in two steps; docs/guides/import.md has the mapping file:
+  haptical import --guess table.xlsx --out columns.toml      read it, correct it
+  haptical import --columns columns.toml table.xlsx --out log.csv
+Recordings whose form is known:
   haptical import mukca panda_1 --out log.csv
-  haptical import poses table.csv --map theta1_rad=q1,theta2_rad=q2,x_m=px,y_m=py,z_m=pz --out log.csv";
+  haptical import bag bag.db3 --device arm.urdf --out log.csv";
 
 /// Flags of `haptical import`.
 #[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct ImportArguments {
     #[command(subcommand)]
-    from: From,
+    from: Option<From>,
+    #[command(flatten)]
+    table: table::TableArguments,
 }
 
 /// Origin of a recording.
@@ -40,13 +47,13 @@ enum From {
     /// Postures with a ball in one of two sockets: `DIR/POSITION/hole_{0,1}.csv`
     #[command(after_help = mukca::HELP)]
     Mukca(mukca::MukcaArguments),
-    /// Any CSV table, its columns renamed and scaled
+    /// One table, its columns renamed and scaled by flags
     #[command(after_help = poses::HELP)]
     Poses(poses::PosesArguments),
-    /// Joint states (and poses) of ROS 2 in an MCAP file, the joints chosen by name
-    #[cfg(feature = "mcap")]
-    #[command(after_help = mcap::HELP)]
-    Mcap(mcap::McapArguments),
+    /// Joint states (and poses) of ROS 2 in a bag (.mcap, .db3), the joints chosen by name
+    #[cfg(any(feature = "mcap", feature = "rosbag2"))]
+    #[command(after_help = bag::HELP, alias = "mcap")]
+    Bag(bag::BagArguments),
     /// A LeRobot data set: its actions as commands, its observed states as joints, its episodes as runs
     #[cfg(feature = "parquet")]
     #[command(after_help = lerobot::HELP)]
@@ -55,11 +62,14 @@ enum From {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &ImportArguments) -> Result<(), Failure> {
-    match &arguments.from {
+    let Some(from) = &arguments.from else {
+        return table::run(&arguments.table);
+    };
+    match from {
         From::Mukca(arguments) => mukca::run(arguments),
         From::Poses(arguments) => poses::run(arguments),
-        #[cfg(feature = "mcap")]
-        From::Mcap(arguments) => mcap::run(arguments),
+        #[cfg(any(feature = "mcap", feature = "rosbag2"))]
+        From::Bag(arguments) => bag::run(arguments),
         #[cfg(feature = "parquet")]
         From::Lerobot(arguments) => lerobot::run(arguments),
     }
@@ -136,6 +146,24 @@ impl Target {
                 ))
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Writes a text that is no log.
+    fn write_text(&self, text: String, inputs: &[&Path]) -> Result<(), Failure> {
+        let (folder, name) = folder_and_name(&self.out)?;
+        check_folder(folder)?;
+        check_outputs(&[self.out.clone()], inputs)?;
+        let files = vec![(name, text.into_bytes())];
+        self.refuse_others(folder, &files)?;
+        write_all(folder, &files)?;
+        let written = self.out.display().to_string();
+        match self.json {
+            true => terminal::write_json(&json!({"written": [written]})),
+            false => terminal::write_output(
+                format!("Written:\n  {written}: read it, correct it, and give it as --columns\n")
+                    .as_bytes(),
+            ),
         }
     }
 

@@ -1,15 +1,13 @@
-//! Any CSV table to a log: its columns renamed and scaled, then read as every log is.
+//! Any table to a log by flags: a mapping file in few words.
 
-use std::collections::BTreeSet;
-use std::fs::File;
 use std::path::PathBuf;
 
 use clap::Args;
-use csv::StringRecord;
-use haptical_data::read_log_from;
+use haptical_tables::{ColumnRule, Mapping, OneOrMany, Reading, TEXTS, apply, read_table};
 
-use super::renamed::{Renaming, Scaling, factor, fault, joints_and_cables, renaming, scaling};
-use super::{Imported, Target, shape_without_limits};
+use super::Target;
+use super::renamed::{Renaming, Scaling, factor, fault, renaming, scaling};
+use super::table::{imported, is_covariate, joints_and_cables, refused};
 use crate::failure::Failure;
 
 /// End of the help of `haptical import poses`.
@@ -19,12 +17,13 @@ Example:
     --scale theta*=deg,x_m=mm,y_m=mm,z_m=mm --out log.csv
 
 Names on the left are columns of a log (t_s, run, theta1_rad, out1_rad, cable_m, x_m, qw, hand, contact, plane,
-tool, torque1_nm, fx_n, temp_degc, ...), names on the right columns of the table; #3 is its third column.";
+tool, torque1_nm, fx_n, temp_degc, ...), names on the right columns of the table; #3 is its third column.
+For several files, rotations, units and rows to match: `haptical import --guess FILE...`.";
 
 /// Flags of `haptical import poses`.
 #[derive(Debug, Args)]
 pub(super) struct PosesArguments {
-    /// Table (CSV)
+    /// Table, in any format that `haptical import --guess` reads
     #[arg(value_name = "FILE")]
     table: PathBuf,
     #[command(flatten)]
@@ -40,9 +39,6 @@ pub(super) struct PosesArguments {
     no_header: bool,
 }
 
-/// Columns of which the cells are names.
-const TEXTS: [&str; 4] = ["hand", "contact", "plane", "tool"];
-
 /// Runs the command.
 pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
     arguments.target.check(None, &[&arguments.table])?;
@@ -50,7 +46,12 @@ pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
         let next = "name each column of the log once in --map";
         return Err(Failure::command_line("arguments", what, next));
     }
-    let (slides, cables) = joints_and_cables(&arguments.map);
+    let names: Vec<&str> = arguments
+        .map
+        .iter()
+        .map(|own| own.target.as_str())
+        .collect();
+    let (slides, cables) = joints_and_cables(&names);
     if slides.is_empty() {
         return Err(Failure::command_line(
             "arguments",
@@ -58,154 +59,44 @@ pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
             "name a column for each joint, as theta1_rad=q1",
         ));
     }
-    let log = translated(arguments)?;
-    let mut shape = shape_without_limits(&slides, cables);
-    shape.hands = hands(&log);
-    // its lines are the table's, its columns are not
-    let name = format!("{}, renamed", arguments.table.display());
-    let read = read_log_from(&log[..], &name, &shape)?;
-    refuse_covariates(arguments, &read.recording.covariates)?;
-    arguments.target.write(Imported {
-        log,
-        rows: read.recording.len(),
-        joints: slides.len(),
-        beside: None,
-        warnings: read.warnings,
-    })
-}
-
-/// A target that no log has is a mistyped one.
-fn refuse_covariates(
-    arguments: &PosesArguments,
-    covariates: &[(String, Vec<f64>)],
-) -> Result<(), Failure> {
-    let is_mapped = |name: &str| arguments.map.iter().any(|own| own.target == *name);
-    match covariates.iter().find(|(name, _)| is_mapped(name)) {
-        None => Ok(()),
-        Some((name, _)) => Err(Failure::command_line(
+    // a target that no log has is a mistyped one
+    if let Some(name) = names
+        .iter()
+        .find(|name| is_covariate(name, &slides, cables))
+    {
+        return Err(Failure::command_line(
             "arguments",
             format!(
                 "--map names `{name}`, which is no column of a log, or of a joint that is not mapped"
             ),
             "see the names in `haptical import poses --help`",
-        )),
+        ));
     }
-}
-
-/// The log's text: the table's cells under their new names, line by line as in the table.
-fn translated(arguments: &PosesArguments) -> Result<Vec<u8>, Failure> {
-    let table = &arguments.table;
-    let next = "give a table as CSV in UTF-8, separated by commas";
-    let unreadable = |error: csv::Error| {
-        Failure::in_file(
-            "unreadable",
-            format!("cannot be read: {error}"),
-            table,
-            next,
-        )
+    let mapping = Mapping {
+        table: Reading {
+            header: Some(!arguments.no_header),
+            ..Reading::default()
+        },
+        column: arguments
+            .map
+            .iter()
+            .map(|own| rule(own, &arguments.scale))
+            .collect(),
+        ..Mapping::default()
     };
-    let file = File::open(table).map_err(|error| Failure::unreadable(&error, table, next))?;
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(!arguments.no_header)
-        .trim(csv::Trim::All)
-        .from_reader(file);
-    let header = reader.headers().map_err(unreadable)?.clone();
-    let mut columns = Vec::new();
-    for renaming in &arguments.map {
-        columns.push((source(arguments, renaming, &header)?, renaming));
-    }
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let names = arguments.map.iter().map(|renaming| &renaming.target);
-    writer.write_record(names).map_err(Failure::internal)?;
-    let (mut record, mut cells) = (StringRecord::new(), Vec::new());
-    while reader.read_record(&mut record).map_err(unreadable)? {
-        let line = record.position().map_or(1, csv::Position::line);
-        for &(index, renaming) in &columns {
-            let cell = record.get(index).unwrap_or_default();
-            let scaled = scaled(cell, renaming, &arguments.scale).map_err(|what| {
-                let next = "correct it, or leave the cell empty where there is no reading";
-                let place = (line, index as u64 + 1);
-                Failure::placed("not-a-number", what, table, place, next)
-            })?;
-            cells.push(scaled.unwrap_or_else(|| cell.to_owned()));
-        }
-        writer
-            .write_record(cells.drain(..))
-            .map_err(Failure::internal)?;
-    }
-    writer.into_inner().map_err(Failure::internal)
+    let table = read_table(&arguments.table, &mapping.table).map_err(refused)?;
+    let log = apply(&[table], &mapping).map_err(refused)?;
+    arguments
+        .target
+        .write(imported(log, None, &arguments.table)?)
 }
 
-/// Names in the column `hand`: whatever a table has, the device file will declare.
-fn hands(log: &[u8]) -> Vec<String> {
-    let mut rows = csv::Reader::from_reader(log);
-    let headers = rows.headers().ok();
-    let place = headers.and_then(|names| names.iter().position(|name| name == "hand"));
-    let Some(place) = place else {
-        return Vec::new();
-    };
-    let cells = rows.records().flatten();
-    let names = cells.filter_map(|row| Some(row.get(place)?.trim().to_owned()));
-    let names: BTreeSet<String> = names.filter(|name| !name.is_empty()).collect();
-    names.into_iter().collect()
-}
-
-/// The scaled number; none where the cell stays as it is.
-fn scaled(cell: &str, renaming: &Renaming, scalings: &[Scaling]) -> Result<Option<String>, String> {
-    if cell.is_empty() || TEXTS.contains(&renaming.target.as_str()) {
-        return Ok(None);
-    }
-    match (cell.parse::<f64>(), factor(scalings, &renaming.target)) {
-        (Ok(number), _) if !number.is_finite() => Err(format!("`{cell}` is not a finite number")),
-        (Ok(_), None) => Ok(None),
-        (Ok(number), Some(factor)) => Ok(Some(format!("{:?}", number * factor))),
-        (Err(_), _) => {
-            let found: String = cell.chars().take(40).collect();
-            Err(format!("expected a number, found `{found}`"))
-        }
-    }
-}
-
-/// The index of a source column.
-fn source(
-    arguments: &PosesArguments,
-    renaming: &Renaming,
-    header: &StringRecord,
-) -> Result<usize, Failure> {
-    let name = &renaming.source;
-    let refuse = |what: String, next: String| {
-        let table = &arguments.table;
-        Err(Failure::in_file("missing-column", what, table, next))
-    };
-    let number = name.strip_prefix('#');
-    if let Some(number) = number.and_then(|number| number.parse::<usize>().ok()) {
-        return match number.checked_sub(1) {
-            Some(index) if index < header.len() => Ok(index),
-            _ => refuse(
-                format!("there is no column {name}, the table has {}", header.len()),
-                "columns are numbered from #1".to_owned(),
-            ),
-        };
-    }
-    if arguments.no_header {
-        return refuse(
-            format!("--no-header leaves no column the name `{name}`"),
-            "name columns as #1, #2, ...".to_owned(),
-        );
-    }
-    let mut found = header.iter().enumerate().filter(|(_, cell)| cell == name);
-    match (found.next(), found.next()) {
-        (Some((index, _)), None) => Ok(index),
-        (Some((first, _)), Some((second, _))) => refuse(
-            format!("two columns are called `{name}`"),
-            format!("name one of them as #{} or #{}", first + 1, second + 1),
-        ),
-        (None, _) => {
-            let names: Vec<&str> = header.iter().take(40).collect();
-            refuse(
-                format!("there is no column `{name}`"),
-                format!("the table has: {}", names.join(", ")),
-            )
-        }
+fn rule(own: &Renaming, scalings: &[Scaling]) -> ColumnRule {
+    let is_text = TEXTS.contains(&own.target.as_str());
+    ColumnRule {
+        log: OneOrMany::One(own.target.clone()),
+        from: OneOrMany::One(own.source.clone()),
+        factor: factor(scalings, &own.target).filter(|_| !is_text),
+        ..ColumnRule::default()
     }
 }

@@ -75,27 +75,6 @@ pub(super) fn fault(renamings: &[Renaming], scalings: &[Scaling]) -> Option<Stri
     Some(format!("--scale names `{idle}`, which --map does not"))
 }
 
-/// The joints that slide, by the targets `theta1_rad`, `theta2_m`, ... up to the first that is missing; and the
-/// number of cables.
-pub(super) fn joints_and_cables(renamings: &[Renaming]) -> (Vec<bool>, usize) {
-    let has = |name: &str| renamings.iter().any(|renaming| renaming.target == name);
-    let mut slides = Vec::new();
-    loop {
-        let number = slides.len() + 1;
-        let turns = has(&format!("theta{number}_rad"));
-        if !turns && !has(&format!("theta{number}_m")) {
-            break;
-        }
-        slides.push(!turns);
-    }
-    let cables = renamings.iter().filter(|renaming| {
-        let number = renaming.target.strip_prefix("cable");
-        let number = number.and_then(|rest| rest.strip_suffix("_m"));
-        number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
-    });
-    (slides, cables.count())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,13 +105,5 @@ mod tests {
         );
         let idle = [scaling("x_m=mm").unwrap()];
         assert!(fault(&map(&["a=b"]), &idle).unwrap().contains("`x_m`"));
-        let joints = map(&[
-            "theta1_rad=a",
-            "theta2_m=b",
-            "theta4_rad=c",
-            "cable_m=d",
-            "cable2_m=e",
-        ]);
-        assert_eq!(joints_and_cables(&joints), (vec![false, true], 2));
     }
 }

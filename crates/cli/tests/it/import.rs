@@ -196,9 +196,9 @@ fn a_log_is_written_as_csv_alone() {
     }
 }
 
-#[cfg(feature = "mcap")]
+#[cfg(all(feature = "mcap", feature = "rosbag2"))]
 #[test]
-fn joints_of_an_mcap_file_are_chosen_by_name() {
+fn joints_of_a_bag_are_chosen_by_name() {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/tests/fixtures");
     if !fixtures.exists() {
         println!("skipped: the fixtures of haptical-data are not here");
@@ -208,18 +208,25 @@ fn joints_of_an_mcap_file_are_chosen_by_name() {
     let device = folder.path().join("device.toml");
     std::fs::write(&device, "[device]\ndof = 2\n[[joint]]\n[[joint]]\n").unwrap();
     let out = folder.path().join("log.csv");
+    // the older word for MCAP files still works
+    for (word, bag) in [("mcap", "zstd.mcap"), ("bag", "rosbag2.db3")] {
+        joints_of_a_bag(word, &fixtures.join(bag), &device, &out);
+        std::fs::remove_file(&out).unwrap();
+    }
+}
+
+#[cfg(all(feature = "mcap", feature = "rosbag2"))]
+fn joints_of_a_bag(word: &str, bag: &Path, device: &Path, out: &Path) {
     let import = |joints: &str| {
         let mut command = haptical();
-        command
-            .args(["import", "mcap"])
-            .arg(fixtures.join("zstd.mcap"));
-        command.arg("--device").arg(&device).arg("--out").arg(&out);
+        command.args(["import", word]).arg(bag);
+        command.arg("--device").arg(device).arg("--out").arg(out);
         command.args(["--joints", joints]).output().unwrap()
     };
     let output = import("shoulder,elbow");
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let ours = read_log(&out, &joints(2)).unwrap().recording;
-    let theirs = read_log(&fixtures.join("log.csv"), &joints(2))
+    let ours = read_log(out, &joints(2)).unwrap().recording;
+    let theirs = read_log(&bag.with_file_name("log.csv"), &joints(2))
         .unwrap()
         .recording;
     // NaN is not equal to itself, its text is

@@ -83,14 +83,17 @@ fn columns_are_renamed_and_scaled() {
 }
 
 #[test]
-fn without_a_header_columns_are_numbers_and_digits_stay() {
+fn without_a_header_columns_are_numbers_and_no_digit_is_lost() {
     let bench = Bench::new("1.2345678901234567e-1,0.5\n0.3,0.25\n");
     let output = bench.import(&["--no-header", "--map", "theta1_rad=#2,out1_rad=#1"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let written = std::fs::read_to_string(bench.0.path().join("out/log.csv")).unwrap();
     assert_eq!(
         written,
-        "theta1_rad,out1_rad\n0.5,1.2345678901234567e-1\n0.25,0.3\n"
+        format!(
+            "theta1_rad,out1_rad\n0.5,{}\n0.25,0.3\n",
+            1.2345678901234567e-1
+        )
     );
 }
 
@@ -150,12 +153,33 @@ fn what_cannot_be_a_log_is_refused_and_nothing_is_written() {
     let ragged = Bench::new("q,w\n1,2\n3\n");
     ragged.refused(
         &["--map", "theta1_rad=q"],
-        &["cannot be read", "separated by commas"],
+        &["1 cells where most rows have 2", "table.csv:3"],
     );
     let infinite = Bench::new("q\n1\ninf\n");
     infinite.refused(
         &["--map", "theta1_rad=q"],
         &["`inf` is not a finite number"],
     );
-    Bench::new("").refused(&["--map", "theta1_rad=q"], &["no column `q`"]);
+    Bench::new("").refused(&["--map", "theta1_rad=q"], &["the table has no rows"]);
+}
+
+/// The same flags on tables that are no CSV of commas.
+#[test]
+fn other_tables_take_the_same_flags() {
+    let names = "theta1_rad=q,x_m=x,y_m=y,z_m=z";
+    let scales = "x_m=mm,y_m=mm,z_m=mm,theta1_rad=deg";
+    let map = ["--map", names, "--scale", scales];
+    let bench = Bench::new("q;x;y;z\n90,0;1,5;2;3\n45,0;2,5;3;4\n");
+    let output = bench.import(&map);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let shape = LogShape {
+        joints: vec![joint("1")],
+        cable_count: 0,
+        hands: Vec::new(),
+    };
+    let log = read_log(&bench.0.path().join("out/log.csv"), &shape)
+        .unwrap()
+        .recording;
+    assert_eq!(log.position_m.unwrap()[0], [0.0015, 0.0025]);
+    assert_eq!(log.joint[0][0], std::f64::consts::FRAC_PI_2);
 }

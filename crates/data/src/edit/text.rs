@@ -62,6 +62,9 @@ pub fn edit_log(
     MultiGzDecoder::new(bytes)
         .read_to_end(&mut text)
         .map_err(|source| Place::file(name).error(Fault::CorruptGzip { source }))?;
+    if Format::detect(&text) != Format::Text {
+        return Ok(None);
+    }
     let text = edited(&text, name, lines, edits, shape)?;
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     let written = encoder

@@ -1,4 +1,4 @@
-//! The format of a log by its first bytes: text, Parquet, MCAP.
+//! The format of a log by its first bytes: text, JSON lines, Parquet, MCAP, SQLite.
 
 use std::io::Read;
 
@@ -12,13 +12,19 @@ pub(crate) const PARQUET_MAGIC: [u8; 4] = *b"PAR1";
 /// How an MCAP file begins and ends.
 pub(crate) const MCAP_MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 
+/// How an SQLite file begins, as bags of ROS 2 are.
+pub(crate) const SQLITE_MAGIC: [u8; 16] = *b"SQLite format 3\0";
+
 /// What a log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Format {
     /// Comma-separated text, plain or gzip.
     Text,
+    /// An object of JSON in each line; gzip is seen later.
+    JsonLines,
     Parquet,
     Mcap,
+    Sqlite,
 }
 
 impl Format {
@@ -28,19 +34,36 @@ impl Format {
             Self::Parquet
         } else if first.starts_with(&MCAP_MAGIC) {
             Self::Mcap
+        } else if first.starts_with(&SQLITE_MAGIC) {
+            Self::Sqlite
+        } else if is_json(first) {
+            Self::JsonLines
         } else {
             Self::Text
         }
     }
 
     /// Its name, and that of the feature that reads it.
-    fn names(self) -> (&'static str, &'static str) {
+    pub(crate) fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Text => ("CSV", "default"),
+            Self::JsonLines => ("JSON lines", "default"),
             Self::Parquet => ("Parquet", "parquet"),
             Self::Mcap => ("MCAP", "mcap"),
+            Self::Sqlite => ("SQLite", "rosbag2"),
         }
     }
+
+    /// The error that this build lacks it.
+    pub(crate) fn not_built_in(self, name: &str) -> DataError {
+        let (format, feature) = self.names();
+        Place::file(name).error(Fault::NotBuiltIn { format, feature })
+    }
+}
+
+/// Whether a text is one of JSON objects: no header of a table begins so.
+pub(crate) fn is_json(first: &[u8]) -> bool {
+    first.trim_ascii_start().first() == Some(&b'{')
 }
 
 /// Reads a log that is no text.
@@ -55,16 +78,15 @@ pub(crate) fn read_binary(
         Format::Parquet => crate::parquet_log::read(reader, name, shape),
         #[cfg(feature = "mcap")]
         Format::Mcap => {
-            crate::mcap_log::read_mcap_from(reader, name, &crate::McapOptions::default(), shape)
+            crate::ros::read_bag_from(reader, name, &crate::BagOptions::default(), shape)
         }
-        #[allow(
-            unreachable_patterns,
-            reason = "a build with every feature reads them all"
-        )]
+        #[cfg(feature = "rosbag2")]
+        Format::Sqlite => {
+            crate::ros::read_bag_from(reader, name, &crate::BagOptions::default(), shape)
+        }
         _ => {
             let _ = (reader, shape);
-            let (format, feature) = format.names();
-            Err(Place::file(name).error(Fault::NotBuiltIn { format, feature }))
+            Err(format.not_built_in(name))
         }
     }
 }

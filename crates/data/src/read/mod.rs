@@ -6,6 +6,7 @@ pub(crate) mod format;
 pub(crate) mod groups;
 pub(crate) mod hands;
 pub(crate) mod header;
+pub(crate) mod known;
 pub(crate) mod limits;
 pub(crate) mod order;
 pub(crate) mod orientation;
@@ -21,10 +22,11 @@ use haptical_model::Recording;
 
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
-use crate::read::format::{Format, read_binary};
+use crate::json_lines;
+use crate::read::format::{Format, is_json, read_binary};
 use crate::read::header::Header;
 use crate::read::rows::Rows;
-use crate::read::source::{N_FIRST, first_bytes, open_error};
+use crate::read::source::{N_FIRST, TextStream, first_bytes, open_error};
 use crate::read::table::Table;
 use crate::shape::LogShape;
 use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES};
@@ -39,16 +41,22 @@ pub struct LoadedLog {
     pub warnings: Vec<String>,
 }
 
-/// Reads a log: CSV, plain or gzip, and with the features of these names Parquet and MCAP. What it is
-/// is recognised by its first bytes, not by its name.
+/// Reads a log: CSV or JSON lines, plain or gzip, and with the features of these names Parquet, MCAP and the bags of rosbag2.
+/// What it is is recognised by its first bytes, not by its name.
 ///
-/// In errors and warnings the first row of a Parquet file or of an MCAP file's joint states is line 2, as in
+/// In errors and warnings the first row of a Parquet file or of a bag's joint states is line 2, as in
 /// the CSV log of the same rows.
 ///
 /// # Errors
 /// Everything that can be wrong with a log is a variant of [`DataError`].
 pub fn read_log(path: &Path, shape: &LogShape) -> Result<LoadedLog, DataError> {
     let name = path.display().to_string();
+    if path.join("metadata.yaml").is_file() {
+        return Err(Place::file(&name).error(Fault::NotALog {
+            what: "this is the folder of a bag of ROS 2".to_owned(),
+            advice: "give the .mcap or .db3 file in it; merge several: ros2 bag convert".to_owned(),
+        }));
+    }
     let file = File::open(path).map_err(|source| open_error(&name, source))?;
     read_log_from(file, &name, shape)
 }
@@ -77,12 +85,17 @@ pub fn read_log_from(
     let mut reader = reader;
     let first = first_bytes(&mut reader, N_FIRST)
         .map_err(|source| Place::file(name).error(Fault::Unreadable { source }))?;
+    known::refuse(&first, name)?;
     let format = Format::detect(&first);
     let whole = Cursor::new(first).chain(reader);
-    if format != Format::Text {
+    if !matches!(format, Format::Text | Format::JsonLines) {
         return read_binary(format, whole, name, shape);
     }
-    let mut rows = Rows::new(whole, name)?;
+    let text = TextStream::new(whole, name)?;
+    if is_json(text.first()) {
+        return json_lines::read(text, name, shape);
+    }
+    let mut rows = Rows::new(text, name);
     let table = parse(&mut rows, name, shape, MOST_MEMORY_BYTES);
     let table = table.map_err(|refusal| rows.explain(refusal))?;
     drop(rows);
@@ -142,7 +155,8 @@ mod tests {
             hands: Vec::new(),
         };
         let read = |text: &str, most_bytes| {
-            let mut rows = Rows::new(text.as_bytes(), "log.csv").unwrap();
+            let text = TextStream::new(text.as_bytes(), "log.csv").unwrap();
+            let mut rows = Rows::new(text, "log.csv");
             parse(&mut rows, "log.csv", &shape, most_bytes).map(|table| table.lines.len())
         };
         for (text, row_bytes) in [

@@ -1,7 +1,5 @@
 //! Text to rows of cells, each row with its line.
 
-use std::io::Read;
-
 use csv::StringRecord;
 
 use crate::error::place::Place;
@@ -20,17 +18,17 @@ pub(crate) struct Rows<'r> {
 }
 
 impl<'r> Rows<'r> {
-    /// Rows of what `reader` gives, which is named `file` in errors.
-    pub(crate) fn new(reader: impl Read + 'r, file: &'r str) -> Result<Self, DataError> {
-        Ok(Self {
+    /// Rows of a text, which is named `file` in errors.
+    pub(crate) fn new(text: TextStream<'r>, file: &'r str) -> Self {
+        Self {
             file,
             reader: csv::ReaderBuilder::new()
                 .has_headers(false)
                 .flexible(true)
                 .buffer_capacity(BUFFER_BYTES)
-                .from_reader(TextStream::new(reader, file)?),
+                .from_reader(text),
             record: StringRecord::new(),
-        })
+        }
     }
 
     /// The next row with its line, or none at the end.

@@ -15,7 +15,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Text that is decompressed after a refusal, in search of damage \[bytes\].
 const SEARCHED_BYTES: u64 = 16 << 20;
 /// Bytes that tell what a file is.
-pub(crate) const N_FIRST: usize = 8;
+pub(crate) const N_FIRST: usize = 16;
 
 /// The text of a log as it comes, so that neither a long line nor a small file that decompresses
 /// to a large one fills the memory.
@@ -113,6 +113,11 @@ impl<'r> TextStream<'r> {
         io::copy(&mut rest, &mut io::sink())
             .err()
             .map(|source| unreadable_or_corrupt(source, &self.file, true))
+    }
+
+    /// The first bytes of the text.
+    pub(crate) fn first(&self) -> &[u8] {
+        (self.first.strip_prefix(BYTE_ORDER_MARK)).unwrap_or(&self.first)
     }
 
     /// Whether a quotation mark has been seen.
@@ -315,13 +320,9 @@ fn unreadable_or_corrupt(source: io::Error, file: &str, is_gzip: bool) -> DataEr
 
 /// Advice by the first bytes of files that are taken for a log.
 fn what_it_is(bytes: &[u8]) -> Option<&'static str> {
-    const KNOWN: [(&[u8], &str); 9] = [
+    const KNOWN: [(&[u8], &str); 8] = [
         (b"\xff\xfe", "it looks like UTF-16: save it as UTF-8"),
         (b"\xfe\xff", "it looks like UTF-16: save it as UTF-8"),
-        (
-            b"PK\x03\x04",
-            "it looks like a spreadsheet or zip archive: export it as CSV",
-        ),
         (
             b"\x28\xb5\x2f\xfd",
             "it looks compressed with zstd: decompress it, or use gzip",

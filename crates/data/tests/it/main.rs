@@ -11,15 +11,19 @@ mod gzip;
 mod hands;
 mod headers;
 mod hostile;
+mod json_lines;
+mod known;
 #[cfg(feature = "mcap")]
 mod mcap;
-#[cfg(not(all(feature = "mcap", feature = "parquet")))]
+#[cfg(not(all(feature = "mcap", feature = "parquet", feature = "rosbag2")))]
 mod not_built_in;
 mod order;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod properties;
 mod reading;
+#[cfg(feature = "rosbag2")]
+mod rosbag2;
 mod support;
 mod tables;
 mod writing;

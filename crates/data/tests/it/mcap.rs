@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use byteorder::{BigEndian, LittleEndian};
 use haptical_data::{
-    DataError, JointShape, LoadedLog, LogShape, McapOptions, read_log, read_mcap_from,
+    BagOptions, DataError, JointShape, LoadedLog, LogShape, read_bag_from, read_log,
 };
 use mcap::records::MessageHeader;
 use proptest::prelude::*;
@@ -105,12 +105,12 @@ fn encoded(messages: &[Sent], encoding: &str) -> Vec<u8> {
     content
 }
 
-fn read(content: &[u8], options: &McapOptions) -> Result<LoadedLog, DataError> {
-    read_mcap_from(content, "bag.mcap", options, &shape())
+fn read(content: &[u8], options: &BagOptions) -> Result<LoadedLog, DataError> {
+    read_bag_from(content, "bag.mcap", options, &shape())
 }
 
 fn clean(messages: &[Sent]) -> LoadedLog {
-    let log = read(&bag(messages), &McapOptions::default()).unwrap();
+    let log = read(&bag(messages), &BagOptions::default()).unwrap();
     assert_eq!(log.warnings, Vec::<String>::new());
     log
 }
@@ -163,7 +163,7 @@ fn without_stamps_the_time_of_recording_is_taken() {
         joints(&unstamped([0.1, 0.2])),
         joints(&unstamped([0.3, 0.4])),
     ];
-    let log = read(&bag(&sent), &McapOptions::default()).unwrap();
+    let log = read(&bag(&sent), &BagOptions::default()).unwrap();
     assert!(log.warnings[0].contains("no stamps"), "{:?}", log.warnings);
     assert_eq!(log.recording.time_s.unwrap(), [0.0, 1e-6]);
 }
@@ -181,7 +181,7 @@ fn a_message_that_is_not_later_and_one_of_a_gripper_are_left_out_with_a_warning(
         joints(&state(1, [0.5, 0.5])),
         joints(&state(3, [0.3, 0.4])),
     ];
-    let log = read(&bag(&sent), &McapOptions::default()).unwrap();
+    let log = read(&bag(&sent), &BagOptions::default()).unwrap();
     assert_eq!(log.recording.joint[0], [0.1, 0.3]);
     assert_eq!(log.warnings.len(), 2, "{:?}", log.warnings);
     assert!(
@@ -198,7 +198,7 @@ fn efforts_become_torques_of_joints_that_turn() {
         ..state(time, [0.1, 0.2])
     };
     let content = bag(&[joints(&pushed(1)), joints(&pushed(2))]);
-    let log = read(&content, &McapOptions::default()).unwrap();
+    let log = read(&content, &BagOptions::default()).unwrap();
     // a driver without a sensor at one joint says NaN there
     assert_eq!(log.recording.torque_nm, [Some(vec![1.5, 1.5]), None]);
     let mut sliding = shape();
@@ -206,7 +206,7 @@ fn efforts_become_torques_of_joints_that_turn() {
         prismatic: true,
         ..revolute("shoulder")
     };
-    let log = read_mcap_from(&content[..], "bag.mcap", &McapOptions::default(), &sliding).unwrap();
+    let log = read_bag_from(&content[..], "bag.mcap", &BagOptions::default(), &sliding).unwrap();
     assert_eq!(log.recording.torque_nm, [None, None]);
     assert!(
         log.warnings[0].contains("`shoulder`, which slides"),
@@ -241,7 +241,7 @@ fn poses_and_transforms_go_to_the_nearest_row() {
         joints(&state(20, [0.5, 0.6])),
         transform(90, 0.75),
     ];
-    let log = read(&bag(&sent), &McapOptions::default()).unwrap();
+    let log = read(&bag(&sent), &BagOptions::default()).unwrap();
     let [x, _, z] = log.recording.position_m.unwrap();
     assert_eq!((x[0], x[2], z[0]), (0.25, 0.5, 3.0));
     assert!(x[1].is_nan());
@@ -274,9 +274,9 @@ fn names_and_topics_are_chosen() {
         joints(&state(2, [0.3, 0.4])),
         other(2, 0.8),
     ];
-    let named = McapOptions {
+    let named = BagOptions {
         joint_names: vec!["b".into(), "a".into()],
-        ..McapOptions::default()
+        ..BagOptions::default()
     };
     let log = read(&bag(&sent), &named).unwrap();
     assert_eq!(log.recording.joint[1], [0.7, 0.8]);
@@ -287,16 +287,16 @@ fn names_and_topics_are_chosen() {
             .map(|(_, schema, data)| ("/copy", schema, data)),
     ]
     .concat();
-    let error = read(&bag(&twice), &McapOptions::default())
+    let error = read(&bag(&twice), &BagOptions::default())
         .unwrap_err()
         .to_string();
     assert!(
         error.contains("2 topics have these joints: `/copy`, `/joint_states`"),
         "{error}"
     );
-    let chosen = McapOptions {
+    let chosen = BagOptions {
         joint_topic: Some("/joint_states".into()),
-        ..McapOptions::default()
+        ..BagOptions::default()
     };
     assert_eq!(
         read(&bag(&twice), &chosen).unwrap().recording.joint[0],
@@ -306,7 +306,7 @@ fn names_and_topics_are_chosen() {
 
 #[test]
 fn what_is_no_log_is_refused_with_the_way_out() {
-    let refused = |content: &[u8], options: &McapOptions, kind: &str, words: &[&str]| {
+    let refused = |content: &[u8], options: &BagOptions, kind: &str, words: &[&str]| {
         let error = read(content, options).unwrap_err();
         let text = error.to_string();
         assert_eq!(error.kind(), kind, "{text}");
@@ -315,11 +315,11 @@ fn what_is_no_log_is_refused_with_the_way_out() {
             assert!(text.contains(word), "{word}: {text}");
         }
     };
-    let default = McapOptions::default();
+    let default = BagOptions::default();
     let good = [joints(&state(1, [0.1, 0.2])), joints(&state(2, [0.3, 0.4]))];
-    let names = |names: &[&str]| McapOptions {
+    let names = |names: &[&str]| BagOptions {
         joint_names: names.iter().map(|&name| name.to_owned()).collect(),
-        ..McapOptions::default()
+        ..BagOptions::default()
     };
     let content = bag(&good);
     refused(
@@ -346,14 +346,14 @@ fn what_is_no_log_is_refused_with_the_way_out() {
         "not-a-log",
         &["message 1 of `/joint_states` has no `wrist`"],
     );
-    let topic = McapOptions {
+    let topic = BagOptions {
         joint_topic: Some("/x".into()),
-        ..McapOptions::default()
+        ..BagOptions::default()
     };
     refused(&content, &topic, "not-a-log", &["`/x`", "`/joint_states`"]);
-    let pose = McapOptions {
+    let pose = BagOptions {
         pose_topic: Some("/p".into()),
-        ..McapOptions::default()
+        ..BagOptions::default()
     };
     refused(&content, &pose, "not-a-log", &["`/p`", "none"]);
     refused(
@@ -384,7 +384,7 @@ fn what_is_no_log_is_refused_with_the_way_out() {
     let mut parameters = joints(&state(1, [0.1, 0.2]));
     parameters.2[1] = 3;
     refused(&bag(&[parameters]), &default, "damaged", &["encoding 3"]);
-    let empty = read_mcap_from(&content[..], "bag.mcap", &default, &LogShape::default());
+    let empty = read_bag_from(&content[..], "bag.mcap", &default, &LogShape::default());
     assert_eq!(empty.unwrap_err().kind(), "invalid-shape");
 }
 
@@ -393,7 +393,7 @@ fn a_cut_file_is_refused_at_every_length() {
     for name in ["none.mcap", "lz4.mcap", "zstd.mcap"] {
         let whole = std::fs::read(fixture(name)).unwrap();
         for length in (8..whole.len()).step_by(7) {
-            let error = read(&whole[..length], &McapOptions::default()).unwrap_err();
+            let error = read(&whole[..length], &BagOptions::default()).unwrap_err();
             assert_eq!(error.kind(), "damaged", "{name} {length}: {error}");
         }
     }
@@ -413,7 +413,7 @@ proptest! {
             let place = place.index(content.len());
             content[place] = byte;
         }
-        let _ = read(&content, &McapOptions::default());
+        let _ = read(&content, &BagOptions::default());
     }
 
     /// So are messages whose lengths and names are anything.
@@ -426,6 +426,6 @@ proptest! {
             let place = place.index(sent.2.len());
             sent.2[place] = byte;
         }
-        let _ = read(&bag(&[sent]), &McapOptions::default());
+        let _ = read(&bag(&[sent]), &BagOptions::default());
     }
 }

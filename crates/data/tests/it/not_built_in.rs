@@ -16,6 +16,12 @@ fn mcap_is_named() {
     refused(b"\x89MCAP0\r\n\x01", "MCAP", "--features mcap");
 }
 
+#[cfg(not(feature = "rosbag2"))]
+#[test]
+fn rosbag2_is_named() {
+    refused(b"SQLite format 3\0\x10", "SQLite", "--features rosbag2");
+}
+
 #[track_caller]
 fn refused(content: &[u8], format: &str, advice: &str) {
     let error = read_log_from(content, "log", &single()).unwrap_err();

@@ -1,4 +1,4 @@
-//! Parquet and MCAP, which the short CI does not build: the tests of the readers and of the command with them.
+//! Parquet and bags of ROS 2: the tests of the readers and of the command with them.
 
 use std::path::Path;
 
@@ -13,22 +13,24 @@ const RUNS: [(&str, &[&str]); 2] = [
     ("haptical-cli", &["--test", "it", "import"]),
 ];
 
+/// The features.
+const FEATURES: &str = "parquet,mcap,rosbag2";
+
 /// Writes the section.
 pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
-    output.section("Parquet and MCAP");
+    output.section("Parquet and bags of ROS 2");
     output.words(
-        "Logs as Parquet files and as MCAP files with joint states of ROS 2 are read with the features `parquet` and \
-         `mcap` of `haptical-data` and `haptical-cli`, which are not on by default: they add about two minutes of \
-         processor time to a build from nothing. Their tests read files that pyarrow and MCAP's Python library wrote, \
-         and damaged ones.",
+        "The command reads logs as Parquet files, and bags with joint states of ROS 2 as MCAP and as rosbag2's SQLite, with the \
+         features `parquet`, `mcap` and `rosbag2`, which are on by default in `haptical-cli` and off in the libraries. Their tests \
+         read files that pyarrow and the Python libraries of MCAP and of rosbags wrote, and damaged ones.",
     );
     for (package, further) in RUNS {
         let passed = passed_tests(
             root,
-            &[&["--features", "parquet,mcap", "-p", package], further].concat(),
+            &[&["--features", FEATURES, "-p", package], further].concat(),
             &[],
         )?;
-        let command = ["cargo test --features parquet,mcap -p", package]
+        let command = ["cargo test --features", FEATURES, "-p", package]
             .iter()
             .chain(further)
             .copied()

@@ -1,26 +1,26 @@
-//! Joint states of ROS 2 in an MCAP file to a CSV log, joints and topics chosen by name.
+//! Joint states of ROS 2 in a bag to a CSV log, joints and topics chosen by name.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use haptical_data::{LogShape, McapOptions, read_mcap, write_log_to};
+use haptical_data::{BagOptions, LogShape, read_bag, write_log_to};
 
 use super::{Imported, Target};
 use crate::failure::Failure;
 use crate::flags::DeviceOptions;
 
-/// End of the help of `haptical import mcap`.
+/// End of the help of `haptical import bag`.
 pub(super) const HELP: &str = "\
 Example:
-  haptical import mcap bag.mcap --device device.toml --joints shoulder,elbow,wrist --out log.csv
+  haptical import bag bag.mcap --device device.toml --joints shoulder,elbow,wrist --out log.csv
 
 Without --joints the messages must name the joints as the device does; then identify and diagnose read
 bag.mcap itself.";
 
-/// Flags of `haptical import mcap`.
+/// Flags of `haptical import bag`.
 #[derive(Debug, Args)]
-pub(super) struct McapArguments {
-    /// Recording (MCAP with sensor_msgs/msg/JointState)
+pub(super) struct BagArguments {
+    /// Recording (.mcap, or .db3 of rosbag2, with sensor_msgs/msg/JointState)
     #[arg(value_name = "FILE")]
     recording: PathBuf,
     /// Device file (TOML, URDF or MJCF)
@@ -42,18 +42,18 @@ pub(super) struct McapArguments {
 }
 
 /// Runs the command.
-pub(super) fn run(arguments: &McapArguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &BagArguments) -> Result<(), Failure> {
     let target = &arguments.target;
     target.check(None, &[&arguments.recording, &arguments.device])?;
     let options = &arguments.device_options;
     let device = options.read_by_path(&arguments.device)?;
     let shape = LogShape::from(&device.model);
-    let options = McapOptions {
+    let options = BagOptions {
         joint_names: arguments.joints.clone(),
         joint_topic: arguments.topic.clone(),
         pose_topic: arguments.pose_topic.clone(),
     };
-    let read = read_mcap(&arguments.recording, &options, &shape)?;
+    let read = read_bag(&arguments.recording, &options, &shape)?;
     let mut log = Vec::new();
     write_log_to(&mut log, &read.recording, &shape)?;
     let mut warnings = device.warnings;

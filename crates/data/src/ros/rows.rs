@@ -1,11 +1,11 @@
-//! The chosen topics of an MCAP file as columns of a log.
+//! The chosen topics of a bag as columns of a log.
 
-use super::poses::{Matched, match_poses};
-use super::topics::{JointTopic, Topics};
-use super::{McapOptions, not_a_log};
+use super::topics::{JointTopic, PoseCells, Topics};
+use super::{BagOptions, not_a_log};
 use crate::column::{ORIENTATION, POSITION, Role};
 use crate::error::DataError;
 use crate::error::near_miss::list;
+use crate::nearest::{nearest, usual_distance_ns};
 use crate::read::LoadedLog;
 use crate::read::table::{Cell, Table};
 use crate::shape::LogShape;
@@ -15,7 +15,7 @@ pub(super) fn log_of(
     topics: &Topics,
     wanted: &[String],
     name: &str,
-    options: &McapOptions,
+    options: &BagOptions,
     shape: &LogShape,
 ) -> Result<LoadedLog, DataError> {
     let (topic_name, joints) = joint_topic(topics, wanted, name, options)?;
@@ -66,7 +66,7 @@ pub(super) fn log_of(
     }
     if let Some(matched) = matched {
         for (part, header) in POSITION.iter().chain(&ORIENTATION).enumerate() {
-            let cells = matched.cells.iter().map(|cells| cells[part]);
+            let cells = matched.iter().map(|cells| cells[part]);
             columns.push(((*header).to_owned(), cells.collect()));
         }
     }
@@ -87,7 +87,7 @@ fn joint_topic<'t>(
     topics: &'t Topics,
     wanted: &[String],
     name: &str,
-    options: &McapOptions,
+    options: &BagOptions,
 ) -> Result<(&'t str, &'t JointTopic), DataError> {
     let refuse = |what: String, advice: &str| Err(not_a_log(name, what, advice));
     let chosen: Vec<(&str, &JointTopic)> = topics
@@ -145,9 +145,9 @@ fn matched_poses(
     topics: &Topics,
     stamps_ns: &[i64],
     name: &str,
-    options: &McapOptions,
+    options: &BagOptions,
     warn: &mut impl FnMut(String),
-) -> Result<Option<Matched>, DataError> {
+) -> Result<Option<Vec<PoseCells>>, DataError> {
     let there: Vec<String> = topics.poses.keys().cloned().collect();
     let topic = match (&options.pose_topic, &there[..]) {
         (Some(topic), _) => topic,
@@ -166,7 +166,8 @@ fn matched_poses(
         let advice = format!("topics with poses: {}", list_or_none(&there));
         return Err(not_a_log(name, what, &advice));
     };
-    let matched = match_poses(stamps_ns, poses);
+    let others_ns: Vec<i64> = poses.iter().map(|&(stamp_ns, _)| stamp_ns).collect();
+    let matched = nearest(stamps_ns, &others_ns, usual_distance_ns(stamps_ns) / 2);
     if matched.left_out > 0 {
         warn(format!(
             "{} of {} poses on `{topic}` are left out: another is nearer to the row, or no row is near",
@@ -180,7 +181,9 @@ fn matched_poses(
             matched.farthest_ns as f64 / 1e9
         ));
     }
-    Ok(Some(matched))
+    let cells = matched.of_row.iter();
+    let cells = cells.map(|other| other.map_or([f64::NAN; 7], |other| poses[other].1));
+    Ok(Some(cells.collect()))
 }
 
 /// Rows whose stamp comes after all before.

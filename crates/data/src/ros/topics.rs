@@ -1,9 +1,11 @@
-//! The messages of an MCAP file, topic by topic, before one topic is chosen.
+//! The messages of a bag, topic by topic, before one topic is chosen.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::messages::JointState;
-use super::poses::PoseCells;
+
+/// A pose as a row has it: x, y, z \[m\], then the quaternion w, x, y, z.
+pub(super) type PoseCells = [f64; 7];
 
 /// Joint states of one topic that have all of the wanted joints.
 #[derive(Debug, Default)]
@@ -24,7 +26,7 @@ pub(super) struct JointTopic {
     pub(super) messages: usize,
 }
 
-/// All topics of an MCAP file that count.
+/// All topics of a bag that count.
 #[derive(Debug, Default)]
 pub(super) struct Topics {
     pub(super) joints: BTreeMap<String, JointTopic>,

@@ -1,35 +1,35 @@
-//! MCAP files with joint states of ROS 2 to a recording, through the checks of a CSV log.
+//! Joint states of ROS 2 in a bag (MCAP, or the SQLite file of rosbag2) to a recording, through the checks of a CSV log.
 
+#[cfg(feature = "mcap")]
 mod decompress;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod messages;
-mod poses;
 mod rows;
+#[cfg(feature = "rosbag2")]
+mod sqlite;
 mod topics;
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
-use mcap::McapError;
-use mcap::io::MessageReader;
-use mcap::sans_io::LinearReaderOptions;
-
-use self::decompress::WholeChunk;
 use self::messages::{JOINT_STATE, JointState, POSE, TRANSFORM, decode, pose};
 use self::topics::Topics;
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
-use crate::read::source::open_error;
+use crate::read::format::Format;
+use crate::read::source::{N_FIRST, first_bytes, open_error};
 use crate::shape::LogShape;
 use crate::size::{MOST_MEMORY_BYTES, NUMBER_BYTES};
 
-/// Largest record and chunk \[bytes\]: images are in records, and chunks are a few MiB.
+/// Largest record, chunk and message \[bytes\]: images are in records, and chunks are a few MiB.
 const LARGEST_RECORD_BYTES: usize = 256 << 20;
 
-/// Which messages of an MCAP file are the log.
+/// Which messages of a bag are the log.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct McapOptions {
+pub struct BagOptions {
     /// Names of the joints in the messages, in the order of the device's joints; empty: as the device's.
     pub joint_names: Vec<String>,
     /// Topic of the joint states; none: the only one with all of these joints.
@@ -38,7 +38,7 @@ pub struct McapOptions {
     pub pose_topic: Option<String>,
 }
 
-/// Reads a log from an MCAP file.
+/// Reads a log from a bag of ROS 2: MCAP, or rosbag2's SQLite (`.db3`), by its first bytes.
 ///
 /// Each `sensor_msgs/msg/JointState` of one topic becomes a row: `position` the columns `theta1_rad`, ..
 /// (`theta3_m` where a joint slides), `effort` the columns `torque1_nm`, .. of joints that turn. `t_s` counts
@@ -49,46 +49,72 @@ pub struct McapOptions {
 /// # Errors
 /// [`Fault::Damaged`] for a file that does not hold together, [`Fault::NotALog`] where the joints or
 /// the topic is not unique, otherwise as [`read_log`](crate::read_log).
-pub fn read_mcap(
+pub fn read_bag(
     path: &Path,
-    options: &McapOptions,
+    options: &BagOptions,
     shape: &LogShape,
 ) -> Result<LoadedLog, DataError> {
     let name = path.display().to_string();
     let file = File::open(path).map_err(|source| open_error(&name, source))?;
-    read_mcap_from(std::io::BufReader::new(file), &name, options, shape)
+    read_bag_from(std::io::BufReader::new(file), &name, options, shape)
 }
 
-/// Reads a log as [`read_mcap`] from a reader that errors call `name`.
+/// Reads a log as [`read_bag`] from a reader that errors call `name`.
 ///
 /// # Errors
-/// As [`read_mcap`].
+/// As [`read_bag`].
 ///
 /// # Examples
 /// ```
-/// use haptical_data::{JointShape, LogShape, McapOptions, read_mcap_from};
+/// use haptical_data::{BagOptions, JointShape, LogShape, read_bag_from};
 ///
 /// let joint = JointShape { name: "elbow".into(), prismatic: false, lower: -1.0, upper: 1.0 };
 /// let shape = LogShape { joints: vec![joint], cable_count: 0, hands: Vec::new() };
-/// let cut = &b"\x89MCAP0\r\n\x01"[..];
-/// let error = read_mcap_from(cut, "bag.mcap", &McapOptions::default(), &shape).unwrap_err();
-/// assert_eq!(error.kind(), "damaged");
+/// let table = &b"t_s,elbow\n0,0.1\n"[..];
+/// let error = read_bag_from(table, "bag.mcap", &BagOptions::default(), &shape).unwrap_err();
+/// assert_eq!(error.kind(), "not-a-log");
 /// ```
-pub fn read_mcap_from(
+pub fn read_bag_from(
     reader: impl Read,
     name: &str,
-    options: &McapOptions,
+    options: &BagOptions,
     shape: &LogShape,
 ) -> Result<LoadedLog, DataError> {
     shape.check(name)?;
     let wanted = wanted_names(options, shape, name)?;
-    let topics = read_topics(reader, name, &wanted)?;
+    let mut reader = reader;
+    let first = first_bytes(&mut reader, N_FIRST)
+        .map_err(|source| Place::file(name).error(Fault::Unreadable { source }))?;
+    let format = Format::detect(&first);
+    let whole = Cursor::new(first).chain(reader);
+    let messages = Messages {
+        name,
+        format: format.names().0,
+        wanted: &wanted,
+        topics: Topics::default(),
+    };
+    let topics = match format {
+        #[cfg(feature = "mcap")]
+        Format::Mcap => mcap::read_topics(whole, messages)?,
+        #[cfg(feature = "rosbag2")]
+        Format::Sqlite => sqlite::read_topics(whole, messages)?,
+        Format::Text | Format::JsonLines | Format::Parquet => {
+            let _ = (whole, messages);
+            let what = "the file is neither MCAP nor a bag of rosbag2 (.db3)".to_owned();
+            return Err(not_a_log(name, what, "give the file that was recorded"));
+        }
+        #[allow(
+            unreachable_patterns,
+            reason = "a build with every feature reads them all"
+        )]
+        other => return Err(other.not_built_in(name)),
+    };
     rows::log_of(&topics, &wanted, name, options, shape)
 }
 
 /// Names of the device's joints in the messages.
 fn wanted_names(
-    options: &McapOptions,
+    options: &BagOptions,
     shape: &LogShape,
     name: &str,
 ) -> Result<Vec<String>, DataError> {
@@ -118,57 +144,67 @@ fn wanted_names(
     Ok(wanted)
 }
 
-/// The messages that count, from the first to the last.
-fn read_topics(reader: impl Read, name: &str, wanted: &[String]) -> Result<Topics, DataError> {
-    let options = LinearReaderOptions::default()
-        .with_record_length_limit(LARGEST_RECORD_BYTES)
-        .with_validate_chunk_crcs(true);
-    let mut messages = MessageReader::new_with_options(reader, options);
-    for decompressor in [WholeChunk::lz4(), WholeChunk::zstd()] {
-        let added = messages.add_decompressor(decompressor);
-        added.map_err(|error| failed(name, error))?;
-    }
-    let mut topics = Topics::default();
-    for message in messages {
-        let message = message.map_err(|error| failed(name, error))?;
-        let Some(schema) = message.channel.schema.as_deref() else {
-            continue;
-        };
-        let topic = message.channel.topic.as_str();
-        let is_joints = schema.name == JOINT_STATE || schema.name == "sensor_msgs/JointState";
-        if !is_joints && schema.name != POSE && schema.name != TRANSFORM {
-            continue;
-        }
-        let encoding = message.channel.message_encoding.as_str();
-        if encoding != "cdr" {
+/// The messages of a bag while they are read.
+struct Messages<'a> {
+    name: &'a str,
+    /// Name of the format, for errors.
+    format: &'static str,
+    wanted: &'a [String],
+    topics: Topics,
+}
+
+/// One message as a bag has it.
+struct Message<'m> {
+    schema: &'m str,
+    encoding: &'m str,
+    topic: &'m str,
+    recorded_ns: i64,
+    data: &'m [u8],
+}
+
+/// Whether messages of this schema are joint states.
+fn is_joints(schema: &str) -> bool {
+    schema == JOINT_STATE || schema == "sensor_msgs/JointState"
+}
+
+/// Whether messages of this schema count.
+fn is_wanted(schema: &str) -> bool {
+    is_joints(schema) || schema == POSE || schema == TRANSFORM
+}
+
+impl Messages<'_> {
+    /// Adds a message of a schema that counts.
+    fn add(&mut self, message: &Message<'_>) -> Result<(), DataError> {
+        let (name, format, topic) = (self.name, self.format, message.topic);
+        if message.encoding != "cdr" {
+            let encoding = message.encoding;
             let what = format!("topic `{topic}` is encoded as `{encoding}`, not as CDR of ROS 2");
             return Err(not_a_log(name, what, "convert the recording to ROS 2"));
         }
         let refuse = |what: String| {
-            Place::file(name).error(Fault::Damaged {
-                format: "MCAP",
-                what: format!("topic `{topic}`: {what}"),
-            })
+            let what = format!("topic `{topic}`: {what}");
+            Place::file(name).error(Fault::Damaged { format, what })
         };
-        if is_joints {
-            let recorded_ns = i64::try_from(message.log_time).unwrap_or(i64::MAX);
-            let state: JointState = decode(&message.data).map_err(refuse)?;
-            let added = topics.add_joints(topic, wanted, recorded_ns, &state);
+        if is_joints(message.schema) {
+            let state: JointState = decode(message.data).map_err(refuse)?;
+            let topics = &mut self.topics;
+            let added = topics.add_joints(topic, self.wanted, message.recorded_ns, &state);
             added.map_err(refuse)?;
         } else {
-            let pose = pose(&schema.name, &message.data).map_err(refuse)?;
+            let pose = pose(message.schema, message.data).map_err(refuse)?;
             let ([x, y, z], [i, j, k, w]) = (pose.position_m, pose.orientation_xyzw);
-            topics.add_pose(topic, pose.header.stamp_ns(), [x, y, z, w, i, j, k]);
+            let stamp_ns = pose.header.stamp_ns();
+            self.topics.add_pose(topic, stamp_ns, [x, y, z, w, i, j, k]);
         }
-        if topics.numbers * NUMBER_BYTES > MOST_MEMORY_BYTES {
+        if self.topics.numbers * NUMBER_BYTES > MOST_MEMORY_BYTES {
             let what = format!(
                 "its joint states and poses fill {} GiB of memory, the most that is used",
                 MOST_MEMORY_BYTES >> 30
             );
             return Err(not_a_log(name, what, "split the recording"));
         }
+        Ok(())
     }
-    Ok(topics)
 }
 
 fn not_a_log(name: &str, what: String, advice: &str) -> DataError {
@@ -176,21 +212,4 @@ fn not_a_log(name: &str, what: String, advice: &str) -> DataError {
         what,
         advice: advice.to_owned(),
     })
-}
-
-fn failed(name: &str, error: McapError) -> DataError {
-    let at = Place::file(name);
-    match error {
-        McapError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
-            at.error(Fault::Unreadable { source })
-        }
-        McapError::UnsupportedCompression(codec) => at.error(Fault::NotALog {
-            what: format!("a chunk is compressed with `{codec}`, which is not read"),
-            advice: "write the recording with lz4, zstd or no compression".to_owned(),
-        }),
-        other => at.error(Fault::Damaged {
-            format: "MCAP",
-            what: other.to_string(),
-        }),
-    }
 }

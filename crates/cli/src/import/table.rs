@@ -1,0 +1,265 @@
+//! Tables of any maker to a log by a mapping file, `columns.toml`, which `--guess` proposes.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use haptical_data::{Cells, LogShape, log_from_columns, write_log_to};
+use haptical_tables::{Applied, Mapping, TEXTS, Table, TableError, apply, guess, read_table};
+
+use super::{Imported, Target, shape_without_limits};
+use crate::failure::Failure;
+use crate::flags::DeviceOptions;
+use crate::terminal;
+
+/// Flags of `haptical import` without an origin.
+#[derive(Debug, Args)]
+pub(super) struct TableArguments {
+    /// Tables: text, .xlsx, .npy, .npz, .mat, JSON lines; each is a run, or several side by side are, as the mapping file says
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Propose a mapping file for these files: on standard output, or at --out
+    #[arg(long, conflicts_with = "columns")]
+    guess: bool,
+    /// Mapping file: which columns are which of a log, in what units
+    #[arg(long, value_name = "COLUMNS.TOML")]
+    columns: Option<PathBuf>,
+    /// Log to write (CSV), with --guess mapping file to write (TOML); its folder is made if it is missing
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Device file (TOML, URDF or MJCF): joints are found by its names, the log is checked against its limits
+    #[arg(long, value_name = "FILE")]
+    device: Option<PathBuf>,
+    #[command(flatten)]
+    device_options: DeviceOptions,
+    /// Overwrite files at --out with other content; a log does not say who wrote it
+    #[arg(long)]
+    force: bool,
+    /// Print what was written as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the command.
+pub(super) fn run(arguments: &TableArguments) -> Result<(), Failure> {
+    if arguments.files.is_empty() {
+        let what = "no files to import";
+        let next = "haptical import --guess FILE... > columns.toml; see `haptical import --help` for other origins";
+        return Err(Failure::command_line("arguments", what, next));
+    }
+    if arguments.guess {
+        return propose(arguments);
+    }
+    let Some(columns) = &arguments.columns else {
+        let what = "it is not said which columns of the files are which of a log";
+        let next = "give --columns columns.toml, which `haptical import --guess FILE...` proposes";
+        return Err(Failure::command_line("arguments", what, next));
+    };
+    let Some(out) = &arguments.out else {
+        let next = "give --out log.csv";
+        return Err(Failure::command_line(
+            "arguments",
+            "no place for the log",
+            next,
+        ));
+    };
+    let target = Target {
+        out: out.clone(),
+        force: arguments.force,
+        json: arguments.json,
+    };
+    let files = arguments
+        .files
+        .iter()
+        .chain([columns])
+        .chain(&arguments.device);
+    let inputs: Vec<&Path> = files.map(PathBuf::as_path).collect();
+    target.check(None, &inputs)?;
+    let text = std::fs::read_to_string(columns).map_err(|error| {
+        let next = "`haptical import --guess FILE...` writes one";
+        Failure::unreadable(&error, columns, next)
+    })?;
+    let mapping = Mapping::from_toml(&text, &columns.display().to_string()).map_err(refused)?;
+    let tables = arguments
+        .files
+        .iter()
+        .map(|file| read_table(file, &mapping.table));
+    let tables: Vec<Table> = tables.collect::<Result<_, _>>().map_err(refused)?;
+    let shape = shape_of_device(arguments)?;
+    let log = apply(&tables, &mapping).map_err(refused)?;
+    target.write(imported(log, shape, &arguments.files[0])?)
+}
+
+/// Prints or writes a mapping file.
+fn propose(arguments: &TableArguments) -> Result<(), Failure> {
+    let tables = arguments.files.iter();
+    let tables = tables.map(|file| read_table(file, &Default::default()));
+    let tables: Vec<Table> = tables.collect::<Result<_, _>>().map_err(refused)?;
+    let joints = shape_of_device(arguments)?.map_or_else(Vec::new, |shape| shape.joints);
+    let joints: Vec<(String, bool)> = joints
+        .into_iter()
+        .map(|joint| (joint.name, joint.prismatic))
+        .collect();
+    let text = guess(&tables, &joints);
+    let Some(out) = &arguments.out else {
+        return terminal::write_output(text.as_bytes());
+    };
+    let inputs: Vec<&Path> = arguments.files.iter().map(PathBuf::as_path).collect();
+    let target = Target {
+        out: out.clone(),
+        force: arguments.force,
+        json: arguments.json,
+    };
+    target.write_text(text, &inputs)
+}
+
+fn shape_of_device(arguments: &TableArguments) -> Result<Option<LogShape>, Failure> {
+    let device = arguments.device.as_deref();
+    let device = device.map(|path| arguments.device_options.read_by_path(path));
+    Ok(device
+        .transpose()?
+        .map(|device| LogShape::from(&device.model)))
+}
+
+/// A refusal of the tables' crate as one of the command.
+pub(super) fn refused(error: TableError) -> Failure {
+    let file = Path::new(&error.file);
+    match error.line {
+        Some(line) => Failure::placed(
+            error.kind,
+            error.what,
+            file,
+            (line, error.column.unwrap_or(0)),
+            error.next,
+        ),
+        None => Failure::in_file(error.kind, error.what, file, error.next),
+    }
+}
+
+/// Columns as a log, checked as every log is. Without a device the joints are those that the columns name.
+pub(super) fn imported(
+    applied: Applied,
+    shape: Option<LogShape>,
+    file: &Path,
+) -> Result<Imported, Failure> {
+    let names: Vec<&str> = applied
+        .columns
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
+    let shape = match shape {
+        Some(shape) => shape,
+        None => named_shape(&applied, &names)?,
+    };
+    let whole: Vec<Vec<i64>> = applied
+        .columns
+        .iter()
+        .map(|(name, cells)| match cells {
+            haptical_tables::Cells::Numbers(numbers) if name == "run" => {
+                numbers.iter().map(|run| *run as i64).collect()
+            }
+            _ => Vec::new(),
+        })
+        .collect();
+    let columns = applied
+        .columns
+        .iter()
+        .zip(&whole)
+        .map(|((name, cells), runs)| {
+            let cells = match cells {
+                haptical_tables::Cells::Numbers(_) if name == "run" => Cells::Integers(runs),
+                haptical_tables::Cells::Numbers(numbers) => Cells::Numbers(numbers),
+                haptical_tables::Cells::Texts(texts) => Cells::Texts(texts),
+            };
+            (name.as_str(), cells)
+        });
+    let columns: Vec<(&str, Cells<'_>)> = columns.collect();
+    // its lines are the log's
+    let name = format!("{}, as a log", file.display());
+    let read = log_from_columns(&columns, &name, &shape)?;
+    let mut log = Vec::new();
+    write_log_to(&mut log, &read.recording, &shape)?;
+    let mut warnings = applied.warnings;
+    warnings.extend(read.warnings);
+    Ok(Imported {
+        log,
+        rows: read.recording.len(),
+        joints: shape.joints.len(),
+        beside: None,
+        warnings,
+    })
+}
+
+/// The shape that the columns' own names have.
+fn named_shape(applied: &Applied, names: &[&str]) -> Result<LogShape, Failure> {
+    let (slides, cables) = joints_and_cables(names);
+    if slides.is_empty() {
+        return Err(Failure::command_line(
+            "arguments",
+            "no column is theta1_rad (or theta1_m), the first joint's readings",
+            "name a column for each joint, as log = \"theta1_rad\" in the mapping file",
+        ));
+    }
+    let mut shape = shape_without_limits(&slides, cables);
+    let hand = applied.columns.iter().find(|(name, _)| name == "hand");
+    if let Some((_, haptical_tables::Cells::Texts(hands))) = hand {
+        let hands: BTreeSet<&String> = hands.iter().filter(|hand| !hand.is_empty()).collect();
+        // whatever a table has, the device file will declare
+        shape.hands = hands.into_iter().cloned().collect();
+    }
+    Ok(shape)
+}
+
+/// The joints that slide, by the names `theta1_rad`, `theta2_m`, ... up to the first that is missing; and the number of cables.
+pub(super) fn joints_and_cables(names: &[&str]) -> (Vec<bool>, usize) {
+    let has = |name: String| names.contains(&name.as_str());
+    let mut slides = Vec::new();
+    loop {
+        let number = slides.len() + 1;
+        let turns = has(format!("theta{number}_rad"));
+        if !turns && !has(format!("theta{number}_m")) {
+            break;
+        }
+        slides.push(!turns);
+    }
+    let cables = names.iter().filter(|name| {
+        let number = name.strip_prefix("cable");
+        let number = number.and_then(|rest| rest.strip_suffix("_m"));
+        number.is_some_and(|number| number.bytes().all(|byte| byte.is_ascii_digit()))
+    });
+    (slides, cables.count())
+}
+
+/// Columns of the log that no log has by this name, or of joints that have no readings: covariates, if they are meant so.
+pub(super) fn is_covariate(name: &str, slides: &[bool], cables: usize) -> bool {
+    const PLAIN: [&str; 13] = [
+        "t_s",
+        "run",
+        "temp_degc",
+        "x_m",
+        "y_m",
+        "z_m",
+        "qw",
+        "qx",
+        "qy",
+        "qz",
+        "fx_n",
+        "fy_n",
+        "fz_n",
+    ];
+    if PLAIN.contains(&name) || TEXTS.contains(&name) {
+        return false;
+    }
+    if name == "cable_m" || (2..=cables).any(|cable| name == format!("cable{cable}_m")) {
+        return false;
+    }
+    !slides.iter().enumerate().any(|(joint, slides)| {
+        let (joint, unit) = (joint + 1, if *slides { "m" } else { "rad" });
+        let of_joint = [
+            format!("theta{joint}_{unit}"),
+            format!("out{joint}_{unit}"),
+            format!("torque{joint}_nm"),
+        ];
+        of_joint.iter().any(|own| own == name) || (*slides && name == format!("torque{joint}_n"))
+    })
+}

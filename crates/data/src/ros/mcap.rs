@@ -1,0 +1,59 @@
+//! The messages of an MCAP file.
+
+use std::io::Read;
+
+use mcap::McapError;
+use mcap::io::MessageReader;
+use mcap::sans_io::LinearReaderOptions;
+
+use super::decompress::WholeChunk;
+use super::topics::Topics;
+use super::{LARGEST_RECORD_BYTES, Message, Messages, is_wanted};
+use crate::error::place::Place;
+use crate::error::{DataError, Fault};
+
+/// The messages that count, from the first to the last.
+pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<Topics, DataError> {
+    let name = found.name;
+    let options = LinearReaderOptions::default()
+        .with_record_length_limit(LARGEST_RECORD_BYTES)
+        .with_validate_chunk_crcs(true);
+    let mut messages = MessageReader::new_with_options(reader, options);
+    for decompressor in [WholeChunk::lz4(), WholeChunk::zstd()] {
+        let added = messages.add_decompressor(decompressor);
+        added.map_err(|error| failed(name, error))?;
+    }
+    for message in messages {
+        let message = message.map_err(|error| failed(name, error))?;
+        let channel = &message.channel;
+        let schema = channel.schema.as_deref().map(|schema| schema.name.as_str());
+        let Some(schema) = schema.filter(|schema| is_wanted(schema)) else {
+            continue;
+        };
+        found.add(&Message {
+            schema,
+            encoding: &channel.message_encoding,
+            topic: &channel.topic,
+            recorded_ns: i64::try_from(message.log_time).unwrap_or(i64::MAX),
+            data: &message.data,
+        })?;
+    }
+    Ok(found.topics)
+}
+
+fn failed(name: &str, error: McapError) -> DataError {
+    let at = Place::file(name);
+    match error {
+        McapError::Io(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => {
+            at.error(Fault::Unreadable { source })
+        }
+        McapError::UnsupportedCompression(codec) => at.error(Fault::NotALog {
+            what: format!("a chunk is compressed with `{codec}`, which is not read"),
+            advice: "write the recording with lz4, zstd or no compression".to_owned(),
+        }),
+        other => at.error(Fault::Damaged {
+            format: "MCAP",
+            what: other.to_string(),
+        }),
+    }
+}

@@ -1,0 +1,498 @@
+//! What a column is by its name, else by the number of columns.
+
+use std::fmt;
+
+use super::{Joint, Proposal};
+use crate::mapping::{TEXTS, Unit, dimension_of};
+use crate::table::{Cells, Table};
+
+/// What a column is taken for.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Meaning {
+    /// A column of the log by its own name.
+    Log(String),
+    /// Something of a joint, numbered as in the file; renumbered from 1 once all are known.
+    Joint(OfJoint, usize),
+    /// A part of the handle's position.
+    Position(usize),
+    /// A part of a quaternion, w first.
+    Quaternion(usize),
+    /// Roll, pitch or yaw.
+    Angle(usize),
+    /// A part of `rx`, `ry`, `rz`.
+    Vector(usize),
+    /// An element of a 3 x 3 or a 4 x 4 matrix, as it is listed.
+    Matrix(usize),
+    Pose(usize),
+}
+
+/// What is measured of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum OfJoint {
+    Angle,
+    Slide,
+    Torque,
+    Velocity,
+    Command,
+}
+
+impl fmt::Display for Meaning {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let xyz = ["x", "y", "z"];
+        match self {
+            Self::Log(name) => write!(to, "{name}"),
+            Self::Joint(OfJoint::Angle, joint) => write!(to, "theta{joint}_rad"),
+            Self::Joint(OfJoint::Slide, joint) => write!(to, "theta{joint}_m"),
+            Self::Joint(OfJoint::Torque, joint) => write!(to, "torque{joint}_nm"),
+            Self::Joint(OfJoint::Velocity, joint) => write!(to, "velocity{joint}_rad_per_s"),
+            Self::Joint(OfJoint::Command, joint) => write!(to, "command{joint}_rad"),
+            Self::Position(part) => write!(to, "{}_m", xyz[*part]),
+            Self::Quaternion(part) => write!(to, "{}", ["qw", "qx", "qy", "qz"][*part]),
+            Self::Angle(part) => write!(to, "{}", ["roll", "pitch", "yaw"][*part]),
+            Self::Vector(part) => write!(to, "r{}", xyz[*part]),
+            Self::Matrix(element) | Self::Pose(element) => write!(to, "element {}", element + 1),
+        }
+    }
+}
+
+const TORQUE: [&str; 8] = [
+    "tau", "torque", "torques", "effort", "trq", "trqs", "moment", "efforts",
+];
+const VELOCITY: [&str; 9] = [
+    "vel",
+    "velocity",
+    "velocities",
+    "dq",
+    "qd",
+    "qdot",
+    "speed",
+    "qp",
+    "vels",
+];
+const COMMAND: [&str; 11] = [
+    "cmd",
+    "command",
+    "commanded",
+    "des",
+    "desired",
+    "ref",
+    "reference",
+    "target",
+    "setpoint",
+    "action",
+    "goal",
+];
+const ANGLE: [&str; 26] = [
+    "q",
+    "j",
+    "joint",
+    "joints",
+    "theta",
+    "th",
+    "axis",
+    "a",
+    "angle",
+    "angles",
+    "pos",
+    "position",
+    "positions",
+    "enc",
+    "encoder",
+    "motor",
+    "jp",
+    "ang",
+    "actual",
+    "act",
+    "meas",
+    "measured",
+    "state",
+    "jointpos",
+    "jnt",
+    "cali",
+];
+const POSITION: [&str; 12] = [
+    "p",
+    "pos",
+    "position",
+    "tcp",
+    "ee",
+    "tool",
+    "marker",
+    "t",
+    "point",
+    "xyz",
+    "target",
+    "reflector",
+];
+
+/// The words of a name in small letters, split at signs, between words in capitals and around digits; a unit at the end is left out.
+fn words(name: &str) -> Vec<String> {
+    let bare = match name.find(['[', '(']) {
+        // an element of a list keeps its number: `q[2]`
+        Some(open)
+            if name.ends_with(']')
+                && name[open + 1..name.len() - 1]
+                    .bytes()
+                    .all(|byte| byte.is_ascii_digit()) =>
+        {
+            name.to_owned()
+        }
+        Some(open) if open > 0 => name[..open].to_owned(),
+        _ => name.to_owned(),
+    };
+    let mut found: Vec<String> = Vec::new();
+    let mut last = ' ';
+    for letter in bare.chars() {
+        let begins = !last.is_alphanumeric()
+            || (letter.is_uppercase() && last.is_lowercase())
+            || letter.is_ascii_digit() != last.is_ascii_digit();
+        if letter.is_alphanumeric() {
+            if begins || found.is_empty() {
+                found.push(String::new());
+            }
+            if let Some(word) = found.last_mut() {
+                word.extend(letter.to_lowercase());
+            }
+        }
+        last = letter;
+    }
+    let is_unit = found
+        .last()
+        .is_some_and(|word| word.len() > 1 && Unit::parse(word).is_some());
+    if found.len() > 1 && is_unit {
+        found.pop();
+    }
+    found
+}
+
+/// The unit at the end of a name, after a sign: `q1_deg`.
+pub(super) fn unit_at_end(name: &str) -> Option<&str> {
+    let (_, last) = name.rsplit_once(['_', ' ', '.', '/'])?;
+    (last.len() > 1 && Unit::parse(last).is_some()).then_some(last)
+}
+
+/// Whether a name is one of time.
+pub(super) fn is_time(name: &str) -> bool {
+    let words = words(name);
+    let first = words.first().map_or("", String::as_str);
+    name == "t_s"
+        || matches!(
+            first,
+            "t" | "time" | "timestamp" | "stamp" | "zeit" | "temps"
+        ) && words.len() == 1
+        || name.to_lowercase().contains("timestamp")
+}
+
+/// The meaning of each column of a file, with the reason; without one the reason why not.
+pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<Meaning>, String)> {
+    if !table.is_named {
+        return by_number(table, files, joints);
+    }
+    let all: Vec<&str> = table
+        .columns
+        .iter()
+        .map(|column| column.name.as_str())
+        .collect();
+    let columns = table.columns.iter();
+    columns
+        .map(|column| {
+            if let Some(joint) = of_device(&column.name, joints) {
+                let (name, slides) = &joints[joint];
+                let kind = kind_of(&words(&column.name)).unwrap_or(OfJoint::Angle);
+                let kind = if *slides && kind == OfJoint::Angle {
+                    OfJoint::Slide
+                } else {
+                    kind
+                };
+                return (
+                    Some(Meaning::Joint(kind, joint + 1)),
+                    format!("the device's joint {} is `{name}`", joint + 1),
+                );
+            }
+            match by_name(&column.name, &all) {
+                Some(meaning) => {
+                    let is_text = matches!(column.cells, Cells::Texts(_));
+                    let may_be =
+                        matches!(&meaning, Meaning::Log(name) if TEXTS.contains(&name.as_str()));
+                    match is_text && !may_be {
+                        true => (None, "its cells are no numbers".to_owned()),
+                        false => (Some(meaning), format!("by its name `{}`", column.name)),
+                    }
+                }
+                None => (None, "its name says nothing that is known".to_owned()),
+            }
+        })
+        .collect()
+}
+
+/// The device's joint that a name begins or ends with; the longest such name.
+fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
+    let simple = |text: &str| words(text).join("_");
+    let own = simple(name);
+    let fits = |joint: &str| {
+        let joint = simple(joint);
+        let rest = own
+            .strip_prefix(&joint)
+            .or_else(|| own.strip_suffix(&joint));
+        rest.filter(|rest| rest.is_empty() || rest.starts_with('_') || rest.ends_with('_'))
+            .map(|_| joint.len())
+    };
+    let fitting = joints.iter().enumerate();
+    let fitting = fitting.filter_map(|(place, (joint, _))| Some((fits(joint)?, place)));
+    fitting
+        .max_by_key(|(length, _)| *length)
+        .map(|(_, place)| place)
+}
+
+fn kind_of(words: &[String]) -> Option<OfJoint> {
+    let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
+    let kinds = [
+        (&TORQUE[..], OfJoint::Torque),
+        (&VELOCITY[..], OfJoint::Velocity),
+        (&COMMAND[..], OfJoint::Command),
+    ];
+    kinds
+        .iter()
+        .find(|(list, _)| has(list))
+        .map(|(_, kind)| *kind)
+}
+
+fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
+    let log = ["run", "temp_degc", "fx_n", "fy_n", "fz_n", "cable_m", "t_s"];
+    if log.contains(&name) || TEXTS.contains(&name) {
+        return Some(Meaning::Log(name.to_owned()));
+    }
+    if is_time(name) {
+        return Some(Meaning::Log("t_s".to_owned()));
+    }
+    let words = words(name);
+    let parts: Vec<&str> = words.iter().map(String::as_str).collect();
+    let joined = parts.join("");
+    if let Some((joint, kind)) = numbered(&parts, all, name) {
+        return Some(Meaning::Joint(kind, joint));
+    }
+    if let Some(meaning) = element(&parts, all) {
+        return Some(meaning);
+    }
+    match joined.as_str() {
+        "run" | "trial" | "episode" | "session" => return Some(Meaning::Log("run".to_owned())),
+        "temp" | "temperature" | "tempdegc" => return Some(Meaning::Log("temp_degc".to_owned())),
+        "fx" | "fy" | "fz" => return Some(Meaning::Log(format!("{joined}_n"))),
+        "roll" | "pitch" | "yaw" => {
+            return ["roll", "pitch", "yaw"]
+                .iter()
+                .position(|own| *own == joined)
+                .map(Meaning::Angle);
+        }
+        _ => {}
+    }
+    let (last, front) = parts.split_last()?;
+    let is_turn = front.iter().all(|word| {
+        matches!(
+            *word,
+            "q" | "quat"
+                | "quaternion"
+                | "orientation"
+                | "rot"
+                | "rotation"
+                | "pose"
+                | "tcp"
+                | "ee"
+        )
+    });
+    let letter = |word: &str, stem: &str| {
+        let rest = word.strip_prefix(stem)?;
+        ["w", "x", "y", "z"].iter().position(|own| *own == rest)
+    };
+    let says_turn = front
+        .iter()
+        .any(|word| word.starts_with('q') || word.starts_with("ori") || word.starts_with("rot"));
+    let part = letter(last, "q").or_else(|| letter(last, "").filter(|_| is_turn && says_turn));
+    if let (Some(part), true) = (part, is_turn) {
+        return Some(Meaning::Quaternion(part));
+    }
+    let axis = |stem: &str| {
+        ["x", "y", "z"]
+            .iter()
+            .position(|own| last.strip_prefix(stem) == Some(own))
+    };
+    if let Some(axis) = axis("r").filter(|_| front.is_empty() || front == ["tcp"]) {
+        return Some(Meaning::Vector(axis));
+    }
+    let axis = axis("")
+        .or_else(|| axis("p"))
+        .or_else(|| axis("t"))
+        .or_else(|| axis("pos"));
+    let is_place = front
+        .iter()
+        .all(|word| POSITION.contains(word) || *word == "pose");
+    axis.filter(|_| is_place).map(Meaning::Position)
+}
+
+/// The number and the kind of a joint's column: `q1`, `joint_2_pos`, `tau[3]`, `CaliJointAngles[1]`.
+fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)> {
+    let numbers: Vec<usize> = parts.iter().filter_map(|word| word.parse().ok()).collect();
+    let [number] = numbers[..] else {
+        return None;
+    };
+    let stem: Vec<String> = parts
+        .iter()
+        .filter(|word| word.parse::<usize>().is_err())
+        .map(|word| (*word).to_owned())
+        .collect();
+    if stem.is_empty() || number > 64 {
+        return None;
+    }
+    // three elements of what may be a place are a place, sixteen a matrix
+    let elements = all
+        .iter()
+        .filter(|own| own.split('[').next() == name.split('[').next())
+        .count();
+    let is_list = name.ends_with(']');
+    let is_place = stem
+        .iter()
+        .all(|word| POSITION.contains(&word.as_str()) || word == "cali" || word == "test");
+    if is_list && ((elements == 3 && is_place) || elements == 9 || elements == 16) {
+        return None;
+    }
+    let kind = kind_of(&stem);
+    let others = [&TORQUE[..], &VELOCITY, &COMMAND, &ANGLE].concat();
+    let known = stem.iter().all(|word| {
+        others.contains(&word.as_str()) || matches!(word.as_str(), "test" | "cali" | "array")
+    });
+    known.then_some((number, kind.unwrap_or(OfJoint::Angle)))
+}
+
+/// An element of a list that is a place or a matrix.
+fn element(parts: &[&str], all: &[&str]) -> Option<Meaning> {
+    let (last, front) = parts.split_last()?;
+    let number = last.parse::<usize>().ok()?.checked_sub(1)?;
+    let elements = all.iter().filter(|own| {
+        let words = words(own);
+        words.len() == parts.len()
+            && words[..front.len()]
+                .iter()
+                .map(String::as_str)
+                .eq(front.iter().copied())
+    });
+    match elements.count() {
+        3 if number < 3 => Some(Meaning::Position(number)),
+        9 => Some(Meaning::Matrix(number)),
+        16 => Some(Meaning::Pose(number)),
+        _ => None,
+    }
+}
+
+/// Without names: by the number of columns.
+fn by_number(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<Meaning>, String)> {
+    let width = table.columns.len();
+    let known = joints.len();
+    let n_joints = match (known, width) {
+        (0, 3) if files > 1 => 0,
+        (0, 6 | 7) => width,
+        (0, 9 | 10) => width - 3,
+        (0, 12) => 6,
+        (0, 13 | 14) => width - 7,
+        (0, _) => 0,
+        (_, 3) if files > 1 => 0,
+        (_, _) if width >= known => known,
+        _ => 0,
+    };
+    let rest = width - n_joints;
+    let place = |column: usize| {
+        let slides = joints.get(column).is_some_and(|(_, slides)| *slides);
+        let kind = if slides {
+            OfJoint::Slide
+        } else {
+            OfJoint::Angle
+        };
+        match column.checked_sub(n_joints) {
+            None => Some(Meaning::Joint(kind, column + 1)),
+            Some(part) if part < 3 && rest >= 3 => Some(Meaning::Position(part)),
+            Some(part @ 3..7) if rest == 7 => Some(Meaning::Quaternion(part - 3)),
+            _ => None,
+        }
+    };
+    (0..width)
+        .map(|column| match place(column) {
+            Some(meaning) => (
+                Some(meaning),
+                format!("UNSURE: the file has no names; of {width} columns this may be it"),
+            ),
+            None => (
+                None,
+                format!("the file has no names, and {width} columns say nothing"),
+            ),
+        })
+        .collect()
+}
+
+/// Joints that are counted from 0 are counted from 1 in a log.
+pub(super) fn renumber(found: &mut [Proposal]) {
+    for kind in [
+        OfJoint::Angle,
+        OfJoint::Slide,
+        OfJoint::Torque,
+        OfJoint::Velocity,
+        OfJoint::Command,
+    ] {
+        let from_zero = found
+            .iter()
+            .any(|own| own.meaning == Meaning::Joint(kind, 0));
+        if !from_zero {
+            continue;
+        }
+        for own in found.iter_mut() {
+            if let Meaning::Joint(of, number) = &mut own.meaning
+                && *of == kind
+            {
+                *number += 1;
+                own.why.push_str(", joints are counted from 0 there");
+            }
+        }
+    }
+}
+
+/// Takes out what is not whole: two parts of a position, three of a quaternion. Returns them with the reason.
+pub(super) fn incomplete(found: &mut Vec<Proposal>) -> Vec<(usize, usize, String)> {
+    let group = |meaning: &Meaning| match meaning {
+        Meaning::Position(_) => Some((0, 3)),
+        Meaning::Quaternion(_) => Some((1, 4)),
+        Meaning::Angle(_) => Some((2, 3)),
+        Meaning::Vector(_) => Some((3, 3)),
+        Meaning::Matrix(_) => Some((4, 9)),
+        Meaning::Pose(_) => Some((5, 16)),
+        Meaning::Log(_) | Meaning::Joint(..) => None,
+    };
+    let mut taken_turn = None;
+    let mut dropped = Vec::new();
+    let kept: Vec<Proposal> = found.clone();
+    found.retain(|own| {
+        let Some((kind, wanted)) = group(&own.meaning) else {
+            return true;
+        };
+        let count = kept
+            .iter()
+            .filter(|other| group(&other.meaning).map(|(of, _)| of) == Some(kind))
+            .count();
+        // of several orientations the first is taken
+        let is_turn = kind > 0;
+        let is_first = !is_turn || *taken_turn.get_or_insert(kind) == kind || count != wanted;
+        let keep = count == wanted && is_first;
+        if !keep {
+            let why = match count == wanted {
+                true => "another orientation is taken already".to_owned(),
+                false => format!("it may be a part of {wanted}, of which {count} are there"),
+            };
+            dropped.push((own.file, own.column, why));
+        }
+        keep
+    });
+    dropped
+}
+
+/// Whether the log's name has a unit.
+pub(super) fn has_unit(meaning: &Meaning) -> bool {
+    dimension_of(&meaning.to_string()).is_some()
+        || matches!(meaning, Meaning::Angle(_) | Meaning::Vector(_))
+}

@@ -1,0 +1,161 @@
+//! Proposals: what columns are taken for, by name, number and size.
+
+use haptical_tables::{Mapping, guess};
+
+use crate::support::table;
+
+/// Log names and sources of a proposal, with their units.
+fn proposed(texts: &[&str], joints: &[(&str, bool)]) -> Vec<(String, String, Option<String>)> {
+    let tables: Vec<_> = texts.iter().map(|text| table(text)).collect();
+    let joints: Vec<(String, bool)> = joints
+        .iter()
+        .map(|(name, slides)| ((*name).to_owned(), *slides))
+        .collect();
+    let text = guess(&tables, &joints);
+    let mapping =
+        Mapping::from_toml(&text, "columns.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let rules = mapping.column.into_iter();
+    rules
+        .map(|rule| {
+            (
+                rule.log.names()[0].clone(),
+                rule.from.names()[0].clone(),
+                rule.unit,
+            )
+        })
+        .collect()
+}
+
+#[track_caller]
+fn is(text: &str, wanted: &[(&str, &str, &str)]) {
+    let found = proposed(&[text], &[]);
+    let found: Vec<(&str, &str, &str)> = found
+        .iter()
+        .map(|(log, from, unit)| (log.as_str(), from.as_str(), unit.as_deref().unwrap_or("")))
+        .collect();
+    assert_eq!(found, wanted, "{text}");
+}
+
+#[test]
+fn joints_are_counted_from_1_whatever_the_file_says() {
+    is(
+        "q0,q1\n0.1,0.2\n0.3,0.4\n",
+        &[("theta1_rad", "q0", ""), ("theta2_rad", "q1", "")],
+    );
+    is(
+        "q1,q2\n0.1,0.2\n0.3,0.4\n",
+        &[("theta1_rad", "q1", ""), ("theta2_rad", "q2", "")],
+    );
+    is(
+        "joint_1_pos,joint_1_vel,tau_1\n0.1,1,2\n0.3,1,2\n",
+        &[
+            ("theta1_rad", "joint_1_pos", ""),
+            ("velocity1_rad_per_s", "joint_1_vel", ""),
+            ("torque1_nm", "tau_1", ""),
+        ],
+    );
+}
+
+/// One column beyond a turn makes all joints of the file degrees: the others are in the same unit.
+#[test]
+fn joints_of_a_file_share_a_unit() {
+    is(
+        "A1,A2\n0.5,90\n-1,-45\n",
+        &[("theta1_rad", "A1", "deg"), ("theta2_rad", "A2", "deg")],
+    );
+    is(
+        "j1 [rad],j2 [rad]\n7,8\n1,2\n",
+        &[
+            ("theta1_rad", "j1 [rad]", ""),
+            ("theta2_rad", "j2 [rad]", ""),
+        ],
+    );
+    is(
+        "enc1,enc2\n40000,20\n-3,5\n",
+        &[("theta1_rad", "enc1", ""), ("theta2_rad", "enc2", "")],
+    );
+}
+
+#[test]
+fn places_and_times_have_the_units_that_their_sizes_allow() {
+    is(
+        "time,q1,x,y,z\n0,0.1,300,20,5\n1,0.2,301,21,6\n",
+        &[
+            ("t_s", "time", ""),
+            ("theta1_rad", "q1", ""),
+            ("x_m", "x", "mm"),
+            ("y_m", "y", "mm"),
+            ("z_m", "z", "mm"),
+        ],
+    );
+    is(
+        "timestamp,q1\n1700000000000000000,0.1\n1700000000010000000,0.2\n",
+        &[("t_s", "timestamp", "ns"), ("theta1_rad", "q1", "")],
+    );
+    // half a position is none
+    is("q1,x,y\n0.1,1,2\n0.2,2,3\n", &[("theta1_rad", "q1", "")]);
+}
+
+/// The device's names count, whatever the order of the columns; a name within a name is not taken for it.
+#[test]
+fn joints_are_found_by_the_device_s_names() {
+    let joints = [("arm_shoulder", false), ("shoulder", false), ("lift", true)];
+    let found = proposed(
+        &["lift_position,shoulder_position,arm_shoulder_position\n0.1,0.2,0.3\n0.2,0.3,0.4\n"],
+        &joints,
+    );
+    let found: Vec<(&str, &str)> = found
+        .iter()
+        .map(|(log, from, _)| (log.as_str(), from.as_str()))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            ("theta3_m", "lift_position"),
+            ("theta2_rad", "shoulder_position"),
+            ("theta1_rad", "arm_shoulder_position")
+        ]
+    );
+}
+
+#[test]
+fn what_is_not_sure_says_so() {
+    let unnamed = guess(
+        &[table("1 2 3 4 5 6 0.1 0.2 0.3\n2 3 4 5 6 1 0.2 0.3 0.4\n")],
+        &[],
+    );
+    assert!(
+        unnamed.contains("UNSURE") && unnamed.contains("theta6_rad") && unnamed.contains("z_m"),
+        "{unnamed}"
+    );
+    let none = guess(&[table("a thing,b thing\nx,y\nz,w\n")], &[]);
+    assert!(none.contains("NO JOINT WAS FOUND"), "{none}");
+    Mapping::from_toml(&none, "columns.toml").unwrap();
+    // a name that would end the comment, or the text, stays one
+    let odd = guess(
+        &[table(
+            "\"q1\"\"\n[rows]\nfirst = 9\",\"it's\\\"\n0.1,2\n0.3,4\n",
+        )],
+        &[],
+    );
+    let mapping =
+        Mapping::from_toml(&odd, "columns.toml").unwrap_or_else(|error| panic!("{error}\n{odd}"));
+    assert_eq!(mapping.rows.first, None, "{odd}");
+}
+
+#[test]
+fn files_alike_are_runs_and_files_unlike_side_by_side() {
+    let joints = "q1,q2\n0.1,0.2\n0.3,0.4\n";
+    let place = "x,y,z\n1,2,3\n1,2,3\n";
+    let text = |texts: &[&str]| {
+        guess(
+            &texts.iter().map(|text| table(text)).collect::<Vec<_>>(),
+            &[],
+        )
+    };
+    assert!(!text(&[joints, joints]).contains("files_per_run"));
+    assert!(text(&[joints, place]).contains("files_per_run = 2\nmatch = \"row\""));
+    assert!(text(&[joints, place, joints, place]).contains("files_per_run = 2"));
+    let thrice = "x,y,z\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n";
+    assert!(text(&[joints, thrice]).contains("match = \"repeat\""));
+}
