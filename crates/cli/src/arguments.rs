@@ -35,7 +35,8 @@ Example:
 Alone, `haptical` says what can be done with the files of this folder.
 
 Exit status: 0 done; 1 a result is not what its inputs give (`verify` alone); 2 bad arguments or input;
-3 nothing can be identified from these numbers; 130 interrupted by Ctrl-C."
+3 nothing can be identified from these numbers; 4 the calibration is no longer true (`watch` alone);
+130 interrupted by Ctrl-C."
 )]
 pub(crate) struct Arguments {
     #[command(subcommand)]
@@ -102,9 +103,15 @@ Example:
 
 Writes one HTML file without outside references.")]
     Play(crate::play::PlayArguments),
+    /// Work out the uncertainty of the handle's position, with the certificates of the instruments
+    #[command(after_help = crate::report::HELP)]
+    Report(crate::report::ReportArguments),
     /// Recompute a result from its inputs, and compare every number
     #[command(after_help = crate::verify::HELP)]
     Verify(crate::verify::VerifyArguments),
+    /// Judge a log as it grows: is the calibration still true, since when not, which effect
+    #[command(after_help = crate::watch::HELP)]
+    Watch(crate::watch::WatchArguments),
     /// Print a completion script for a shell
     #[command(after_help = "\
 Example:
@@ -309,7 +316,7 @@ pub(crate) enum LossName {
 const HIGHEST_DEGREE: usize = 24;
 
 /// A number that satisfies a condition; `wanted` says which.
-fn number(text: &str, is_allowed: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {
+pub(crate) fn number(text: &str, is_allowed: fn(f64) -> bool, wanted: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number| is_allowed(*number));
     number.ok_or_else(|| format!("{wanted} is expected"))
 }

@@ -7,10 +7,7 @@ use haptical::ErrorKind;
 use serde_json::{Value, json};
 
 use crate::interrupt::STATUS_INTERRUPTED;
-use crate::{STATUS_BAD_INPUT, terminal};
-
-/// Exit status where the numbers are sound but fix nothing.
-const STATUS_UNIDENTIFIABLE: u8 = 3;
+use crate::{STATUS_BAD_INPUT, STATUS_UNIDENTIFIABLE, terminal};
 
 /// A refusal for programs.
 pub(crate) fn as_json(refused: &Failure) -> Value {

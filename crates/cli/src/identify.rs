@@ -25,6 +25,11 @@ impl ResultCommand for IdentifyArguments {
         ResultKind::IDENTIFICATION
     }
 
+    fn as_identification(&self) -> Option<&IdentifyArguments> {
+        let is_of_dynamics = self.with.iter().any(|word| word == DYNAMICS);
+        (!is_of_dynamics).then_some(self)
+    }
+
     fn overwrite(&self) -> Overwrite {
         self.overwrite.overwrite()
     }

@@ -52,6 +52,11 @@ impl Writing {
         Self
     }
 
+    /// Whether Ctrl-C was pressed since.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        state().requested
+    }
+
     /// Refuses to go on after Ctrl-C; `out` is what was to be written.
     pub(crate) fn go_on(&self, out: &Path) -> Result<(), Failure> {
         if state().requested {

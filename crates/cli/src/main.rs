@@ -14,10 +14,12 @@ mod interrupt;
 mod next;
 mod plan;
 mod play;
+mod report;
 mod result;
 mod simulate;
 mod terminal;
 mod verify;
+mod watch;
 
 use std::process::ExitCode;
 
@@ -28,6 +30,8 @@ use crate::failure::Failure;
 
 /// Exit status of bad arguments or input.
 const STATUS_BAD_INPUT: u8 = 2;
+/// Exit status where the numbers are sound but fix nothing.
+const STATUS_UNIDENTIFIABLE: u8 = 3;
 
 fn main() -> ExitCode {
     // Clap does not run where an argument is wrong, yet the answer depends on this flag.
@@ -59,8 +63,10 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
         Command::Import(arguments) => import::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Play(arguments) => play::run(&arguments),
-        // It alone has a status of its own.
+        Command::Report(arguments) => report::run(&arguments),
+        // These have statuses of their own.
         Command::Verify(arguments) => return verify::run(&arguments),
+        Command::Watch(arguments) => return watch::run(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             let mut command = Arguments::command();

@@ -8,6 +8,7 @@ use haptical::files::{
 };
 use haptical::{Device, Equipment, Log};
 
+use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
 use crate::interrupt::write_result;
 use crate::terminal::{self, Progress};
@@ -16,6 +17,11 @@ use crate::terminal::{self, Progress};
 pub(crate) trait ResultCommand {
     /// Its name and its files.
     fn kind(&self) -> ResultKind;
+
+    /// The identification, where it is one of links and drives.
+    fn as_identification(&self) -> Option<&IdentifyArguments> {
+        None
+    }
 
     /// Which files of its folder it may overwrite.
     fn overwrite(&self) -> Overwrite;

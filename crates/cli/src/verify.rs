@@ -1,9 +1,9 @@
 //! `haptical verify`: recomputes results from their inputs and compares every number.
 
 mod compare;
-mod recorded;
+pub(crate) mod recorded;
 mod said;
-mod sought;
+pub(crate) mod sought;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

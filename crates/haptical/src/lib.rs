@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod budget;
 mod check;
 mod device;
 mod diagnose;
@@ -16,6 +17,7 @@ mod plan;
 mod replay;
 mod simulate;
 pub mod units;
+pub mod watch;
 
 pub use haptical_batch as batch;
 pub use haptical_calibration as calibration;
@@ -29,6 +31,7 @@ pub use haptical_kinematics as kinematics;
 pub use haptical_linalg as linalg;
 pub use haptical_metrics as metrics;
 pub use haptical_model as model;
+pub use haptical_monitor as monitor;
 pub use haptical_motion as motion;
 pub use haptical_report as report;
 pub use haptical_runtime as runtime;
@@ -37,6 +40,10 @@ pub use haptical_simulator as simulator;
 pub use haptical_transmission as transmission;
 pub use haptical_urdf as urdf;
 
+pub use budget::{
+    ActsAs, Budget, BudgetOptions, Contribution, Draws, Instrument, Instruments, Known,
+    ParameterPart, PostureBudget, Shape, budget,
+};
 pub use check::{Checked, CheckedChannel, CheckedDevice, CheckedJoint, CheckedLog, check};
 pub use device::{Device, Equipment, InputDrumDenominators, is_mjcf, is_urdf, refuse_other_device};
 pub use diagnose::{

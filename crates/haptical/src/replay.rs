@@ -1,6 +1,9 @@
 //! A recorded motion through a model: what its channels should have read.
 
-use haptical_calibration::{Channel, Weights, channel_residuals, channels, prepare_device};
+use haptical_calibration::{
+    CalibrationError, Channel, ChannelResiduals, Weights, channel_residuals, channels,
+    prepare_device,
+};
 use haptical_data::LogShape;
 use haptical_diagnosis::with_carried_loads;
 use haptical_effects::device::{attached, handle_moved_m};
@@ -77,39 +80,23 @@ pub fn drawn(
 /// The device has no value at a row, an effect lacks what drives it, or nothing that the log measures can be predicted.
 pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
     let (device_path, log_path) = (&device.source().path, &log.source().path);
-    let refuse = |error: &haptical_calibration::CalibrationError| {
+    let refuse = |error: &CalibrationError| {
         Error::calibration(error, device_path, log_path).with_equipment(device)
     };
     let mut warnings = Vec::new();
     let recording = log.recording.as_ref();
-    let found = channels(&device.model, recording).map_err(|error| refuse(&error))?;
-    let (found, touches): (Vec<Channel>, Vec<Channel>) = found.into_iter().partition(is_predicted);
-    if !touches.is_empty() {
-        let names: Vec<String> = touches.iter().map(|channel| channel.name()).collect();
-        warnings.push(format!("not predicted: {}", names.join(", ")));
-    }
-    let mut model = device.model.clone();
-    let is_seen = found
-        .iter()
-        .any(|channel| matches!(channel, Channel::Position | Channel::Orientation));
-    let is_open = model.tracker.is_some_and(|tracker| {
-        let around = &model.surroundings;
-        (!tracker.base_known && around.tracker_base.is_none() && around.run_bases.is_empty())
-            || (!tracker.tool_known && around.tracker_tool.is_none())
-    });
-    if is_seen && is_open {
-        model = prepare_device(&model, recording).map_err(|error| refuse(&error))?;
+    let (mut model, placed) = placed(&device.model, recording).map_err(|error| refuse(&error))?;
+    if placed {
         warnings.push(
             "the device file does not say where the tracker stands or what it sees: both are fitted to this log".to_owned(),
         );
     }
-    // springs and plays carry what their diagnosis took for their loads
-    let loaded = with_carried_loads(&model, recording);
-    let with = attached(&mut model, loaded.as_ref().unwrap_or(recording))
-        .map_err(|error| Error::effect(&error, device_path, log_path))?;
-    let weights = Weights::stated(&model, &found);
-    let residuals = channel_residuals(&model, &model, &with, &found, &weights)
-        .map_err(|error| refuse(&error))?;
+    let (residuals, unpredicted) =
+        predicted_residuals(&mut model, recording, (device_path, log_path))
+            .map_err(|error| error.with_equipment(device))?;
+    if !unpredicted.is_empty() {
+        warnings.insert(0, format!("not predicted: {}", unpredicted.join(", ")));
+    }
     let mut predicted = recording.clone();
     let mut told = Vec::new();
     for own in &residuals {
@@ -139,6 +126,45 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
         channels: told,
         warnings,
     })
+}
+
+/// The model with its tracker placed, and whether that had to be fitted to the recording.
+pub(crate) fn placed(
+    model: &haptical_model::Device,
+    recording: &Recording,
+) -> Result<(haptical_model::Device, bool), CalibrationError> {
+    let found = channels(model, recording)?;
+    let mut found = found.iter();
+    let is_seen = found.any(|channel| matches!(channel, Channel::Position | Channel::Orientation));
+    let is_open = model.tracker.is_some_and(|tracker| {
+        let around = &model.surroundings;
+        (!tracker.base_known && around.tracker_base.is_none() && around.run_bases.is_empty())
+            || (!tracker.tool_known && around.tracker_tool.is_none())
+    });
+    match is_seen && is_open {
+        true => Ok((prepare_device(model, recording)?, true)),
+        false => Ok((model.clone(), false)),
+    }
+}
+
+/// Prediction minus measurement of every channel that can be predicted, effects of the device included, and the names of the
+/// channels that cannot. `model` has its tracker placed, and gets the numbers that are fitted.
+pub(crate) fn predicted_residuals(
+    model: &mut haptical_model::Device,
+    recording: &Recording,
+    (device, log): (&std::path::Path, &std::path::Path),
+) -> Result<(Vec<ChannelResiduals>, Vec<String>), Error> {
+    let refuse = |error: CalibrationError| Error::calibration(&error, device, log);
+    let found = channels(model, recording).map_err(refuse)?;
+    let (found, touches): (Vec<Channel>, Vec<Channel>) = found.into_iter().partition(is_predicted);
+    // springs and plays carry what their diagnosis took for their loads
+    let loaded = with_carried_loads(model, recording);
+    let with = attached(model, loaded.as_ref().unwrap_or(recording))
+        .map_err(|error| Error::effect(&error, device, log))?;
+    let weights = Weights::stated(model, &found);
+    let residuals = channel_residuals(model, model, &with, &found, &weights).map_err(refuse)?;
+    let names = touches.into_iter().map(Channel::name).collect();
+    Ok((residuals, names))
 }
 
 impl Replayed {

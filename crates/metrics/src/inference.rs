@@ -36,6 +36,28 @@ pub fn chi_square_p_value(statistic: f64, degrees_of_freedom: f64) -> Result<f64
     Ok(finite_result("the chi-square probability", distribution.sf(statistic))?.clamp(0.0, 1.0))
 }
 
+/// The number below which a chi-square variable lies with probability `p`.
+///
+/// `degrees_of_freedom` need not be whole. Source: Abramowitz & Stegun 26.4.
+///
+/// # Errors
+/// [`MetricsError::OutOfRange`] for `p` outside 0 to 1 (both excluded) or degrees of freedom that are not positive.
+///
+/// # Examples
+/// With two degrees of freedom it is `-2 ln(1 - p)`:
+/// ```
+/// let q = haptical_metrics::chi_square_quantile(0.025, 2.0)?;
+/// assert!((q + 2.0 * 0.975_f64.ln()).abs() < 1e-9);
+/// # Ok::<(), haptical_metrics::MetricsError>(())
+/// ```
+pub fn chi_square_quantile(p: f64, degrees_of_freedom: f64) -> Result<f64, MetricsError> {
+    check_level(p)?;
+    check_degrees_of_freedom(degrees_of_freedom)?;
+    let distribution = ChiSquared::new(degrees_of_freedom)
+        .map_err(|_| degrees_out_of_range(degrees_of_freedom))?;
+    finite_result("the chi-square quantile", distribution.inverse_cdf(p))
+}
+
 /// Probability that a standard normal variable is at least as far from 0 as `z`:
 /// `erfc(|z| / sqrt(2))`.
 ///

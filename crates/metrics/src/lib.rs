@@ -5,6 +5,7 @@
 //! numbers or an error that names the argument at fault.
 
 mod bootstrap;
+pub mod budget;
 mod correlation;
 mod coverage;
 mod error;
@@ -22,7 +23,10 @@ pub use improvement::{
     RmsImprovement, gap_reduction_percent, parameter_improvement_percent, rms,
     rms_improvement_percent,
 };
-pub use inference::{chi_square_p_value, normal_two_sided_p, student_t_quantile, wilson_interval};
+pub use inference::{
+    chi_square_p_value, chi_square_quantile, normal_two_sided_p, student_t_quantile,
+    wilson_interval,
+};
 pub use pose::{best_rotation, orientation_angle_rad, position_errors_m};
 pub use quadratic_form::quadratic_form_interval;
 pub use quantile::{Interval, median, percentile_interval, quantile};

@@ -19,7 +19,7 @@ pub(super) struct Part {
 }
 
 /// All parts, in the order of the page of claims.
-pub(super) const PARTS: [Part; 13] = [
+pub(super) const PARTS: [Part; 14] = [
     part(
         "solver",
         &[
@@ -33,6 +33,7 @@ pub(super) const PARTS: [Part; 13] = [
     part("basin", &["Convergence basin"]),
     part("parallel-joints", &["Parallel joints"]),
     part("poses", &["Chosen poses"]),
+    part("watch", &["Watch"]),
     part("formats", &["Parquet and MCAP"]),
     part("fuzz", &["Fuzzing"]),
     part("python", &["Python package"]),

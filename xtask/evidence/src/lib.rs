@@ -23,6 +23,8 @@ mod parallel_joints;
 mod poses;
 mod project;
 mod rigs;
+mod watch;
+mod watch_day;
 
 use std::path::{Path, PathBuf};
 
@@ -114,6 +116,10 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     }
     if runs("poses") && !arguments.quick {
         poses::section(&mut output, devices.min(200))?;
+    }
+    if runs("watch") && !arguments.quick {
+        watch::section(&mut output, devices.min(200))?;
+        watch_day::day(&mut output)?;
     }
     if runs("formats") && !arguments.quick {
         project::formats::section(&mut output, &root())?;

@@ -17,7 +17,7 @@ use crate::result::ResultCommand;
 /// Largest result that is read; a result takes some hundred kilobytes.
 const LARGEST_RESULT_BYTES: u64 = 64 << 20;
 /// Another file of the result may be this much longer than what is computed before it counts as unknown.
-pub(super) const MOST_FURTHER_BYTES: u64 = 1 << 20;
+pub(crate) const MOST_FURTHER_BYTES: u64 = 1 << 20;
 /// Folders that are looked through.
 const MOST_FOLDERS: usize = 10_000;
 /// What to do where the result says too little.
@@ -27,30 +27,30 @@ const GIVE_FILE: &str = "give identified.json, gap.json, plan.json or their fold
 const GIVE_FOLDER: &str = "give the folder that `haptical identify`, `diagnose` or `plan` wrote";
 
 /// A result as it was found.
-pub(super) struct Recorded {
+pub(crate) struct Recorded {
     /// The file with the provenance.
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Given as a file: the other files need not be there.
-    pub(super) is_alone: bool,
+    pub(crate) is_alone: bool,
     text: String,
-    pub(super) provenance: Provenance,
+    pub(crate) provenance: Provenance,
     /// The command that wrote it, with its options; paths are the recorded names.
-    pub(super) command: Box<dyn ResultCommand>,
+    pub(crate) command: Box<dyn ResultCommand>,
 }
 
 /// What is read of the provenance.
 #[derive(Deserialize)]
-pub(super) struct Provenance {
-    pub(super) haptical_version: String,
+pub(crate) struct Provenance {
+    pub(crate) haptical_version: String,
     command: String,
     arguments: Vec<String>,
-    pub(super) inputs: Vec<InputFile>,
+    pub(crate) inputs: Vec<InputFile>,
     outputs: Vec<OutputFile>,
     result_sha256: String,
 }
 
 impl Recorded {
-    pub(super) fn folder(&self) -> &Path {
+    pub(crate) fn folder(&self) -> &Path {
         self.path.parent().unwrap_or(Path::new(""))
     }
 
@@ -82,7 +82,7 @@ impl Recorded {
     }
 
     /// Whether the result says that it wrote a file of this name.
-    pub(super) fn names(&self, name: &str) -> bool {
+    pub(crate) fn names(&self, name: &str) -> bool {
         self.listed(name).is_some()
     }
 
@@ -93,10 +93,10 @@ impl Recorded {
 }
 
 /// A result that was found, or why it cannot be checked.
-pub(super) type Candidate = (PathBuf, Result<Recorded, Failure>);
+pub(crate) type Candidate = (PathBuf, Result<Recorded, Failure>);
 
 /// Reads the results in a folder and in the folders in it, or the one that is given; none is an error.
-pub(super) fn read(given: &Path) -> Result<Vec<Candidate>, Failure> {
+pub(crate) fn read(given: &Path) -> Result<Vec<Candidate>, Failure> {
     let there = std::fs::metadata(given)
         .map_err(|error| Failure::unreadable(&error, given, GIVE_FOLDER).with_name("no-result"))?;
     if !there.is_dir() {
@@ -203,7 +203,7 @@ fn replay(provenance: &Provenance) -> Result<Box<dyn ResultCommand>, String> {
 }
 
 /// The first bytes of a file.
-pub(super) fn read_bytes(path: &Path, most: u64, next: &str) -> Result<Vec<u8>, Failure> {
+pub(crate) fn read_bytes(path: &Path, most: u64, next: &str) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(most).read_to_end(&mut bytes))

@@ -15,18 +15,18 @@ const MOST_BESIDE: usize = 1000;
 
 /// An input with the recorded bytes.
 #[derive(Debug, Serialize)]
-pub(super) struct FoundInput {
-    pub(super) flag: String,
+pub(crate) struct FoundInput {
+    pub(crate) flag: String,
     /// Recorded name.
     file: String,
     /// Its place.
-    pub(super) found: String,
+    pub(crate) found: String,
     sha256: String,
 }
 
 /// The input of a flag, the one of its number among those of the flag, at the place that the user gives, or else where
 /// its recorded name leads.
-pub(super) fn find(
+pub(crate) fn find(
     result: &Recorded,
     (flag, number): (&str, usize),
     name: &Path,

@@ -52,6 +52,7 @@ mod urdf;
 mod urdf_tree;
 mod verify;
 mod verify_refusals;
+mod watch;
 mod wild_readings;
 
 use std::path::{Path, PathBuf};

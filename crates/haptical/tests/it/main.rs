@@ -7,6 +7,7 @@
 )]
 
 mod absent_effects;
+mod budget;
 #[path = "../../examples/capstan.rs"]
 mod capstan;
 #[path = "../../examples/control_loop.rs"]
@@ -30,6 +31,7 @@ mod so101;
 mod tracker;
 #[path = "../../examples/two_step.rs"]
 mod two_step;
+mod watch;
 
 #[test]
 fn a_capstan_is_identified_from_its_external_encoder() {

@@ -6,6 +6,7 @@
 )]
 
 mod bootstrap;
+mod budget;
 mod coverage;
 mod edges;
 mod improvement;

@@ -1,0 +1,188 @@
+//! `haptical watch` from outside: pipes, exit status, the page, Ctrl-C. Its guide has the rest.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::{haptical, text};
+
+/// A joint at 10 Hz with an external encoder of 0.1 mrad noise, off by `shift_rad` from row `from` on.
+fn rows(count: u64, from: u64, shift_rad: f64) -> String {
+    let mut text = "t_s,theta1_rad,out1_rad\n".to_owned();
+    let mut seed = 7_u64;
+    for row in 0..count {
+        let mut noise = 0.0;
+        for _ in 0..4 {
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            noise += (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+        }
+        let angle_rad = (0.07 * row as f64).sin();
+        let out_rad = angle_rad + 1.7e-4 * noise + if row < from { 0.0 } else { shift_rad };
+        writeln!(text, "{},{angle_rad},{out_rad}", row as f64 / 10.0).unwrap();
+    }
+    text
+}
+
+fn device(folder: &Path) {
+    std::fs::write(folder.join("one.toml"), "[[joint]]\nname = \"one\"\n").unwrap();
+}
+
+#[test]
+fn a_pipe_gives_json_lines_and_the_answer_as_exit_status() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    for (count, shift_rad, status, verdict) in [
+        (4000, 0.0, 0, "true"),
+        (4000, 3e-4, 4, "untrue"),
+        (100, 0.0, 3, "not-judged"),
+    ] {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args([
+                "watch",
+                "--device",
+                "one.toml",
+                "--reference-s",
+                "100",
+                "--page",
+                "watch.html",
+                "-",
+            ])
+            .write_stdin(rows(count, 3000, shift_rad))
+            .output()
+            .unwrap();
+        assert_eq!(
+            output.status.code(),
+            Some(status),
+            "{}",
+            text(&output.stderr)
+        );
+        let lines: Vec<Value> = text(&output.stdout)
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        let end = lines.last().unwrap();
+        assert_eq!(
+            (
+                end["event"].as_str(),
+                end["verdict"].as_str(),
+                end["rows"].as_u64()
+            ),
+            (Some("end"), Some(verdict), Some(count))
+        );
+        let alarms = lines.iter().filter(|line| line["event"] == "alarm").count();
+        assert_eq!(alarms, usize::from(status == 4));
+        let page = std::fs::read_to_string(folder.path().join("watch.html")).unwrap();
+        assert!(page.contains("Is the calibration true?"));
+    }
+}
+
+#[test]
+fn what_cannot_be_watched_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    std::fs::write(folder.path().join("log.csv"), rows(300, 300, 0.0)).unwrap();
+    for (arguments, said) in [
+        (
+            vec!["watch", "--device", "one.toml", "none.csv"],
+            "cannot be read",
+        ),
+        (
+            vec![
+                "watch",
+                "--device",
+                "one.toml",
+                "--once",
+                "--tolerance",
+                "cable=1e-4",
+                "log.csv",
+            ],
+            "no such channel",
+        ),
+        (
+            vec![
+                "watch",
+                "--device",
+                "one.toml",
+                "--once",
+                "--tolerance",
+                "cable",
+                "log.csv",
+            ],
+            "as in cable=1e-4",
+        ),
+        (
+            vec![
+                "watch",
+                "--device",
+                "one.toml",
+                "--once",
+                "--reference",
+                "log.csv",
+                "log.csv",
+            ],
+            "are no reference",
+        ),
+    ] {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(&arguments)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(
+            text(&output.stderr).contains(said),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_with_a_summary() {
+    use std::io::Read as _;
+    use std::process::{Command, Stdio};
+
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    std::fs::write(folder.path().join("log.csv"), rows(3000, 3000, 0.0)).unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_haptical"))
+        .current_dir(folder.path())
+        .args([
+            "watch",
+            "--device",
+            "one.toml",
+            "--reference-s",
+            "100",
+            "--every-s",
+            "0.1",
+            "log.csv",
+        ])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // until a second state says that all rows were read
+    let mut output = child.stdout.take().unwrap();
+    let mut said = String::new();
+    let mut byte = [0];
+    while !said.contains("\"rows\":3000") {
+        assert_eq!(output.read(&mut byte).unwrap(), 1, "{said}");
+        said.push(char::from(byte[0]));
+    }
+    let killed = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    output.read_to_string(&mut said).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    let last: Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+    assert_eq!(
+        (last["event"].as_str(), last["verdict"].as_str()),
+        (Some("end"), Some("true"))
+    );
+}

@@ -1,0 +1,190 @@
+//! The file of instruments: certificates, what they are known to, and which readings they act on.
+
+use std::path::Path;
+
+use haptical_metrics::budget::{Distribution, Input};
+use serde::{Deserialize, Serialize};
+
+use crate::error::Error;
+
+/// The file of instruments.
+#[derive(Debug, Clone, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Instruments {
+    /// `[[instrument]]`.
+    #[serde(default)]
+    pub instrument: Vec<Instrument>,
+}
+
+/// An instrument.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Instrument {
+    /// Name, as in the laboratory's list.
+    pub name: String,
+    /// Number of its certificate.
+    #[serde(default)]
+    pub certificate: Option<String>,
+    /// Date of the certificate, year-month-day.
+    #[serde(default)]
+    pub date: Option<String>,
+    /// Date of the next calibration, year-month-day.
+    #[serde(default)]
+    pub due: Option<String>,
+    /// Readings that it makes: `out2`, `cable`, `position` while the device is calibrated, `theta3` while it is used.
+    pub acts_on: String,
+    /// How it is off.
+    #[serde(rename = "as")]
+    pub acts_as: ActsAs,
+    /// From its certificate.
+    #[serde(default)]
+    pub calibration: Option<Known>,
+    /// Since its certificate.
+    #[serde(default)]
+    pub drift: Option<Known>,
+    /// Anything else, such as the temperature at which it is used.
+    #[serde(default)]
+    pub conditions: Option<Known>,
+}
+
+/// How an instrument is off: by the same amount in every reading, or by the same share of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ActsAs {
+    /// The same amount, in the unit of the reading.
+    Offset,
+    /// The same share of the reading.
+    Scale,
+}
+
+/// What is known of how far an instrument is off.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Known {
+    /// Standard uncertainty.
+    #[serde(default)]
+    pub standard: Option<f64>,
+    /// Expanded uncertainty; with `k`.
+    #[serde(default)]
+    pub expanded: Option<f64>,
+    /// Coverage factor of the expanded uncertainty, the divisor.
+    #[serde(default)]
+    pub k: Option<f64>,
+    /// Half width of a limit; with `distribution`.
+    #[serde(default)]
+    pub half_width: Option<f64>,
+    /// Distribution within the limit.
+    #[serde(default)]
+    pub distribution: Option<Shape>,
+    /// Degrees of freedom; infinitely many unless stated.
+    #[serde(default)]
+    pub degrees_of_freedom: Option<f64>,
+}
+
+/// Distribution within a limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// Equally likely everywhere; divisor sqrt(3).
+    Rectangular,
+    /// Divisor sqrt(6).
+    Triangular,
+    /// U-shaped; divisor sqrt(2).
+    Arcsine,
+}
+
+impl Instruments {
+    /// Reads the text of a file of instruments.
+    ///
+    /// # Errors
+    /// What is wrong, with the line.
+    pub fn from_toml(text: &str, file: &Path) -> Result<Self, Error> {
+        let read: Self = toml::from_str(text).map_err(|error| {
+            let before = error
+                .span()
+                .map_or("", |span| text.get(..span.start).unwrap_or(""));
+            let line = before.matches('\n').count() as u64 + 1;
+            let what = error.message().trim().replace('\n', "; ");
+            let next = "docs/guides/uncertainty-budget.md shows such a file";
+            Error::log_line("instruments", what, file, Some(line), next)
+        })?;
+        for own in &read.instrument {
+            let parts = own.parts();
+            if parts.is_empty() {
+                let what = format!("`{}` has no calibration, drift or conditions", own.name);
+                return Err(Error::in_file(
+                    "instruments",
+                    what,
+                    file,
+                    "say how far it may be off",
+                ));
+            }
+            for (part, known) in parts {
+                known.input().map_err(|why| {
+                    let what = format!("{part} of `{}`: {why}", own.name);
+                    let next = "give `standard`, or `expanded` with `k`, or `half_width` with `distribution`";
+                    Error::in_file("instruments", what, file, next)
+                })?;
+            }
+        }
+        Ok(read)
+    }
+}
+
+impl Instrument {
+    /// What is known of it, with the names in the file.
+    pub(super) fn parts(&self) -> Vec<(&'static str, Known)> {
+        let parts = [
+            ("calibration", self.calibration),
+            ("drift", self.drift),
+            ("conditions", self.conditions),
+        ];
+        parts
+            .into_iter()
+            .filter_map(|(name, known)| Some((name, known?)))
+            .collect()
+    }
+}
+
+impl Known {
+    /// As an input of a budget.
+    pub(super) fn input(&self) -> Result<Input, &'static str> {
+        let distribution = match (
+            self.standard,
+            self.expanded,
+            self.k,
+            self.half_width,
+            self.distribution,
+        ) {
+            (Some(standard_uncertainty), None, None, None, None) => Distribution::Normal {
+                standard_uncertainty,
+            },
+            (None, Some(expanded), Some(k), None, None) if k > 0.0 => Distribution::Normal {
+                standard_uncertainty: expanded / k,
+            },
+            (None, None, None, Some(half_width), Some(shape)) => match shape {
+                Shape::Rectangular => Distribution::Rectangular { half_width },
+                Shape::Triangular => Distribution::Triangular { half_width },
+                Shape::Arcsine => Distribution::Arcsine { half_width },
+            },
+            _ => return Err("not one of the three ways to say how far it may be off"),
+        };
+        let degrees = self.degrees_of_freedom.unwrap_or(f64::INFINITY);
+        let input = Input::new(distribution, degrees);
+        let size = input.standard_uncertainty();
+        match size.is_finite() && size > 0.0 && degrees > 0.0 {
+            true => Ok(input),
+            false => Err("uncertainties and degrees of freedom are above 0"),
+        }
+    }
+
+    /// In words: the kind of its distribution.
+    pub(super) fn words(&self) -> &'static str {
+        match self.distribution {
+            None => "normal",
+            Some(Shape::Rectangular) => "rectangular",
+            Some(Shape::Triangular) => "triangular",
+            Some(Shape::Arcsine) => "arcsine",
+        }
+    }
+}

@@ -1,0 +1,443 @@
+//! Where a watch stands, as numbers for programs and as lines for people.
+
+use serde::Serialize;
+
+use super::intake::LeftOut;
+use super::{Watch, WatchCause, WatchEvent};
+use crate::units::Shown;
+
+/// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
+const CALENDAR_S: f64 = 1e9;
+const DAY_S: f64 = 86_400.0;
+/// Blocks that the present shift of a channel is a mean of.
+const RECENT_BLOCKS: usize = 32;
+/// Components that an alarm names.
+const NAMED: usize = 3;
+
+/// What is said of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WatchVerdict {
+    /// The reference is not complete.
+    NotJudged,
+    /// No alarm was given.
+    True,
+    /// An alarm was given.
+    Untrue,
+}
+
+/// What the rows are compared with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WatchReference {
+    /// Rows that it was made from, the first ones for the scales included.
+    pub rows: u64,
+    /// Rows of a block.
+    pub block_rows: usize,
+    /// Seconds of a block.
+    pub block_s: f64,
+    /// Expected number of false alarms in an hour, at most.
+    pub false_alarms_per_hour: f64,
+    /// Axis by axis.
+    pub channels: Vec<ReferenceChannel>,
+}
+
+/// One axis of a channel in the reference.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReferenceChannel {
+    /// `out2`, `cable`, `position.x`.
+    pub channel: String,
+    /// SI unit.
+    pub unit: String,
+    /// Robust standard deviation of a residual.
+    pub sd: f64,
+    /// Standard deviation of the mean of a block, memory included.
+    pub block_sd: f64,
+    /// What its mean may be off without counting: what the reference itself does not know, and the tolerance.
+    pub margin: f64,
+}
+
+/// A calibration that is no longer true.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WatchAlarm {
+    /// Time of the row at which it was seen.
+    pub seen_s: f64,
+    /// Since when: the first row that is another.
+    pub since_s: f64,
+    /// 95 % interval of that.
+    pub since_ci95_s: [f64; 2],
+    /// Whether it may be longer ago than what is kept.
+    pub may_be_older: bool,
+    /// Number of that row, and its file and line.
+    pub row: u64,
+    /// File.
+    pub file: String,
+    /// Line, about.
+    pub line: u64,
+    /// `step` or `ramp`.
+    pub shape: &'static str,
+    /// Probability of the shape.
+    pub shape_probability: f64,
+    /// What moved most.
+    pub channels: Vec<WatchChannel>,
+}
+
+/// What moved, of one axis of a channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WatchChannel {
+    /// `out2`, `cable`, `position.x`.
+    pub channel: String,
+    /// SI unit.
+    pub unit: String,
+    /// Mean of prediction minus measurement less that of the reference.
+    pub shift: f64,
+    /// 95 % interval of that.
+    pub shift_ci95: [f64; 2],
+    /// Root mean square about the reference's centre, in the reference and since; none of a present state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms: Option<[f64; 2]>,
+    /// Share of the evidence; none of a present state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
+}
+
+/// Where a watch stands.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WatchState {
+    /// What is said.
+    pub verdict: WatchVerdict,
+    /// Device that is watched.
+    pub device: String,
+    /// Rows taken.
+    pub rows: u64,
+    /// Time of the last one.
+    pub last_s: Option<f64>,
+    /// Evidence over what an alarm needs; 1 is an alarm.
+    pub evidence: f64,
+    /// Blocks judged.
+    pub blocks: u64,
+    /// Readings beyond eight scales, which count as eight.
+    pub wild_readings: u64,
+    /// Lines and rows that were left out.
+    pub left_out: LeftOut,
+    /// Present shifts, axis by axis.
+    pub channels: Vec<WatchChannel>,
+    /// The reference, where it is complete.
+    pub reference: Option<WatchReference>,
+    /// The alarm, where there is one.
+    pub alarm: Option<WatchAlarm>,
+    /// Its cause, where one was sought.
+    pub cause: Option<WatchCause>,
+}
+
+impl Watch {
+    /// Where it stands.
+    pub fn state(&self) -> WatchState {
+        let monitor = self.monitor.as_ref();
+        let present = (0..self.components.len()).filter_map(|index| {
+            let own = monitor?.state(index, RECENT_BLOCKS)?;
+            Some(WatchChannel {
+                channel: self.name(index),
+                unit: self.components[index].unit.clone(),
+                shift: own.shift,
+                shift_ci95: [own.shift - own.half_width, own.shift + own.half_width],
+                rms: None,
+                share: None,
+            })
+        });
+        WatchState {
+            verdict: self.verdict(),
+            device: self.device.source().label.clone(),
+            rows: self.rows,
+            last_s: self.last_s.is_finite().then_some(self.last_s),
+            evidence: monitor
+                .map_or(0.0, haptical_monitor::Monitor::evidence)
+                .min(1e6),
+            blocks: monitor.map_or(0, haptical_monitor::Monitor::blocks_judged),
+            wild_readings: monitor.map_or(0, haptical_monitor::Monitor::clipped),
+            left_out: self.intake.left_out.clone(),
+            channels: present.collect(),
+            reference: self.reference_entry(),
+            alarm: self.alarm.clone(),
+            cause: self.cause.clone(),
+        }
+    }
+
+    fn name(&self, index: usize) -> String {
+        let own = &self.components[index];
+        let mut all = self.components.iter();
+        match all.any(|other| other.channel == own.channel && other.axis > 0) {
+            true => format!("{}.{}", own.channel, ["x", "y", "z"][own.axis.min(2)]),
+            false => own.channel.clone(),
+        }
+    }
+
+    pub(super) fn reference_entry(&self) -> Option<WatchReference> {
+        let monitor = self.monitor.as_ref()?;
+        let reference = monitor.reference()?;
+        let channels = reference
+            .features
+            .iter()
+            .enumerate()
+            .filter_map(|(index, features)| {
+                let [mean, _] = features.as_ref()?;
+                let scale = monitor.scales()[index];
+                Some(ReferenceChannel {
+                    channel: self.name(index),
+                    unit: self.components[index].unit.clone(),
+                    sd: scale,
+                    block_sd: scale * mean.sd,
+                    margin: scale * mean.sd * mean.margin,
+                })
+            });
+        Some(WatchReference {
+            rows: monitor.reference_rows(),
+            block_rows: reference.block_rows,
+            block_s: reference.block_rows as f64 / self.rows_per_hour * 3600.0,
+            false_alarms_per_hour: self.options.false_alarms_per_hour,
+            channels: channels.collect(),
+        })
+    }
+
+    pub(super) fn alarm_entry(&self) -> Option<WatchAlarm> {
+        let monitor = self.monitor.as_ref()?;
+        let (change, [from, since, to], row) = monitor.change()?;
+        let place = self.places.iter().rev().find(|(first, _, _)| *first < row);
+        let (file, line) = match place {
+            Some((first, file, line)) => (file.clone(), line + (row - first).saturating_sub(1)),
+            None => (self.file.clone(), 0),
+        };
+        let shifts = monitor.shifts(change.first);
+        let channels = shifts.into_iter().take(NAMED).map(|own| {
+            let shift = own.mean_since - own.mean_before;
+            WatchChannel {
+                channel: self.name(own.component),
+                unit: self.components[own.component].unit.clone(),
+                shift,
+                shift_ci95: [shift - own.half_width, shift + own.half_width],
+                rms: Some([own.rms_before, own.rms_since]),
+                share: Some(own.share),
+            }
+        });
+        Some(WatchAlarm {
+            seen_s: self
+                .alarm
+                .as_ref()
+                .map_or(self.last_s, |alarm| alarm.seen_s),
+            since_s: since,
+            since_ci95_s: [from, to.max(since)],
+            may_be_older: change.may_be_older,
+            row,
+            file,
+            line,
+            shape: match change.shape {
+                haptical_monitor::Shape::Step => "step",
+                haptical_monitor::Shape::Ramp => "ramp",
+            },
+            shape_probability: change.shape_probability,
+            channels: channels.collect(),
+        })
+    }
+}
+
+impl WatchState {
+    /// One line.
+    pub fn line(&self) -> String {
+        let at = self
+            .last_s
+            .map_or_else(String::new, |last_s| format!("{}  ", when(last_s)));
+        let verdict = match self.verdict {
+            WatchVerdict::NotJudged => "reference".to_owned(),
+            WatchVerdict::True => "true".to_owned(),
+            WatchVerdict::Untrue => {
+                let since = self.alarm.as_ref().map(|alarm| when(alarm.since_s));
+                format!("NOT TRUE since {}", since.unwrap_or_default())
+            }
+        };
+        let mut text = format!("{at}{verdict}  {} rows", self.rows);
+        if self.verdict == WatchVerdict::True {
+            text += &format!("  evidence {:.1e} of an alarm's", self.evidence);
+        }
+        let largest = self.channels.iter().max_by(|a, b| {
+            let size = |own: &WatchChannel| {
+                own.shift.abs() / (own.shift_ci95[1] - own.shift).max(f64::MIN_POSITIVE)
+            };
+            size(a).total_cmp(&size(b))
+        });
+        if let Some(own) = largest {
+            text += &format!("  {} {}", own.channel, shift_text(own));
+        }
+        let left_out = self.left_out.unreadable + self.left_out.out_of_order;
+        if left_out > 0 {
+            text += &format!("  {left_out} lines left out");
+        }
+        text
+    }
+
+    /// The last words: what was judged, and the answer.
+    pub fn summary(&self) -> String {
+        let mut text = String::new();
+        if let Some(reference) = &self.reference {
+            text += &WatchEvent::Reference(reference.clone()).line();
+            text.push('\n');
+        }
+        let hours = self
+            .reference
+            .as_ref()
+            .map(|own| own.block_s * self.blocks as f64 / 3600.0);
+        text += &match self.verdict {
+            WatchVerdict::NotJudged => format!(
+                "Not judged: {} rows are too few for a reference, or the noise remembers longer than they last. Give --reference \
+                 a log of the device while it was true, or go on.\n",
+                self.rows
+            ),
+            WatchVerdict::True => format!(
+                "The calibration is true: no alarm in {:.2} h behind the reference.\n",
+                hours.unwrap_or_default()
+            ),
+            WatchVerdict::Untrue => {
+                let alarm = self.alarm.clone().map(WatchEvent::Alarm);
+                alarm.map_or_else(String::new, |alarm| alarm.line() + "\n")
+            }
+        };
+        if let Some(cause) = &self.cause {
+            text += &(WatchEvent::Cause(cause.clone()).line() + "\n");
+        }
+        if self.left_out.unreadable + self.left_out.out_of_order > 0 {
+            text += &format!(
+                "Left out: {} lines that are no rows, {} rows out of order{}.\n",
+                self.left_out.unreadable,
+                self.left_out.out_of_order,
+                self.left_out
+                    .first
+                    .as_ref()
+                    .map_or_else(String::new, |first| format!("; the first: {first}"))
+            );
+        }
+        text
+    }
+}
+
+impl WatchEvent {
+    /// For people.
+    pub fn line(&self) -> String {
+        match self {
+            Self::Note { text } => format!("note: {text}"),
+            Self::Reference(own) => {
+                let channels: Vec<String> = own
+                    .channels
+                    .iter()
+                    .map(|channel| {
+                        let shown = Shown::fine(&channel.unit);
+                        let (sd, margin) = (shown.text(channel.sd), shown.text(channel.margin));
+                        format!("{} {sd}, counts beyond {margin}", channel.channel)
+                    })
+                    .collect();
+                format!(
+                    "Reference of {} rows: blocks of {} rows ({:.3} s), one false alarm in {:.0} h at most. {}.",
+                    own.rows,
+                    own.block_rows,
+                    own.block_s,
+                    own.false_alarms_per_hour.recip(),
+                    channels.join("; ")
+                )
+            }
+            Self::Alarm(own) => {
+                let older = if own.may_be_older { " or earlier" } else { "" };
+                let moved: Vec<String> = own
+                    .channels
+                    .iter()
+                    .filter(|channel| channel.share.is_some_and(|share| share >= 0.05))
+                    .map(|channel| {
+                        let shown = Shown::fine(&channel.unit);
+                        let rms = channel.rms.map_or_else(String::new, |[before, since]| {
+                            format!(", rms {} to {}", shown.text(before), shown.text(since))
+                        });
+                        format!("{}: mean {}{rms}", channel.channel, shift_text(channel))
+                    })
+                    .collect();
+                format!(
+                    "The calibration is NOT TRUE since {} [{}{older}, {}] ({}, line {}), a {} with probability {:.2}. {}.",
+                    when(own.since_s),
+                    when(own.since_ci95_s[0]),
+                    when(own.since_ci95_s[1]),
+                    own.file,
+                    own.line,
+                    own.shape,
+                    own.shape_probability,
+                    moved.join("; ")
+                )
+            }
+            Self::Cause(own) => {
+                let written: Vec<String> = own
+                    .written
+                    .iter()
+                    .map(|path| path.display().to_string())
+                    .collect();
+                let written = match written.is_empty() {
+                    true => String::new(),
+                    false => format!("\nwritten  {}", written.join("  ")),
+                };
+                format!("Cause, from {} rows: {}{written}", own.rows, own.answer)
+            }
+        }
+    }
+}
+
+fn shift_text(own: &WatchChannel) -> String {
+    let shown = Shown::fine(&own.unit);
+    let half = own.shift_ci95[1] - own.shift;
+    format!(
+        "{:+.3} ± {:.3} {}",
+        own.shift * shown.per_si,
+        half * shown.per_si,
+        shown.name
+    )
+}
+
+/// A time of a log: a date where it counts from 1970, else seconds.
+pub(super) fn when(time_s: f64) -> String {
+    if !(CALENDAR_S..1e11).contains(&time_s) {
+        return format!("t = {time_s:.1} s");
+    }
+    let days = (time_s / DAY_S).floor();
+    let (year, month, day) = date(days as i64);
+    let second = (time_s - days * DAY_S).floor() as i64;
+    format!(
+        "{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC",
+        second / 3600,
+        second / 60 % 60,
+        second % 60
+    )
+}
+
+/// Year, month and day of a number of days since 1970 (Hinnant, "chrono-compatible low-level date algorithms").
+fn date(days: i64) -> (i64, i64, i64) {
+    let shifted = days + 719_468;
+    let era = shifted.div_euclid(146_097);
+    let of_era = shifted.rem_euclid(146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let shifted_month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 {
+        shifted_month + 3
+    } else {
+        shifted_month - 9
+    };
+    (year + era * 400 + i64::from(month <= 2), month, day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `date -u -d @...` of GNU.
+    #[test]
+    fn times_of_the_calendar_are_dates() {
+        assert_eq!(when(1_709_210_096.7), "2024-02-29 12:34:56 UTC");
+        assert_eq!(when(1_000_000_000.0), "2001-09-09 01:46:40 UTC");
+        assert_eq!(when(4_102_444_799.0), "2099-12-31 23:59:59 UTC");
+        assert_eq!(when(12.25), "t = 12.2 s");
+        assert_eq!(when(f64::NAN), "t = NaN s");
+    }
+}

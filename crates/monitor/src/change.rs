@@ -1,0 +1,114 @@
+//! Since when standardised block features are others: a step or a ramp, and an interval.
+
+/// How a change came.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// At once.
+    Step,
+    /// Growing ever since.
+    Ramp,
+}
+
+/// Since when, in blocks from the oldest one kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// First block that is another; the median of its probability.
+    pub first: usize,
+    /// Interval that holds it with the probability asked for.
+    pub interval: [usize; 2],
+    /// The likelier shape.
+    pub shape: Shape,
+    /// Probability of that shape.
+    pub shape_probability: f64,
+    /// Whether it may lie before the oldest block kept.
+    pub may_be_older: bool,
+}
+
+/// Standard deviation of a shift beforehand, in those of a block.
+const SHIFT_SD: f64 = 10.0;
+
+/// Probabilities of every first block, given that there is one: uniform beforehand, each feature shifted by a normal draw of its
+/// own, at once or on a ramp (Smith 1975, with the shift integrated out).
+///
+/// `features` holds the features of block 0, of block 1, ...; each is standard normal before the change, NaN is no reading.
+/// `level` is the probability of the interval. None without blocks.
+///
+/// # Examples
+/// ```
+/// use haptical_monitor::{Shape, change};
+/// let shift = |k: i32| if k < 40 { 0.0 } else { 4.0 };
+/// let blocks: Vec<[f64; 1]> = (0..60).map(|k| [f64::from(k % 3 - 1) + shift(k)]).collect();
+/// let found = change(blocks.iter().map(|block| &block[..]), 1, 0.95).unwrap();
+/// assert_eq!((found.first, found.shape), (40, Shape::Step));
+/// ```
+pub fn change<'b>(
+    features: impl DoubleEndedIterator<Item = &'b [f64]> + ExactSizeIterator,
+    width: usize,
+    level: f64,
+) -> Option<Change> {
+    let blocks = features.len();
+    let mut sums = vec![[0.0_f64; 3]; width];
+    // logarithms of the weights, newest block first
+    let mut weights: Vec<[f64; 2]> = Vec::with_capacity(blocks);
+    for (back, block) in features.rev().enumerate() {
+        let length = back as f64 + 1.0;
+        let mut own = [0.0; 2];
+        for (sums, value) in sums.iter_mut().zip(block) {
+            // counted from the newest block on: sum of the values, of values times age, number of values
+            if value.is_finite() {
+                let age = back as f64;
+                sums[0] += value;
+                sums[1] += age * value;
+                sums[2] += 1.0;
+            }
+            let step = (sums[0], sums[2]);
+            let ramp = (
+                sums[0] - sums[1] / length,
+                (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length) * sums[2] / length,
+            );
+            for (weight, (product, square)) in own.iter_mut().zip([step, ramp]) {
+                *weight += log_evidence(product, square);
+            }
+        }
+        weights.push(own);
+    }
+    weights.reverse();
+    let largest = weights.iter().flatten().copied().fold(f64::MIN, f64::max);
+    let each: Vec<[f64; 2]> = weights
+        .iter()
+        .map(|own| own.map(|weight| (weight - largest).exp()))
+        .collect();
+    let total: f64 = each.iter().flatten().sum();
+    let tail = 0.5 * (1.0 - level);
+    let at = |share: f64| {
+        let mut sum = 0.0;
+        let mut all = each.iter();
+        let first = all.position(|own| {
+            sum += (own[0] + own[1]) / total;
+            sum >= share
+        });
+        first.unwrap_or(blocks.saturating_sub(1))
+    };
+    (blocks > 0).then(|| {
+        let steps: f64 = each.iter().map(|own| own[0]).sum::<f64>() / total;
+        let interval = [at(tail), at(1.0 - tail)];
+        Change {
+            first: at(0.5),
+            interval,
+            shape: if steps >= 0.5 {
+                Shape::Step
+            } else {
+                Shape::Ramp
+            },
+            shape_probability: steps.max(1.0 - steps),
+            may_be_older: interval[0] == 0,
+        }
+    })
+}
+
+/// Logarithm of the evidence for a shift `b ~ N(0, SHIFT_SD^2)` times a shape with `product = sum s z` and `square = sum s^2`,
+/// over that for none.
+fn log_evidence(product: f64, square: f64) -> f64 {
+    let prior = SHIFT_SD * SHIFT_SD;
+    0.5 * (product * product / (square + 1.0 / prior) - (prior * square).ln_1p())
+}

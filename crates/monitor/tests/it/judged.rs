@@ -1,0 +1,193 @@
+//! What is an alarm, and what is none.
+
+use haptical_monitor::{Event, Monitor, MonitorError, Phase, Settings, Shape};
+
+use crate::streams::{Noise, settings, watching};
+
+/// Rows until an alarm; none within `most`.
+fn rows_until_alarm(
+    monitor: &mut Monitor,
+    most: usize,
+    mut row: impl FnMut(usize) -> f64,
+) -> Option<usize> {
+    (0..most).find(|&k| monitor.push(k as f64, &[row(k)]).unwrap() == Some(Event::Alarm))
+}
+
+/// In 25 hours each a false alarm has a probability of at most 1/4 by the stated rate: of 24 streams seven or more are alarms
+/// with a probability of 0.4 at worst, twelve with 0.004. Blocks that forget the memory alarm in all.
+#[test]
+fn false_alarms_are_as_rare_as_stated() {
+    let mut alarms = 0;
+    for seed in 0..24 {
+        let mut noise = Noise::new(seed, 0.8);
+        let mut monitor = watching(settings(1), &mut noise);
+        let found = rows_until_alarm(&mut monitor, 90_000, |_| noise.next());
+        alarms += usize::from(found.is_some());
+    }
+    assert!(alarms <= 6, "{alarms} alarms");
+}
+
+#[test]
+fn a_mean_that_moves_and_a_size_that_grows_are_alarms() {
+    for (shift, factor) in [(1.0, 1.0), (-1.0, 1.0), (0.0, 2.0)] {
+        let mut noise = Noise::new(5, 0.0);
+        let mut monitor = watching(settings(1), &mut noise);
+        let calm = rows_until_alarm(&mut monitor, 4000, |_| noise.next());
+        assert_eq!(calm, None);
+        let found = rows_until_alarm(&mut monitor, 4000, |_| factor * noise.next() + shift);
+        let rows = found.unwrap_or_else(|| panic!("{shift}, {factor}: no alarm"));
+        assert!(rows < 200, "{rows}");
+        assert_eq!(monitor.phase(), Phase::Alarmed);
+        // a few blocks say little of how far
+        for row in 0..800 {
+            monitor
+                .push(f64::from(row), &[factor * noise.next() + shift])
+                .unwrap();
+        }
+        let (change, _, _) = monitor.change().unwrap();
+        let shifts = monitor.shifts(change.first);
+        let moved = shifts[0].mean_since - shifts[0].mean_before;
+        assert!(
+            (moved - shift).abs() < 1.5 * shifts[0].half_width,
+            "{moved}"
+        );
+        let grown = shifts[0].rms_since / shifts[0].rms_before;
+        assert!(factor == 1.0 || grown > 1.6, "{grown}");
+    }
+}
+
+#[test]
+fn the_change_is_placed_and_its_shape_told() {
+    for (shape, seed) in [(Shape::Step, 3), (Shape::Ramp, 4)] {
+        let mut noise = Noise::new(seed, 0.0);
+        let mut monitor = watching(settings(1), &mut noise);
+        let start = 8000;
+        let found = rows_until_alarm(&mut monitor, 60_000, |row| {
+            let since = row.saturating_sub(start) as f64;
+            noise.next()
+                + match shape {
+                    Shape::Step => f64::from(u8::from(row >= start)),
+                    Shape::Ramp => since / 5000.0,
+                }
+        });
+        // more rows tell more
+        let alarm = found.unwrap();
+        for row in alarm + 1..alarm + 2000 {
+            let since = (row - start) as f64;
+            let moved = if shape == Shape::Step {
+                1.0
+            } else {
+                since / 5000.0
+            };
+            monitor.push(row as f64, &[noise.next() + moved]).unwrap();
+        }
+        let (change, [from, first, to], _) = monitor.change().unwrap();
+        assert_eq!(change.shape, shape);
+        assert!(from <= 8000.0 && 8000.0 <= to, "{from} {to}");
+        assert!(
+            (first - 8000.0).abs() < if shape == Shape::Step { 50.0 } else { 1200.0 },
+            "{first}"
+        );
+        assert!(!change.may_be_older);
+    }
+}
+
+#[test]
+fn wild_readings_and_gaps_are_no_alarm() {
+    let mut noise = Noise::new(8, 0.0);
+    let mut monitor = watching(settings(1), &mut noise);
+    let found = rows_until_alarm(&mut monitor, 20_000, |row| match row % 2000 {
+        0 => 1e6,
+        1..=900 => f64::NAN,
+        _ => noise.next(),
+    });
+    assert_eq!(found, None);
+    assert_eq!(monitor.clipped(), 10);
+}
+
+#[test]
+fn a_shift_within_the_tolerance_does_not_count() {
+    let run = |tolerance: f64, shift: f64| {
+        let mut noise = Noise::new(9, 0.0);
+        let own = Settings {
+            tolerances: vec![tolerance],
+            ..settings(1)
+        };
+        let mut monitor = watching(own, &mut noise);
+        rows_until_alarm(&mut monitor, 20_000, |_| noise.next() + shift).is_some()
+    };
+    assert!(run(0.0, 0.5) && run(0.5, 1.0));
+    assert!(!run(0.5, 0.5) && !run(0.5, -0.5));
+}
+
+/// A position whose third axis is never read is judged by the two others.
+#[test]
+fn a_component_without_readings_is_left_aside() {
+    let mut noise = Noise::new(10, 0.0);
+    let mut monitor = Monitor::new(settings(3)).unwrap();
+    monitor.set_rows_between_false_alarms(3.6e5).unwrap();
+    let mut alarm = false;
+    for row in 0..8000_i32 {
+        let moved = if row < 5000 { 0.0 } else { 2.0 };
+        let values = [noise.next(), noise.next() + moved, f64::NAN];
+        alarm |= monitor.push(f64::from(row), &values).unwrap() == Some(Event::Alarm);
+        assert!(!alarm || row >= 5000);
+    }
+    assert!(alarm);
+    assert_eq!(monitor.shifts(0)[0].component, 1);
+    assert!(monitor.shifts(0)[0].share > 0.99);
+    assert!(monitor.state(2, 8).is_none());
+}
+
+#[test]
+fn a_sensor_that_stood_still_may_read_another_count() {
+    let mut monitor = Monitor::new(Settings {
+        floors: vec![1.0],
+        ..settings(1)
+    })
+    .unwrap();
+    monitor.set_rows_between_false_alarms(3.6e5).unwrap();
+    let found = rows_until_alarm(
+        &mut monitor,
+        20_000,
+        |row| if row < 8000 { 0.0 } else { 0.6 },
+    );
+    assert_eq!((found, monitor.phase()), (None, Phase::Watching));
+}
+
+#[test]
+fn settings_and_rows_out_of_range_are_refused() {
+    let bad = [
+        Settings {
+            floors: vec![],
+            tolerances: vec![],
+            ..settings(1)
+        },
+        Settings {
+            tolerances: vec![],
+            ..settings(1)
+        },
+        Settings {
+            floors: vec![f64::NAN],
+            ..settings(1)
+        },
+        Settings {
+            tolerances: vec![-1.0],
+            ..settings(1)
+        },
+        Settings {
+            miss: 0.0,
+            ..settings(1)
+        },
+    ];
+    for own in bad {
+        assert!(matches!(
+            Monitor::new(own),
+            Err(MonitorError::OutOfRange { .. })
+        ));
+    }
+    let mut monitor = Monitor::new(settings(2)).unwrap();
+    assert!(monitor.set_rows_between_false_alarms(0.0).is_err());
+    let refused = monitor.push(0.0, &[1.0]).unwrap_err();
+    assert_eq!(refused, MonitorError::Width { got: 1, wanted: 2 });
+}
