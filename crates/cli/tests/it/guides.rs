@@ -232,7 +232,7 @@ fn the_table_names_every_guide() {
         assert!(lines.lines().count() <= 120, "{name} is long");
         guides += 1;
     }
-    assert_eq!(guides, 14, "add a test for the new guide");
+    assert_eq!(guides, 15, "add a test for the new guide");
 }
 
 #[test]
@@ -327,6 +327,11 @@ fn elastic_joints() {
 #[test]
 fn from_a_gap_to_a_corrected_simulator() {
     run("corrected.md");
+}
+
+#[test]
+fn into_the_robot() {
+    run("put-into-robot.md");
 }
 
 /// The rows that the guide gives for a passive joint keep a trunk upright, and the arm behind takes the next joint.

@@ -8,6 +8,7 @@
 
 mod bad_input;
 mod commands_alone;
+mod correct;
 mod correction;
 mod diagnose;
 mod diagnose_refusals;
@@ -37,6 +38,7 @@ mod play_refusals;
 mod repair;
 mod reproducible;
 mod resealed;
+mod robot_formats;
 mod settle;
 mod shared_data;
 mod simulate;
