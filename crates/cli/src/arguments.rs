@@ -83,13 +83,18 @@ Example:
   haptical init demo                      a template device file and a log of it
   haptical init demo --example gap        two recordings with a gap to find")]
     Init(crate::init::InitArguments),
-    /// Write a calibrated device as numbers for a control loop (Rust, C, JSON) or for a simulator (URDF, MJCF)
+    /// Write a calibrated device as numbers for a control loop (Rust, C, JSON, ROS 2) or for a simulator (URDF, MJCF)
     #[command(after_help = "\
 Examples:
   haptical export --device result/identified.toml --format c-header --out model.h
   haptical export --device result/identified.toml --format mjcf --out model.xml
+  haptical export --device result/identified.toml --format urdf --urdf robot.urdf --for moveit --out calibrated.urdf
+  haptical export --device result/identified.toml --format ros2-control --out robot.ros2_control.xacro
   haptical export --device result/identified.toml --format mjcf --mjcf robot.xml --tip tool --out calibrated.xml")]
     Export(ExportArguments),
+    /// Write the commands that make a corrected arm go where a path wants it
+    #[command(after_help = crate::correct::HELP)]
+    Correct(crate::correct::CorrectArguments),
     /// Write recordings of other makers as a log
     #[command(after_help = crate::import::HELP)]
     Import(crate::import::ImportArguments),

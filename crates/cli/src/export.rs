@@ -1,21 +1,14 @@
-//! `haptical export`: a calibrated device for a control loop (Rust, C, JSON) or a simulator (URDF, MJCF).
-
-mod c_effects;
-mod c_header;
-mod compensation;
-mod described;
-mod description;
-mod flat_json;
-mod rust_module;
+//! `haptical export`: a calibrated device for a control loop (Rust, C, JSON), a simulator (URDF, MJCF) or ROS 2.
 
 use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use haptical::files::{Source, VERSION, check_folder, check_outputs, file_name, sealed_text};
+use haptical::files::{Source, VERSION, check_folder, check_outputs};
+use haptical::{Device, Equipment, Export, Form, export, is_mjcf, is_urdf};
+use haptical_urdf::Loader;
 use serde_json::json;
 
-use self::described::Described;
 use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::write_all;
@@ -40,8 +33,9 @@ pub(crate) struct ExportArguments {
     out: PathBuf,
     #[command(flatten)]
     overwrite: OverwriteOptions,
-    /// URDF that the device came from, with --format urdf: its text with corrected origins is written;
-    /// --base and --tip name the links between which the chain ran
+    /// URDF that the device came from, with --format urdf: its text with corrected origins is written, under the same names
+    /// of links and joints; with --format kinematics-yaml the origins alone; --base and --tip name the links between which
+    /// the chain ran
     #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
     /// MJCF that the device came from, with --format mjcf: its text with corrected places of bodies, and with the friction
@@ -52,9 +46,24 @@ pub(crate) struct ExportArguments {
     /// behind them have later places in qpos
     #[arg(long, requires = "mjcf")]
     new_joints: bool,
+    /// Program that reads the URDF, with --format urdf: what it ignores or takes otherwise is named, and a new URDF has what it
+    /// asks for
+    #[arg(long = "for", value_name = "PROGRAM", value_enum)]
+    program: Option<ProgramName>,
     /// Print what was written as JSON
     #[arg(long)]
     json: bool,
+}
+
+/// Programs that read URDF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum ProgramName {
+    Pinocchio,
+    Drake,
+    /// Isaac Sim and Isaac Lab
+    Isaac,
+    /// MoveIt 2
+    Moveit,
 }
 
 /// Forms of an export.
@@ -72,30 +81,36 @@ enum FormatName {
     Urdf,
     /// The MJCF given by --mjcf with corrected places, or a new model for MuJoCo that can be simulated
     Mjcf,
+    /// A xacro macro with a ros2_control block: offsets and reductions of the drives as transmissions
+    Ros2Control,
+    /// Corrected origins of the URDF given by --urdf as parameters of a xacro, in the form of ur_description
+    KinematicsYaml,
 }
 
 impl FormatName {
-    /// Beginning and end of a comment; none for JSON, which holds its own hash.
-    fn comment(self) -> Option<[&'static str; 2]> {
+    fn form(self) -> Form {
         match self {
-            Self::Rust => Some(["// ", ""]),
-            Self::CHeader => Some(["/* ", " */"]),
-            Self::Json => None,
-            Self::Toml => Some(["# ", ""]),
-            Self::Urdf | Self::Mjcf => Some(["<!-- ", " -->"]),
+            Self::Rust => Form::Rust,
+            Self::CHeader => Form::CHeader,
+            Self::Json => Form::Json,
+            Self::Toml => Form::Toml,
+            Self::Urdf => Form::Urdf,
+            Self::Mjcf => Form::Mjcf,
+            Self::Ros2Control => Form::Ros2Control,
+            Self::KinematicsYaml => Form::KinematicsYaml,
         }
     }
 }
 
-/// The origin of an export.
-#[derive(Debug, Clone, PartialEq)]
-struct Provenance {
-    /// Name of the device.
-    device: String,
-    /// Name of the device file, without its folder.
-    file: String,
-    /// SHA-256 of the device file.
-    sha256: String,
+impl ProgramName {
+    fn loader(self) -> Loader {
+        match self {
+            Self::Pinocchio => Loader::Pinocchio,
+            Self::Drake => Loader::Drake,
+            Self::Isaac => Loader::Isaac,
+            Self::Moveit => Loader::Moveit,
+        }
+    }
 }
 
 /// Runs the command.
@@ -108,71 +123,50 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     inputs.extend(arguments.device_options.rig.as_deref());
     check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
     arguments.overwrite.check_file(&arguments.out, COMMAND)?;
-    let mut input = description::read(arguments)?;
-    let provenance = Provenance {
-        device: input.model.name.clone(),
-        file: file_name(&arguments.device),
-        sha256: Source::given(&arguments.device)
-            .fingerprint_text(input.to_toml())
-            .sha256,
+    let device = arguments.read()?;
+    let equipment = arguments.device_options.equipment();
+    let request = Export {
+        form: arguments.format.form(),
+        urdf: arguments.urdf.as_deref(),
+        mjcf: arguments.mjcf.as_deref(),
+        ends: equipment.ends(),
+        new_joints: arguments.new_joints,
+        loader: arguments.program.map(ProgramName::loader),
     };
-    let takes_hands = [FormatName::Toml, FormatName::Urdf, FormatName::Mjcf];
-    if !takes_hands.contains(&arguments.format) {
-        input.refuse_hands("this form")?;
-    }
-    let mut left_out = Vec::new();
-    let mut described = || {
-        let described = Described::new(&input.model, &arguments.device)?;
-        left_out.extend(described.compensation.warnings());
-        Ok::<_, Failure>(described)
-    };
-    let content = match arguments.format {
-        FormatName::Rust => rust_module::text(&described()?, &provenance),
-        FormatName::CHeader => c_header::text(&described()?, &provenance)?,
-        FormatName::Json => flat_json::text(&described()?, &provenance)?,
-        FormatName::Toml => input.to_toml().to_owned(),
-        FormatName::Urdf | FormatName::Mjcf => {
-            let (text, warnings) = description::text(arguments, &input.model)?;
-            input.warnings.extend(warnings);
-            text
-        }
-    };
-    input.warnings.extend(left_out);
-    let content = match arguments.format.comment() {
-        Some(comment) => sealed_text(&content, &format!("haptical {COMMAND}"), comment),
-        None => content,
-    };
-    write_all(folder, &[(name, content.into_bytes())])?;
-    terminal::warn(&input.warnings);
-    let (written, joints) = (arguments.out.display(), input.model.joints.len());
+    let exported = export(&device, &request)?;
+    write_all(folder, &[(name, exported.text.into_bytes())])?;
+    terminal::warn(&exported.warnings);
+    let (written, joints) = (arguments.out.display(), device.model.joints.len());
     if arguments.json {
         let format = arguments.format.to_possible_value();
         return terminal::write_json(&json!({
             "written": written.to_string(),
             "format": format.as_ref().map(PossibleValue::get_name),
-            "device": provenance.device,
+            "device": device.model.name,
             "device_file": arguments.device.display().to_string(),
-            "device_sha256": provenance.sha256,
+            "device_sha256": exported.device_sha256,
             "joints": joints,
             "version": VERSION,
-            "warnings": input.warnings,
+            "warnings": exported.warnings,
         }));
     }
-    let device = one_line(&provenance.device);
-    let text = format!("Written:\n  {written}: {joints} joints of `{device}`\n");
+    let name = device.model.name.replace(char::is_control, " ");
+    let text = format!("Written:\n  {written}: {joints} joints of `{name}`\n");
     terminal::write_output(text.as_bytes())
 }
 
-/// Neither a control character nor one that changes the direction of text, which rustc refuses.
-fn is_plain(c: char) -> bool {
-    ['\'', '"', '\\'].contains(&c) || c.escape_debug().eq([c])
-}
-
-/// A name as part of one line of a comment, in which it can end nothing.
-fn one_line(text: &str) -> String {
-    text.chars()
-        .map(|c| if is_plain(c) { c } else { ' ' })
-        .collect::<String>()
-        .replace("*/", "* /")
-        .replace("/*", "/ *")
+impl ExportArguments {
+    /// Reads the device. `--base` and `--tip` are about whichever URDF or MJCF is given.
+    fn read(&self) -> Result<Device, Failure> {
+        let options = &self.device_options;
+        let is_new = self.urdf.is_none() && self.mjcf.is_none();
+        if is_new || is_urdf(&self.device) || is_mjcf(&self.device) {
+            return options.read_by_path(&self.device);
+        }
+        let equipment = Equipment {
+            rig: options.rig.as_deref().map(Source::by_path),
+            ..Equipment::default()
+        };
+        Device::open(&Source::by_path(&self.device), &equipment)
+    }
 }

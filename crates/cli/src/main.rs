@@ -3,6 +3,7 @@
 mod arguments;
 mod catalogue;
 mod check;
+mod correct;
 mod diagnose;
 mod export;
 mod failure;
@@ -60,6 +61,7 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
         Command::Check(arguments) => check::run(&arguments),
         Command::Init(arguments) => init::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
+        Command::Correct(arguments) => correct::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Play(arguments) => play::run(&arguments),

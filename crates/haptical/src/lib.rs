@@ -4,9 +4,11 @@
 
 mod budget;
 mod check;
+mod correct;
 mod device;
 mod diagnose;
 mod error;
+mod export;
 pub mod files;
 mod forward;
 mod identify;
@@ -45,11 +47,15 @@ pub use budget::{
     ParameterPart, PostureBudget, Shape, budget,
 };
 pub use check::{Checked, CheckedChannel, CheckedDevice, CheckedJoint, CheckedLog, check};
+pub use correct::{
+    Correct, Corrected, CorrectedWaypoint, Match, RestPoses, Waypoints, correct, rest_poses,
+};
 pub use device::{Device, Equipment, InputDrumDenominators, is_mjcf, is_urdf, refuse_other_device};
 pub use diagnose::{
     Cause, Diagnose, Diagnosed, Repair, RepairChange, RepairCheck, diagnose, diagnose_as,
 };
 pub use error::{Error, ErrorKind, Place};
+pub use export::{Export, Exported, Form, export};
 pub use forward::{
     Drift, Drive, Forward, ForwardDevice, HORIZONS_S, JointDrift, KEPT_HORIZON_S, forward,
 };

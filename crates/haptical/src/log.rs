@@ -55,6 +55,18 @@ impl Log {
         Self::new(log, source.clone(), Some(reader.fingerprint()), device)
     }
 
+    /// Reads a log from a text that was read from a file.
+    ///
+    /// # Errors
+    /// As [`Log::read`].
+    pub(crate) fn from_text(text: &str, source: &Source, device: &Device) -> Result<Self, Error> {
+        let shape = LogShape::from(&device.model);
+        let log = read_log_from(text.as_bytes(), &source.name(), &shape)
+            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        let fingerprint = source.fingerprint_text(text);
+        Self::new(log, source.clone(), Some(fingerprint), device)
+    }
+
     /// Takes a log from columns in memory, by their names in a file; messages call the file by `name`.
     ///
     /// # Errors

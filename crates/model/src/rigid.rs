@@ -1,7 +1,7 @@
-//! Rigid transforms: products, inverses, turns about z.
+//! Rigid transforms: products, inverses, turns about z, rotation vectors.
 
 use haptical_kinematics::Pose;
-use haptical_kinematics::nalgebra::Matrix3;
+use haptical_kinematics::nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// `first`, then `second` in the frame it leads to.
 ///
@@ -42,4 +42,14 @@ pub fn turn(rotation: Matrix3<f64>) -> Pose {
 pub fn about_z(angle_rad: f64) -> Matrix3<f64> {
     let (s, c) = libm::sincos(angle_rad);
     Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+/// Rotation vector of a rotation matrix: its axis, as long as its angle \[rad\].
+///
+/// ```
+/// use haptical_model::rigid::{about_z, rotation_vector};
+/// assert!((rotation_vector(&about_z(0.3)).z - 0.3).abs() < 1e-15);
+/// ```
+pub fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis()
 }

@@ -18,7 +18,10 @@ pub use device::{UrdfDevice, device_from_mjcf, device_from_urdf, read_urdf_text}
 pub use error::UrdfError;
 pub use write::added_joints::NewJoints;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
+pub use write::kinematics_yaml::kinematics_yaml;
+pub use write::loaders::{Loader, loader_notes};
 pub use write::mjcf::new_mjcf;
 pub use write::origins::{JointOrigin, UrdfOrigins};
 pub use write::patched::{CorrectedMjcf, corrected_mjcf};
-pub use write::urdf::new_urdf;
+pub use write::ros2_control::ros2_control;
+pub use write::urdf::{new_urdf, new_urdf_for};

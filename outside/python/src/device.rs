@@ -3,15 +3,32 @@
 use std::path::PathBuf;
 
 use haptical::files::Source;
-use haptical::{Device as Read, Equipment, is_mjcf, is_urdf};
+use haptical::{Device as Read, Equipment, InputDrumDenominators, is_mjcf, is_urdf};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
 use crate::failure::Failure;
 use crate::plain::toml_text;
 
-/// Links of a URDF at which the chain begins and ends: base, tip.
-pub(crate) type Ends<'n> = (Option<&'n str>, Option<&'n str>);
+/// Links of a URDF at which the chain begins and ends: base, tip or tips.
+pub(crate) type Ends<'n> = (Option<&'n str>, Option<Tips>);
+
+/// One link, or one for each hand.
+#[derive(Debug, Clone, FromPyObject)]
+pub(crate) enum Tips {
+    One(String),
+    Several(Vec<String>),
+}
+
+impl Tips {
+    /// All of them.
+    pub(crate) fn all(self) -> Vec<String> {
+        match self {
+            Self::One(tip) => vec![tip],
+            Self::Several(tips) => tips,
+        }
+    }
+}
 
 /// A device, read once and used many times.
 #[pyclass(frozen, module = "haptical")]
@@ -27,7 +44,7 @@ impl Device {
     fn new(
         source: &Bound<'_, PyAny>,
         base: Option<&str>,
-        tip: Option<&str>,
+        tip: Option<Tips>,
         rig: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         read(read_source(source, "the device")?, (base, tip), rig)
@@ -88,7 +105,7 @@ pub(crate) fn device_of(
 ) -> PyResult<Device> {
     if let Ok(device) = source.cast::<Device>() {
         let device = device.get();
-        if let Some(keyword) = named(ends) {
+        if let Some(keyword) = named(&ends) {
             return Err(Failure::value(format!(
                 "{keyword} names a link of a URDF; give it where the device is read"
             ))
@@ -106,6 +123,23 @@ pub(crate) fn device_of(
     read(read_source(source, "the device")?, ends, rig)
 }
 
+/// The device with other input drum denominators than its file's.
+pub(crate) fn with_denominators(
+    device: Device,
+    denominators: InputDrumDenominators,
+) -> Result<Device, Failure> {
+    if denominators == InputDrumDenominators::Stated {
+        return Ok(device);
+    }
+    let label = &device.read.source().label;
+    let equipment = Equipment {
+        denominators,
+        ..Equipment::default()
+    };
+    let read = Read::open(&Source::text(device.read.to_toml(), label), &equipment)?;
+    Ok(Device { read })
+}
+
 /// A model of a device from whatever was given; the chain of a URDF runs between the same links as the device's.
 pub(crate) fn model_of(source: &Bound<'_, PyAny>, device: &Device) -> PyResult<Device> {
     if let Ok(model) = source.cast::<Device>() {
@@ -117,7 +151,7 @@ pub(crate) fn model_of(source: &Bound<'_, PyAny>, device: &Device) -> PyResult<D
 }
 
 /// A path, the text of a TOML file (recognised by a line break or a bracket), or a dictionary.
-fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
+pub(crate) fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
     if let Ok(dictionary) = source.cast::<PyDict>() {
         return Ok(Source::text(toml_text(dictionary)?, what));
     }
@@ -143,7 +177,7 @@ fn read_source(source: &Bound<'_, PyAny>, what: &str) -> PyResult<Source> {
 }
 
 /// The first keyword that names a link.
-fn named(ends: Ends<'_>) -> Option<&'static str> {
+fn named(ends: &Ends<'_>) -> Option<&'static str> {
     match ends {
         (Some(_), _) => Some("base"),
         (None, Some(_)) => Some("tip"),
@@ -154,15 +188,17 @@ fn named(ends: Ends<'_>) -> Option<&'static str> {
 fn read(source: Source, ends: Ends<'_>, rig: Option<&Bound<'_, PyAny>>) -> PyResult<Device> {
     let is_description = is_urdf(&source.path) || is_mjcf(&source.path);
     let is_table = source.text.is_some() || !is_description;
-    if let Some(keyword) = named(ends).filter(|_| is_table) {
+    if let Some(keyword) = named(&ends).filter(|_| is_table) {
         return Err(Failure::value(format!(
             "{keyword} names a link of a URDF, and this device is none; leave it out"
         ))
         .into());
     }
+    let mut tips = ends.1.map_or_else(Vec::new, Tips::all).into_iter();
     let equipment = Equipment {
         base: ends.0.map(str::to_owned),
-        tip: ends.1.map(str::to_owned),
+        tip: tips.next(),
+        further_tips: tips.collect(),
         rig: rig.map(|rig| read_source(rig, "the rig")).transpose()?,
         ..Equipment::default()
     };

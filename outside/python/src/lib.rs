@@ -2,18 +2,24 @@
 
 mod candidates;
 mod device;
+mod correct;
 mod diagnose;
+mod effects;
+mod export;
 mod failure;
+mod files;
 mod identify;
-mod kinematics;
 mod log;
 mod options;
 mod plain;
 mod plan;
 mod plan_options;
+mod postures;
 mod replay;
 mod residuals;
 mod serialised;
+mod simulate;
+mod watch;
 
 use pyo3::prelude::*;
 
@@ -30,6 +36,13 @@ fn _haptical(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(plan::plan, module)?)?;
     module.add_function(wrap_pyfunction!(replay::replay, module)?)?;
-    module.add_function(wrap_pyfunction!(kinematics::forward_kinematics, module)?)?;
+    module.add_function(wrap_pyfunction!(correct::correct, module)?)?;
+    module.add_function(wrap_pyfunction!(effects::effects, module)?)?;
+    module.add_function(wrap_pyfunction!(export::export, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulate, module)?)?;
+    module.add_function(wrap_pyfunction!(postures::forward_kinematics, module)?)?;
+    module.add_function(wrap_pyfunction!(postures::joint_values, module)?)?;
+    module.add_function(wrap_pyfunction!(postures::jacobian, module)?)?;
+    module.add_function(wrap_pyfunction!(postures::torques, module)?)?;
     Ok(())
 }

@@ -7,7 +7,7 @@ use haptical::files::Source;
 use haptical::{Device, Log as Read};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::failure::Failure;
 
@@ -28,6 +28,15 @@ pub(crate) enum Column {
 
 /// Name of a recording in memory in messages.
 const IN_MEMORY: &str = "the log";
+
+/// Takes one log, or several in a list or a tuple.
+pub(crate) fn logs_of(logs: &Bound<'_, PyAny>) -> PyResult<Vec<Log>> {
+    if logs.is_instance_of::<PyList>() || logs.is_instance_of::<PyTuple>() {
+        let all = logs.try_iter()?.map(|log| log_of(&log?));
+        return all.collect();
+    }
+    Ok(vec![log_of(logs)?])
+}
 
 /// Takes a path or a dictionary of columns.
 pub(crate) fn log_of(log: &Bound<'_, PyAny>) -> PyResult<Log> {
@@ -106,21 +115,25 @@ fn column(numpy: &Bound<'_, PyModule>, name: &str, cells: &Bound<'_, PyAny>) -> 
 impl Log {
     /// Reads it as a log of a device.
     pub(crate) fn read(&self, device: &Device) -> Result<Read, Failure> {
-        let columns = match self {
-            Self::File(path) => return Ok(Read::open(&Source::by_path(path), device)?),
-            Self::Columns(columns) => columns,
+        if let Self::File(path) = self {
+            return Ok(Read::open(&Source::by_path(path), device)?);
+        }
+        Ok(Read::from_columns(&self.cells(), IN_MEMORY, device)?)
+    }
+
+    /// The cells of columns in memory; none of a file.
+    pub(crate) fn cells(&self) -> Vec<(&str, Cells<'_>)> {
+        let Self::Columns(columns) = self else {
+            return Vec::new();
         };
-        let columns: Vec<(&str, Cells<'_>)> = columns
-            .iter()
-            .map(|(name, column)| {
-                let cells = match column {
-                    Column::Numbers(cells) => Cells::Numbers(cells),
-                    Column::Integers(cells) => Cells::Integers(cells),
-                    Column::Texts(cells) => Cells::Texts(cells),
-                };
-                (name.as_str(), cells)
-            })
-            .collect();
-        Ok(Read::from_columns(&columns, IN_MEMORY, device)?)
+        let all = columns.iter().map(|(name, column)| {
+            let cells = match column {
+                Column::Numbers(cells) => Cells::Numbers(cells),
+                Column::Integers(cells) => Cells::Integers(cells),
+                Column::Texts(cells) => Cells::Texts(cells),
+            };
+            (name.as_str(), cells)
+        });
+        all.collect()
     }
 }

@@ -1,24 +1,31 @@
 //! `haptical.plan`: what rigs tell before anything is measured, and the poses to measure next as an array.
 
+use std::path::PathBuf;
+
 use haptical::design::{
     Figures, NextPoses, ParameterStatus, Posture, RigIdentifiability, Suggestion,
 };
-use haptical::{Planned, plan as plan_device};
+use haptical::files::{NewFile, Source};
+use haptical::{GapFile, Planned, SettleRequest, plan as plan_device, settle as settle_device};
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, ToPyArray};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
-use crate::device::device_of;
+use crate::device::{Device, Tips, device_of};
 use crate::failure::Failure;
-use crate::log::log_of;
+use crate::files::by_name;
+use crate::log::{Log, logs_of};
 use crate::plan_options::Keywords;
+use crate::serialised::dictionary;
+use crate::watch::watched;
 
 /// Plans for a device; see the stub for arguments and result.
 #[pyfunction]
 #[pyo3(signature = (
     device, measure, *, poses=None, criterion="d", region=None, candidates=None, seed=None, spread="uniform",
-    workspace=None, cable_length=None, link_radius=None, known_transmissions=false, log=None, base=None, tip=None, rig=None
+    workspace=None, cable_length=None, link_radius=None, known_transmissions=false, log=None,
+    settle=None, rows=None, press=None, progress=None, base=None, tip=None, rig=None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
 pub(crate) fn plan<'py>(
@@ -36,10 +43,20 @@ pub(crate) fn plan<'py>(
     link_radius: Option<f64>,
     known_transmissions: bool,
     log: Option<&Bound<'py, PyAny>>,
+    settle: Option<&Bound<'py, PyAny>>,
+    rows: Option<usize>,
+    press: Option<f64>,
+    progress: Option<&Bound<'py, PyAny>>,
     base: Option<&str>,
-    tip: Option<&str>,
+    tip: Option<Tips>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    if settle.is_none() && (rows.is_some() || press.is_some()) {
+        let text = "rows and press belong to settle; leave them out";
+        return Err(Failure::value(text).into());
+    }
+    let has_rigs = !measure.is_empty() || poses.is_some() || known_transmissions;
+    let candidates_asked = candidates.is_some();
     let request = Keywords {
         measure,
         poses,
@@ -55,12 +72,72 @@ pub(crate) fn plan<'py>(
     }
     .request()?;
     let device = device_of(device, (base, tip), rig)?;
-    let log = log.map(log_of).transpose()?;
-    let planned = py.detach(|| -> Result<Planned, Failure> {
-        let read = log.map(|log| log.read(&device.read)).transpose()?;
-        Ok(plan_device(&device.read, &request, read.as_ref())?)
-    })?;
-    result(py, device.read.model.joints.len(), criterion, &planned)
+    let joints = device.read.model.joints.len();
+    let logs = log.map(logs_of).transpose()?.unwrap_or_default();
+    if let Some(gap) = settle {
+        if has_rigs {
+            let text = "settle goes with neither measure, poses nor known_transmissions; leave them out";
+            return Err(Failure::value(text).into());
+        }
+        let usual = SettleRequest::default();
+        let request = SettleRequest {
+            rows,
+            candidates: if candidates_asked { request.candidates } else { usual.candidates },
+            limits: request.limits,
+            seed: request.seed,
+            press_n: press,
+        };
+        let gap = gap_of(gap)?;
+        let files = watched(py, progress, move || settled(&device, &logs, &gap, &request))??;
+        return json(py, &files);
+    }
+    if logs.len() > 1 {
+        return Err(Failure::value("a plan of rigs adds to one log; give one, or settle").into());
+    }
+    let (planned, files) = watched(py, progress, move || -> Result<_, Failure> {
+        let read = logs.first().map(|log| log.read(&device.read)).transpose()?;
+        let planned = plan_device(&device.read, &request, read.as_ref())?;
+        let files = planned.files()?;
+        Ok((planned, files))
+    })??;
+    let result = result(py, joints, criterion, &planned)?;
+    result.set_item("_files", by_name(py, &files)?)?;
+    Ok(result)
+}
+
+/// A gap.json: its path, or a diagnosis, which is written as one.
+fn gap_of(gap: &Bound<'_, PyAny>) -> PyResult<Source> {
+    if let Ok(files) = gap.getattr("files") {
+        let content: Vec<u8> = files.get_item("gap.json")?.extract()?;
+        let text = String::from_utf8_lossy(&content).into_owned();
+        return Ok(Source::text(text, "gap.json"));
+    }
+    Ok(Source::by_path(&gap.extract::<PathBuf>()?))
+}
+
+fn settled(
+    device: &Device,
+    logs: &[Log],
+    gap: &Source,
+    request: &SettleRequest,
+) -> Result<Vec<NewFile<'static>>, Failure> {
+    let gap = GapFile::open(gap)?;
+    let read = logs.iter().map(|log| log.read(&device.read));
+    let read: Vec<haptical::Log> = read.collect::<Result<_, _>>()?;
+    if read.is_empty() {
+        return Err(Failure::value("settle needs log, the log of the diagnosis"));
+    }
+    let all: Vec<&haptical::Log> = read.iter().collect();
+    Ok(settle_device(&device.read, &all, &gap, request)?.files()?)
+}
+
+/// The fields of plan.json.
+fn json<'py>(py: Python<'py>, files: &[NewFile<'static>]) -> PyResult<Bound<'py, PyDict>> {
+    let plan = files.iter().find(|(name, _)| name.ends_with(".json"));
+    let content = plan.map_or(&b"{}"[..], |(_, content)| content);
+    let result = dictionary(py, serde_json::from_slice(content), &[])?;
+    result.set_item("_files", by_name(py, files)?)?;
+    Ok(result)
 }
 
 fn result<'py>(

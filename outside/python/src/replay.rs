@@ -7,27 +7,29 @@ use numpy::ndarray::Array2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::device::device_of;
+use crate::device::{Tips, device_of};
 use crate::failure::Failure;
 use crate::log::log_of;
 use crate::serialised::dictionary;
+use crate::watch::watched;
 
 /// Channels by name, each with its residuals [N, axes], and warnings.
 #[pyfunction]
-#[pyo3(signature = (device, log, *, base=None, tip=None, rig=None))]
+#[pyo3(signature = (device, log, *, progress=None, base=None, tip=None, rig=None))]
 pub(crate) fn replay<'py>(
     py: Python<'py>,
     device: &Bound<'py, PyAny>,
     log: &Bound<'py, PyAny>,
+    progress: Option<&Bound<'py, PyAny>>,
     base: Option<&str>,
-    tip: Option<&str>,
+    tip: Option<Tips>,
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let device = device_of(device, (base, tip), rig)?;
     let log = log_of(log)?;
-    let replayed = py.detach(|| -> Result<_, Failure> {
+    let replayed = watched(py, progress, move || -> Result<_, Failure> {
         Ok(replay_log(&device.read, &log.read(&device.read)?)?)
-    })?;
+    })??;
     let channels = PyDict::new(py);
     for channel in &replayed.channels {
         let entry = dictionary(py, serde_json::to_value(channel), &[])?;

@@ -8,10 +8,11 @@ import pytest
 USE = """
 import haptical
 import numpy as np
-from haptical.types import Identification, Plan
 
-result: Identification = haptical.identify("device.toml", {"theta1_rad": np.zeros(3)}, method="two-step")
+result: haptical.Identification = haptical.identify("device.toml", {"theta1_rad": np.zeros(3)}, method="two-step")
 value: float = float(result["parameters"]["value"][0])
+same: float = float(result.parameters["value"][0])
+rank: int = result.rank
 kind: str = result["intervals"]["kind"] if result["intervals"] is not None else ""
 tried: int = result["search"]["tried"] if result["search"] is not None else 0
 lean = result["force_direction"]
@@ -22,12 +23,16 @@ largest: float = float(result["identifiability"]["at_nominal"]["singular_values"
 position, rotation = haptical.forward_kinematics(haptical.Device("device.toml"), [[0.0]])
 shape: tuple[int, ...] = position.shape
 verdict: str = haptical.diagnose("device.toml", "log.csv")["verdict"]
-plan: Plan = haptical.plan("device.toml", ["out,cable"], poses=20, criterion="task-position", region=[0.3, 0, 0, 0.1])
+plan: haptical.Plan = haptical.plan("device.toml", ["out,cable"], poses=20, criterion="task-position", region=[0.3, 0, 0, 0.1])
 next_poses = plan["next_poses"]
 if next_poses is not None:
     rows: tuple[int, ...] = next_poses["readings"].shape
 replayed = haptical.replay("device.toml", "log.csv")["channels"]["cable"]
 left: float = replayed["rms"] / replayed["noise_floor"] + float(replayed["residuals"].max())
+commands = haptical.correct("device.toml", "model.toml", {"theta1_rad": np.zeros(3)}, match_="position")
+largest_rest: float = float(commands.rest_m.max())
+text: str = haptical.export("device.toml", "urdf", for_="drake")
+table: haptical.Fleet = haptical.fleet("device.toml", ["a.csv", "b.csv"], call="diagnose")
 deviations: float = float(plan["rigs"][0]["parameters"]["standard_deviation"].max())
 """
 

@@ -247,7 +247,7 @@ fn the_table_names_every_guide() {
         guides += 1;
     }
     // that of the real sets is run in real_sets.rs
-    assert_eq!(guides, 18, "add a test for the new guide");
+    assert_eq!(guides, 19, "add a test for the new guide");
 }
 
 #[test]
@@ -357,6 +357,11 @@ fn a_calibration_that_is_watched() {
 #[test]
 fn an_uncertainty_budget() {
     run("uncertainty-budget.md");
+}
+
+#[test]
+fn into_the_robot() {
+    run("put-into-robot.md");
 }
 
 /// The rows that the guide gives for a passive joint keep a trunk upright, and the arm behind takes the next joint.

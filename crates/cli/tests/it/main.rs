@@ -8,6 +8,7 @@
 
 mod bad_input;
 mod commands_alone;
+mod correct;
 mod correction;
 mod diagnose;
 mod diagnose_refusals;
@@ -40,6 +41,7 @@ mod real_sets;
 mod repair;
 mod reproducible;
 mod resealed;
+mod robot_formats;
 mod settle;
 mod shared_data;
 mod simulate;

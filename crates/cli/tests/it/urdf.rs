@@ -174,7 +174,7 @@ fn a_corrected_urdf_moves_as_the_calibrated_device() {
     assert!(text(&output.stderr).contains("the handle is elsewhere in it"));
     // and a URDF is corrected by --format urdf alone
     let output = export(&identified, "mjcf", &out, &["--urdf", original]);
-    assert!(text(&output.stderr).contains("--urdf is for --format urdf alone"));
+    assert!(text(&output.stderr).contains("--urdf is for --format urdf and kinematics-yaml alone"));
     // the URDF itself is never written over
     let output = export(&identified, "urdf", &arm, &["--urdf", original]);
     assert_eq!(output.status.code(), Some(2));

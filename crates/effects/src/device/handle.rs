@@ -26,16 +26,12 @@ pub fn handle_moved_m(
     device: &Device,
     recording: &Recording,
 ) -> Result<Option<Vec<[f64; 3]>>, DeviceEffectError> {
-    let mut seen = device.clone();
+    let mut seen = seen_exactly(device);
     seen.effects
         .retain(|effect| effect.name != tracker_moved::SPEC.name);
     for effect in &mut seen.effects {
         effect.fit = false;
     }
-    seen.tracker = Some(EXACT);
-    seen.surroundings.tracker_base = None;
-    seen.surroundings.run_bases.clear();
-    seen.surroundings.tracker_tool = None;
     let rows = recording.len();
     let tracked = Recording {
         position_m: Some(std::array::from_fn(|_| vec![0.0; rows])),
@@ -57,4 +53,14 @@ pub fn handle_moved_m(
         }
     }
     Ok(moved)
+}
+
+/// The device with such a tracker.
+pub(super) fn seen_exactly(device: &Device) -> Device {
+    let mut seen = device.clone();
+    seen.tracker = Some(EXACT);
+    seen.surroundings.tracker_base = None;
+    seen.surroundings.run_bases.clear();
+    seen.surroundings.tracker_tool = None;
+    seen
 }

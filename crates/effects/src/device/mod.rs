@@ -6,6 +6,7 @@ mod entry;
 mod error;
 mod fit;
 mod handle;
+mod posture;
 mod resolve;
 mod simulated;
 
@@ -15,5 +16,6 @@ pub use entry::entry;
 pub use error::DeviceEffectError;
 pub use fit::{settle, with_variances};
 pub use handle::handle_moved_m;
+pub use posture::PostureEffects;
 pub use resolve::{OwnEffect, PLACES, effects_of, is_law, laws};
 pub use simulated::{add_effects, shown_by_effects};

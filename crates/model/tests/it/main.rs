@@ -11,6 +11,7 @@ mod evaluation;
 mod force;
 mod hands;
 mod haptic7;
+mod inverse;
 mod joint;
 mod parameters;
 mod properties;

@@ -8,6 +8,7 @@ use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::corrected::{origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
+use crate::write::loaders::Loader;
 use crate::write::not_carried::{Form, comment, not_carried};
 use haptical_model::RowBody;
 use haptical_model::Segments;
@@ -33,6 +34,24 @@ pub(crate) const FAR: f64 = 1000.0;
 /// # Errors
 /// [`UrdfError::Device`] for a device without links.
 pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
+    written_urdf(device, None)
+}
+
+/// A URDF as [`new_urdf`] for a program that takes what is left out for 0: limits of effort and velocity that are not known
+/// are 1000, where a program simulates every link that moves has a mass, a plausible one (assumption A150) where none is
+/// known, and Drake gets the `<transmission>` elements without which it has no actuators.
+///
+/// # Errors
+/// As [`new_urdf`].
+pub fn new_urdf_for(device: &Device, loader: Loader) -> Result<(String, Vec<String>), UrdfError> {
+    written_urdf(device, Some(loader))
+}
+
+fn written_urdf(
+    device: &Device,
+    loader: Option<Loader>,
+) -> Result<(String, Vec<String>), UrdfError> {
+    let simulates = loader.is_some_and(Loader::simulates);
     let segments = Segments::of_device(device)?;
     let names = joint_names(device, segments.rows.len());
     let bodies = RowBody::of_rows(device, &segments);
@@ -51,12 +70,12 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         let (link, parent) = (link_of(index + 1), device.parent(index + 1));
         let parent = link_of(parent.unwrap_or(0));
         let _ = match segment.body {
-            None => writeln!(text, "  <link name=\"{link}\"/>"),
-            Some(own) if own.mass_kg > 0.0 => writeln!(
+            own if simulates || own.is_some_and(|own| own.mass_kg > 0.0) => writeln!(
                 text,
                 "  <link name=\"{link}\">\n{}  </link>",
                 inertial(&bodies[index])
             ),
+            None => writeln!(text, "  <link name=\"{link}\"/>"),
             Some(_) => writeln!(
                 text,
                 "  <link name=\"{link}\">\n    <inertial>\n      <mass value=\"0\"/>\n    </inertial>\n  </link>"
@@ -77,7 +96,7 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
         );
         let is_own = segments.followed(device, index).is_none();
         let effort = segment.torque_limit(device).filter(|_| is_own);
-        text.push_str(&limit_element(limits, effort));
+        text.push_str(&limit_element(limits, effort, loader.is_some()));
         if is_own {
             let friction = effects.friction.get(segment.drive.joint);
             text.push_str(&dynamics(friction.copied().unwrap_or_default()));
@@ -106,33 +125,81 @@ pub fn new_urdf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
             origin_element(handle)
         );
     }
+    if loader == Some(Loader::Drake) {
+        actuators(&mut text, device, &segments, &names);
+    }
     let mut warnings = not_carried(device, &effects, Form::Urdf);
     text.push_str(&comment(&warnings));
     text.push_str("</robot>\n");
     warnings.extend(scaled(device));
-    warnings.extend(made_up(&segments, &bodies));
+    warnings.extend(made_up(&segments, &bodies, simulates));
+    warnings.extend(loader.map(|loader| unlimited(device, loader)));
     Ok((text, warnings))
 }
 
 /// Inertias that are plausible and not known.
-fn made_up(segments: &Segments, bodies: &[RowBody]) -> Option<String> {
+fn made_up(segments: &Segments, bodies: &[RowBody], all: bool) -> Option<String> {
     let inertias = bodies.iter().zip(&segments.rows).enumerate();
     let inertias = inertias.filter(|(_, (body, row))| {
-        body.plausible.is_some() && row.body.is_some_and(|own| own.mass_kg > 0.0)
+        body.plausible.is_some() && (all || row.body.is_some_and(|own| own.mass_kg > 0.0))
     });
     let inertias: Vec<String> = inertias
         .map(|(row, _)| format!("link{}", row + 1))
         .collect();
     (!inertias.is_empty()).then(|| {
+        let what = if all { "mass or inertia" } else { "inertia" };
+        let keys = if all {
+            "mass_kg, inertia_kgm2"
+        } else {
+            "inertia_kgm2"
+        };
         format!(
-            "plausible inertia of {}, which the device file does not give (inertia_kgm2)",
+            "plausible {what} of {}, which the device file does not give ({keys})",
             inertias.join(", ")
         )
     })
 }
 
-/// Limits of position and effort; an effort of 0 is not known.
-fn limit_element(limits: Option<[f64; 2]>, effort: Option<f64>) -> String {
+/// Which limits are written as none.
+fn unlimited(device: &Device, loader: Loader) -> String {
+    let unknown = device.joints.iter().enumerate();
+    let unknown = unknown.filter(|(_, joint)| joint.torque_limit_nm.is_none());
+    let unknown: Vec<String> = unknown.map(|(joint, _)| (joint + 1).to_string()).collect();
+    let efforts = match unknown.is_empty() {
+        true => String::new(),
+        false => format!(
+            ", nor efforts of joints {} (torque_limit_nm)",
+            unknown.join(", ")
+        ),
+    };
+    let next = match loader {
+        Loader::Moveit => "; give max_velocity in joint_limits.yaml before you time a trajectory",
+        _ => "",
+    };
+    format!(
+        "limits of velocity are not known{efforts}: {FAR} is written, because {} takes 0 for a limit{next}",
+        loader.name()
+    )
+}
+
+/// Transmissions of the joints that drive rows of their own.
+fn actuators(text: &mut String, device: &Device, segments: &Segments, names: &[String]) {
+    for (index, name) in names.iter().enumerate() {
+        if segments.followed(device, index).is_some() {
+            continue;
+        }
+        let name = escaped(name);
+        let _ = write!(
+            text,
+            "  <transmission name=\"{name}_transmission\">\n    <type>transmission_interface/SimpleTransmission</type>\n    \
+             <joint name=\"{name}\">\n      <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface>\n    \
+             </joint>\n    <actuator name=\"{name}_actuator\"/>\n  </transmission>\n"
+        );
+    }
+}
+
+/// Limits of position, effort and velocity; 0 is not known, and nor is [`FAR`] where a program takes 0 for a limit.
+fn limit_element(limits: Option<[f64; 2]>, effort: Option<f64>, is_far: bool) -> String {
     let ends = limits.map_or(String::new(), |[lower, upper]| {
         format!(
             " lower=\"{}\" upper=\"{}\"",
@@ -140,11 +207,12 @@ fn limit_element(limits: Option<[f64; 2]>, effort: Option<f64>) -> String {
             written(&[upper])
         )
     });
-    if limits.is_none() && effort.is_none() {
+    if limits.is_none() && effort.is_none() && !is_far {
         return String::new();
     }
-    let effort = written(&[effort.unwrap_or(0.0)]);
-    format!("    <limit{ends} effort=\"{effort}\" velocity=\"0\"/>\n")
+    let unknown = if is_far { FAR } else { 0.0 };
+    let (effort, velocity) = (written(&[effort.unwrap_or(unknown)]), written(&[unknown]));
+    format!("    <limit{ends} effort=\"{effort}\" velocity=\"{velocity}\"/>\n")
 }
 
 fn inertial(body: &RowBody) -> String {

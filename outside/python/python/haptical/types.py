@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, List, Literal, Mapping, Optional, Sequence, Tuple, TypedDict, Union
+from typing import Any, Callable, Dict, List, Literal, Mapping, Optional, Protocol, Sequence, Tuple, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -14,14 +14,41 @@ Array = npt.NDArray[np.float64]
 Source = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 """A path (.toml, .urdf), the text of a TOML file, or a dictionary with its keys."""
 
-Log = Union[str, "os.PathLike[str]", Mapping[str, Union[npt.ArrayLike, Sequence[Optional[str]]]]]
-"""A path (CSV, gzip, Parquet, MCAP), or columns by name: arrays with one number or text for each row; NaN and
-None are no readings."""
+class Frame(Protocol):
+    """A frame of pandas or polars: columns by name."""
+
+    @property
+    def columns(self) -> Any: ...
+    def __getitem__(self, name: Any, /) -> Any: ...
+
+
+class Table(Protocol):
+    """A table of pyarrow."""
+
+    @property
+    def column_names(self) -> List[str]: ...
+
+
+Log = Union[
+    str, "os.PathLike[str]", Mapping[str, Union[npt.ArrayLike, Sequence[Optional[str]]]], Frame, Table, npt.NDArray[np.void]
+]
+"""A path (CSV, gzip, Parquet, MCAP), or columns by name: arrays with one number or text for each row, a frame of pandas or
+polars, a table of pyarrow, a structured array; NaN and None are no readings."""
+
+Progress = Union[None, bool, Callable[[float], None]]
+"""True shows the seconds on standard error; a function is called with them, some twenty times a second."""
+
+Tip = Union[None, str, Sequence[str]]
+"""The link at which the chain of a URDF ends, or one for each hand."""
 
 Method = Literal["joint", "two-step"]
 Noise = Literal["estimated", "stated"]
 Loss = Literal["auto", "squares", "huber", "cauchy", "tukey", "student-t"]
-Effect = Literal["joint-compliance"]
+Effect = str
+"""`EFFECT` or `EFFECT@JOINT` of `haptical.effects()`, a path of a gap.json, or for `identify` the word "dynamics"."""
+Match = Literal["auto", "pose", "position"]
+Form = Literal["rust", "c-header", "json", "toml", "urdf", "mjcf", "ros2-control", "kinematics-yaml"]
+Program = Literal["pinocchio", "drake", "isaac", "moveit"]
 Criterion = Literal["d", "a", "o1", "task-position", "task-force"]
 Spread = Literal["uniform", "normal"]
 Status = Literal["identifiable", "combination", "weak", "invisible", "dependent", "held"]

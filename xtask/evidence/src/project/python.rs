@@ -7,12 +7,19 @@ use anyhow::{Context, Result, bail};
 use xtask_output::{Output, Progress};
 
 /// What the environment needs besides the wheel, with the versions that were tried.
-const PACKAGES: [&str; 5] = [
+const PACKAGES: [&str; 12] = [
     "maturin>=1.9,<2",
     "numpy>=1.24",
     "pytest>=8",
     "mypy>=1.10",
     "dask[bag]>=2024.1",
+    "distributed>=2024.1",
+    "pandas>=2",
+    "polars>=1",
+    "pyarrow>=15",
+    "matplotlib>=3.8",
+    "nbclient>=0.10",
+    "ipykernel>=6",
 ];
 
 /// Oldest Python that the wheel is for.
@@ -30,7 +37,7 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
         ));
         return Ok(());
     };
-    let progress = Progress::new("python", 5);
+    let progress = Progress::new("python", 6);
     let target = root.join("target").join("python");
     let environment = target.join("environment");
     run(Command::new(python).args(["-m", "venv"]).arg(&environment))?;
@@ -62,12 +69,18 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
         .arg(package.join("examples").join("fleet.py"))
         .args(["--devices", DEVICES]))?;
     progress.step();
+    let notebook =
+        run(Command::new(&inside).arg(package.join("examples").join("run_notebook.py")))?;
+    progress.step();
     drop(progress);
-    describe(output, &wheel, &tests, &fleet);
+    describe(output, &wheel, (&tests, &fleet, &notebook));
     Ok(())
 }
 
-fn describe(output: &mut Output, wheel: &Path, tests: &str, fleet: &str) {
+/// Largest wheel that counts as small \[bytes\].
+const LARGEST_WHEEL: u64 = 8 << 20;
+
+fn describe(output: &mut Output, wheel: &Path, (tests, fleet, notebook): (&str, &str, &str)) {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy();
     let is_abi3 = name.contains("-abi3-");
     let summary = tests.lines().last().unwrap_or_default();
@@ -87,8 +100,19 @@ fn describe(output: &mut Output, wheel: &Path, tests: &str, fleet: &str) {
         fleet.contains(&identified),
         format!("`examples/fleet.py --devices {DEVICES}`: Dask identified every device"),
     );
+    let bytes = std::fs::metadata(wheel).map_or(u64::MAX, |wheel| wheel.len());
+    output.verdict(bytes <= LARGEST_WHEEL, "the wheel has at most 8 MiB");
+    match notebook.starts_with("skipped") {
+        true => output.terminal(format!("notebook: {notebook}")),
+        false => output.verdict(
+            notebook.contains("cells ran"),
+            "`examples/from-log-to-robot.ipynb`: every cell ran",
+        ),
+    }
     // times and counts are this run's: not for the document
-    output.terminal(format!("     {name}\n     {summary}\n{fleet}"));
+    output.terminal(format!(
+        "     {name}, {bytes} bytes\n     {summary}\n{fleet}{notebook}"
+    ));
 }
 
 /// Builds the wheel; returns where it is.

@@ -1,9 +1,8 @@
 //! Rotations of the tracker and how their residuals change.
 
 use haptical_model::Recording;
-use haptical_model::kinematics::nalgebra::{
-    Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3,
-};
+use haptical_model::kinematics::nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+pub(crate) use haptical_model::rigid::rotation_vector;
 
 /// The tracker's orientation at a row, as a rotation matrix.
 pub(crate) fn measured_rotation(recording: &Recording, row: usize) -> Matrix3<f64> {
@@ -16,11 +15,6 @@ pub(crate) fn measured_rotation(recording: &Recording, row: usize) -> Matrix3<f6
         }
         None => Matrix3::from_element(f64::NAN),
     }
-}
-
-/// Rotation vector of a rotation matrix.
-pub(crate) fn rotation_vector(rotation: &Matrix3<f64>) -> Vector3<f64> {
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).scaled_axis()
 }
 
 /// Inverse of the left Jacobian of SO(3): d log(exp([w]) R) / d w at w = 0, for log R = v

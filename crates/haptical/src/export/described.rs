@@ -9,7 +9,7 @@ use haptical_runtime::{
 };
 
 use super::compensation::Compensation;
-use crate::failure::Failure;
+use crate::error::Error as Failure;
 
 /// The content of an export.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,7 +8,7 @@ use haptical_runtime::{Capstan, Joint, Motion, POLYNOMIAL_TERMS, Parallelogram, 
 
 use super::described::Described;
 use super::{Provenance, VERSION, c_effects, one_line};
-use crate::failure::Failure;
+use crate::error::Error as Failure;
 
 /// Types and functions, with marks where the device's numbers go.
 const TEMPLATE: &str = include_str!("../../assets/step.h");

@@ -1,6 +1,6 @@
 //! Writes a device as JSON: one flat array per quantity, with names and units.
 
-use haptical::files::{UNSEALED, sealed_json};
+use crate::files::{UNSEALED, sealed_json};
 use haptical_runtime::{
     Capstan, Convention, Effect, GeneralRow, Joint, Motion, Pose, Transmission,
 };
@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use super::compensation::Compensation;
 use super::described::{Described, row_by_row};
 use super::{COMMAND, Provenance, VERSION};
-use crate::failure::Failure;
+use crate::error::Error as Failure;
 
 /// The text of the file.
 pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<String, Failure> {

@@ -9,7 +9,7 @@ use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
 use haptical_runtime::{Effect, Over, Side, Turnover};
 
-use crate::failure::Failure;
+use crate::error::Error as Failure;
 
 /// Effects of an export.
 #[derive(Debug, Clone, Default, PartialEq)]
