@@ -4,6 +4,7 @@ use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
+use parquet::basic::Type;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -53,6 +54,57 @@ pub fn read_parquet_columns(
     });
     catch_unwind(read)
         .unwrap_or_else(|_| Err(cut_short(Place::file(&name), "its parts contradict")))
+}
+
+/// All columns of numbers of a Parquet file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ParquetTable {
+    /// Names and cells; of a list each element, `q[1]`, `q[2]`, ...; parts of a structure are joined by points.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Names of the columns that have no numbers.
+    pub left_out: Vec<String>,
+}
+
+/// Reads all columns of numbers, and of lists of one length in all rows, from the bytes of a Parquet file that errors call `name`.
+///
+/// # Errors
+/// The bytes are no Parquet file, or a list has rows of different lengths.
+pub fn parquet_table(bytes: Vec<u8>, name: &str) -> Result<ParquetTable, DataError> {
+    let read = AssertUnwindSafe(|| {
+        let file = SerializedFileReader::new(bytes::Bytes::from(bytes));
+        let file = file.map_err(|error| damaged(name, &error))?;
+        let reader = Reader { file: &file, name };
+        let schema = file.metadata().file_metadata().schema_descr();
+        let mut table = ParquetTable::default();
+        for (index, column) in schema.columns().iter().enumerate() {
+            // `q.list.element` is the list `q`
+            let parts = column.path().parts().iter().map(String::as_str);
+            let parts: Vec<&str> = match column.max_rep_level() {
+                0 => parts.collect(),
+                _ => parts.take_while(|part| *part != "list").collect(),
+            };
+            let own = parts.join(".");
+            let is_number = matches!(
+                column.physical_type(),
+                Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE
+            );
+            if !is_number || column.max_rep_level() > 1 {
+                table.left_out.push(own);
+                continue;
+            }
+            let elements = reader.list_at(index, &own)?;
+            let is_list = column.max_rep_level() > 0;
+            for (element, cells) in elements.into_iter().enumerate() {
+                let name = match is_list {
+                    true => format!("{own}[{}]", element + 1),
+                    false => own.clone(),
+                };
+                table.columns.push((name, cells));
+            }
+        }
+        Ok(table)
+    });
+    catch_unwind(read).unwrap_or_else(|_| Err(cut_short(Place::file(name), "its parts contradict")))
 }
 
 struct Reader<'f> {
@@ -138,6 +190,11 @@ impl Reader<'_> {
             let advice = "give a data set that has it";
             return Err(refused(Place::file(self.name), what, advice));
         };
+        self.list_at(index, wanted)
+    }
+
+    /// The elements of a list, which has as many in each row.
+    fn list_at(&self, index: usize, wanted: &str) -> Result<Vec<Vec<f64>>, DataError> {
         let (values, lengths) = self.cells(index)?;
         let length = lengths.first().copied().unwrap_or(0);
         if let Some(row) = lengths.iter().position(|own| *own != length) {

@@ -153,7 +153,7 @@ impl Target {
     fn write_text(&self, text: String, inputs: &[&Path]) -> Result<(), Failure> {
         let (folder, name) = folder_and_name(&self.out)?;
         check_folder(folder)?;
-        check_outputs(&[self.out.clone()], inputs)?;
+        check_outputs(std::slice::from_ref(&self.out), inputs)?;
         let files = vec![(name, text.into_bytes())];
         self.refuse_others(folder, &files)?;
         write_all(folder, &files)?;

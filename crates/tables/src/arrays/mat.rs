@@ -7,7 +7,7 @@ use std::io::Cursor;
 
 use flate2::read::ZlibDecoder;
 
-use super::Array;
+use super::{Array, MOST_NUMBERS};
 use crate::error::TableError;
 use crate::read::inflated;
 
@@ -47,6 +47,7 @@ pub(crate) fn mat(bytes: &[u8], file: &str) -> Result<Found, TableError> {
         },
         arrays: Vec::new(),
         left_out: Vec::new(),
+        count: 0,
     };
     let mut rest = &bytes[HEADER_BYTES..];
     while !rest.is_empty() {
@@ -59,14 +60,12 @@ pub(crate) fn mat(bytes: &[u8], file: &str) -> Result<Found, TableError> {
             let inner = reader.element(&content);
             let inner = inner.ok_or_else(|| damaged("a compressed element is cut off"))?;
             if inner.kind == MATRIX {
-                reader
-                    .matrix(inner.data, None, 0)
-                    .ok_or_else(|| damaged("an array is cut off"))?;
+                let read = reader.matrix(inner.data, None, 0);
+                read.ok_or_else(|| reader.unread(file))?;
             }
         } else if element.kind == MATRIX {
-            reader
-                .matrix(element.data, None, 0)
-                .ok_or_else(|| damaged("an array is cut off"))?;
+            let read = reader.matrix(element.data, None, 0);
+            read.ok_or_else(|| reader.unread(file))?;
         }
     }
     let notes = match reader.left_out.is_empty() {
@@ -86,6 +85,8 @@ struct Reader {
     is_big: bool,
     arrays: Vec<Array>,
     left_out: Vec<String>,
+    /// Numbers so far, or that the next array would bring.
+    count: usize,
 }
 
 /// An element: its kind, its bytes, and what follows it.
@@ -96,6 +97,14 @@ struct Element<'b> {
 }
 
 impl Reader {
+    /// Why an array was not read.
+    fn unread(&self, file: &str) -> TableError {
+        match self.count > MOST_NUMBERS {
+            true => TableError::too_large(file),
+            false => TableError::damaged("MATLAB", "an array is cut off", file),
+        }
+    }
+
     fn word(&self, bytes: &[u8]) -> Option<u32> {
         let word = *bytes.first_chunk()?;
         Some(match self.is_big {
@@ -132,7 +141,7 @@ impl Reader {
         })
     }
 
-    /// Adds an array; its own name, or that of the field that it is. None where it is cut off.
+    /// Adds an array; its own name, or that of the field that it is. None where it is cut off or too large.
     fn matrix(&mut self, bytes: &[u8], field: Option<&str>, depth: usize) -> Option<()> {
         if bytes.is_empty() {
             // an empty field
@@ -168,6 +177,10 @@ impl Reader {
         if !is_numbers || sizes.len() < 2 {
             self.left_out.push(own);
             return Some(());
+        }
+        self.count = self.count.saturating_add(count);
+        if self.count > MOST_NUMBERS {
+            return None;
         }
         let real = self.element(name.rest)?;
         let values = self.numbers(&real)?;

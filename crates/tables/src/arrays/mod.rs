@@ -10,11 +10,14 @@ pub(crate) use self::npy::{NPY_MAGIC, npy};
 #[cfg(feature = "archives")]
 pub(crate) use self::npz::{limited_entries, npz, zip_names};
 
-use haptical_data::MOST_COLUMNS;
+use haptical_data::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 
 use crate::error::TableError;
 use crate::mapping::Reading;
 use crate::table::{Column, Table};
+
+/// Most numbers of a file.
+pub(crate) const MOST_NUMBERS: usize = (MOST_MEMORY_BYTES / 16) as usize;
 
 /// An array of numbers, its last axis fastest; of rank 1 or more.
 #[derive(Debug, Clone, PartialEq)]

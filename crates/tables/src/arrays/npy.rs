@@ -1,8 +1,6 @@
 //! Arrays of NumPy: the format NPY, versions 1 to 3 (numpy.lib.format, NEP 1).
 
-use haptical_data::MOST_MEMORY_BYTES;
-
-use super::Array;
+use super::{Array, MOST_NUMBERS};
 use crate::error::TableError;
 
 /// How such a file begins.
@@ -34,7 +32,7 @@ pub(crate) fn npy(bytes: &[u8], array: &str, file: &str) -> Result<Array, TableE
     let count = shape
         .iter()
         .try_fold(1_usize, |all, &length| all.checked_mul(length));
-    let count = count.filter(|count| (*count as u64) <= MOST_MEMORY_BYTES / 16);
+    let count = count.filter(|count| *count <= MOST_NUMBERS);
     let count = count.ok_or_else(|| TableError::too_large(file))?;
     if data.len() / size < count {
         return Err(damaged("it has fewer numbers than its shape says"));

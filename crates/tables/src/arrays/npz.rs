@@ -4,7 +4,7 @@ use std::io::{Cursor, Read};
 
 use zip::ZipArchive;
 
-use super::{Array, npy};
+use super::{Array, MOST_NUMBERS, npy};
 use crate::error::TableError;
 use crate::read::inflated;
 
@@ -60,8 +60,15 @@ pub(crate) fn limited_entries(
 /// The arrays of an NPZ file, by their names.
 pub(crate) fn npz(bytes: &[u8], file: &str) -> Result<Vec<Array>, TableError> {
     let entries = limited_entries(bytes, ".npy", file)?;
-    let named = entries.iter();
-    named
-        .map(|(name, content)| npy(content, name.trim_end_matches(".npy"), file))
-        .collect()
+    let mut arrays = Vec::new();
+    let mut numbers = 0;
+    for (name, content) in &entries {
+        let array = npy(content, name.trim_end_matches(".npy"), file)?;
+        numbers += array.values.len();
+        if numbers > MOST_NUMBERS {
+            return Err(TableError::too_large(file));
+        }
+        arrays.push(array);
+    }
+    Ok(arrays)
 }

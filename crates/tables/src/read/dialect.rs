@@ -7,8 +7,6 @@ use super::number::{is_missing, is_number};
 
 /// Separators in the order of preference where two fit alike.
 pub(super) const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', ' '];
-/// Lines that are looked at.
-const LINES: usize = 200;
 
 /// The cells of a line, blanks at their ends left out.
 pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
@@ -44,8 +42,7 @@ fn rows(lines: &[&str], separator: char) -> Vec<Vec<String>> {
 }
 
 /// The separator under which most lines have the same number of cells, and most cells are numbers.
-pub(super) fn separator(lines: &[&str]) -> char {
-    let sample = &lines[..lines.len().min(LINES)];
+pub(super) fn separator(sample: &[&str]) -> char {
     let mut best = (0.0, 0, ',');
     for separator in SEPARATORS {
         let rows = rows(sample, separator);

@@ -27,7 +27,7 @@ struct Head {
 }
 
 pub(super) fn to_table(
-    grid: Grid,
+    grid: &Grid,
     decimal: char,
     name: &str,
     reading: &Reading,
@@ -41,7 +41,7 @@ pub(super) fn to_table(
             "give a table with rows",
         ));
     }
-    let head = head(&grid, width, reading, name)?;
+    let head = head(grid, width, reading, name)?;
     let mut notes = Vec::new();
     let above = head.rows - usize::from(head.units.is_some());
     let used = usize::from(head.names.is_some()).min(above);

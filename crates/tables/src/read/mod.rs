@@ -22,8 +22,8 @@ use crate::table::{Cells, Column, Table};
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// Reads a table: text (comma, semicolon, tab, bar or blanks between cells; plain or gzip), JSON lines, `.npy`, `.npz`, `.mat` of
-/// version 5 to 7, `.xlsx`.
+/// Reads a table: text (comma, semicolon, tab, bar or blanks between cells; plain or gzip), JSON lines, Parquet, `.npy`, `.npz`,
+/// `.mat` of version 5 to 7, `.xlsx`.
 ///
 /// # Errors
 /// The file cannot be read, is none of these, is damaged, or is larger than a log may be.
@@ -81,6 +81,8 @@ pub fn table_from_bytes(
         table
     } else if bytes.starts_with(b"PK\x03\x04") {
         archive(bytes, name, reading)?
+    } else if bytes.starts_with(b"PAR1") {
+        parquet(bytes, name)?
     } else if bytes.trim_ascii_start().first() == Some(&b'{') {
         json_lines(&bytes, name)?
     } else {
@@ -115,12 +117,7 @@ pub(crate) fn inflated(
 /// Files that are no tables of text, and what to do with them.
 fn refuse_others(bytes: &[u8], name: &str) -> Result<(), TableError> {
     let known = haptical_data::known_file(bytes);
-    let logs: [(&[u8], &str, &str); 3] = [
-        (
-            b"PAR1",
-            "a Parquet file",
-            "give it as --log where its columns have the log's names, else save it as CSV",
-        ),
+    let logs: [(&[u8], &str, &str); 2] = [
         (b"\x89MCAP", "an MCAP file", "use `haptical import bag`"),
         (
             b"SQLite format 3",
@@ -160,6 +157,35 @@ fn archive(bytes: Vec<u8>, name: &str, reading: &Reading) -> Result<Table, Table
 fn archive(_: Vec<u8>, name: &str, _: &Reading) -> Result<Table, TableError> {
     let what = "a spreadsheet (.xlsx) or arrays of NumPy (.npz), which this build does not read";
     let next = "build haptical with `--features archives`, or save it as CSV or .npy";
+    Err(TableError::new("not-built-in", what, name, next))
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(bytes: Vec<u8>, name: &str) -> Result<Table, TableError> {
+    let read = haptical_data::parquet_table(bytes, name).map_err(|error| {
+        let what = error.fault.to_string();
+        TableError::new(error.kind(), what, name, "or save it as CSV")
+    })?;
+    let columns = read.columns.into_iter();
+    let left_out = read.left_out.join(", ");
+    Ok(Table {
+        file: name.to_owned(),
+        columns: columns
+            .map(|(own, cells)| Column::numbers(own, cells))
+            .collect(),
+        is_named: true,
+        notes: match left_out.is_empty() {
+            true => Vec::new(),
+            false => vec![format!("{name}: left out, they are no numbers: {left_out}")],
+        },
+        ..Table::default()
+    })
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: Vec<u8>, name: &str) -> Result<Table, TableError> {
+    let next = "build haptical with `--features parquet`, or save it as CSV";
+    let what = "a Parquet file, which this build does not read";
     Err(TableError::new("not-built-in", what, name, next))
 }
 

@@ -23,7 +23,7 @@ pub(super) fn read(bytes: Vec<u8>, name: &str, reading: &Reading) -> Result<Tabl
     let read = AssertUnwindSafe(|| cells(bytes, name, reading));
     let rows = catch_unwind(read).unwrap_or_else(|_| Err(damaged("its parts contradict", name)))?;
     // blank rows are no rows, and blank columns at the left and right no columns
-    let filled = || rows.iter().flat_map(|(_, cells)| cells.keys().copied());
+    let filled = || rows.values().flat_map(|cells| cells.keys().copied());
     let (Some(first), Some(last)) = (filled().min(), filled().max()) else {
         let next = "name another with `sheet` in [table]";
         return Err(TableError::new(
@@ -48,7 +48,7 @@ pub(super) fn read(bytes: Vec<u8>, name: &str, reading: &Reading) -> Result<Tabl
         rows: rows.collect(),
         comment: None,
     };
-    to_table(grid, '.', name, reading)
+    to_table(&grid, '.', name, reading)
 }
 
 fn damaged(what: impl std::fmt::Display, name: &str) -> TableError {

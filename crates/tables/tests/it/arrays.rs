@@ -131,6 +131,28 @@ fn what_is_no_array_of_numbers_is_refused() {
     }
 }
 
+/// Flat columns and lists, of files that pyarrow wrote; texts are left out and named.
+#[cfg(feature = "parquet")]
+#[test]
+fn columns_of_parquet_are_read() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../data/tests/fixtures/snappy.parquet"
+    );
+    let Ok(bytes) = std::fs::read(path) else {
+        println!("skipped: the fixtures of haptical-data are not here");
+        return;
+    };
+    let table = read(bytes, false).unwrap();
+    let csv = std::fs::read(std::path::Path::new(path).with_file_name("log.csv")).unwrap();
+    let csv = read(csv, false).unwrap();
+    for name in ["t_s", "theta2_rad", "x_m"] {
+        let cells = |table: &Table| format!("{:?}", table.columns[table.find(name).unwrap()].cells);
+        assert_eq!(cells(&table), cells(&csv), "{name}");
+    }
+    assert!(table.notes[0].contains("contact"), "{:?}", table.notes);
+}
+
 /// An element of a MAT-file.
 fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut bytes = kind.to_le_bytes().to_vec();

@@ -37,6 +37,39 @@ fn a_bomb_is_refused() {
     assert_eq!(error.kind, "too-large");
 }
 
+/// Lines and rows that would take more memory than their file.
+#[test]
+fn wide_rows_are_refused() {
+    let long = vec![b'1'; (1 << 20) + 1];
+    let error = table_from_bytes(
+        [b"a\n".to_vec(), long].concat(),
+        "file",
+        &Reading::default(),
+    )
+    .unwrap_err();
+    assert_eq!((error.kind, error.line), ("line-too-long", Some(2)));
+    for separator in [",", ";", " "] {
+        let wide = ["1"; 5000].join(separator);
+        let error = table_from_bytes(
+            format!("{wide}\n{wide}\n").into_bytes(),
+            "file",
+            &Reading::default(),
+        )
+        .unwrap_err();
+        assert_eq!(
+            (error.kind, error.line),
+            ("too-many-columns", Some(1)),
+            "{error}"
+        );
+    }
+    let skipping = Reading {
+        skip_lines: Some(usize::MAX),
+        ..Reading::default()
+    };
+    let error = table_from_bytes(b"a\n1\n".to_vec(), "file", &skipping).unwrap_err();
+    assert_eq!(error.kind, "no-rows");
+}
+
 /// An array within a compressed element that says it is larger than it is.
 #[test]
 fn sizes_that_lie_are_refused() {

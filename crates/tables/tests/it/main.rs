@@ -1,6 +1,11 @@
 //! Integration tests of the tables, in one binary.
 
-#![expect(clippy::unwrap_used, reason = "helpers of tests fail the test")]
+#![expect(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "helpers of tests fail the test"
+)]
+#![allow(clippy::print_stdout, reason = "a test without its data says so")]
 
 mod arrays;
 mod guessed;
