@@ -22,7 +22,14 @@ fn said(names: &[&str], diagnosis: &Diagnosis) -> Option<String> {
     let numbers: BTreeSet<usize> = causes.chain(place).collect();
     let named = numbers.into_iter().filter_map(|number| {
         let name = names.get(number.checked_sub(1)?)?;
-        (!name.is_empty()).then(|| format!("joint {number} is {name}"))
+        // a name that says no more than the number
+        let is_number = [
+            format!("joint{number}"),
+            format!("joint_{number}"),
+            number.to_string(),
+        ];
+        let says_more = !name.is_empty() && is_number.iter().all(|own| own != name);
+        says_more.then(|| format!("joint {number} is {name}"))
     });
     let named: Vec<String> = named.collect();
     (!named.is_empty()).then(|| named.join(", "))
@@ -51,5 +58,7 @@ mod tests {
             "joint 1 is shoulder_pan"
         );
         assert!(said(&names, &no_gap()).is_none());
+        let plain = ["joint1", "joint2"];
+        assert!(said(&plain, &diagnosis).is_none());
     }
 }

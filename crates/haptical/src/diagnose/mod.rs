@@ -237,7 +237,8 @@ fn arm_of(
     recording: &Recording,
 ) -> Result<Option<Block>, Error> {
     let corrected = diagnosis.corrected.as_ref();
-    let picture = corrected.map(|corrected| arm::picture(&given.model, corrected, recording));
+    let draw = |corrected| arm::picture(&given.model, corrected, recording, "as corrected");
+    let picture = corrected.map(draw);
     picture.transpose().map(Option::flatten)
 }
 

@@ -31,11 +31,12 @@ impl Moved {
     }
 }
 
-/// The arm before and after; none of a device without links, of one that did not move, and where it has no place.
+/// The arm before and after, which is called `name`; none of a device without links, of one that did not move, and where it has no place.
 pub(crate) fn picture(
     given: &Device,
     found: &Device,
     recording: &Recording,
+    name: &str,
 ) -> Result<Option<Block>, Error> {
     if !given.has_links() || recording.is_empty() {
         return Ok(None);
@@ -70,7 +71,7 @@ pub(crate) fn picture(
         .collect();
     let arm = ArmPicture {
         title: "What moved".to_owned(),
-        names: ["as given".to_owned(), "as identified".to_owned()],
+        names: ["as given".to_owned(), name.to_owned()],
         up: given
             .gravity_mps2
             .map_or(UP, |gravity| gravity.map(|axis| -axis)),
@@ -198,7 +199,9 @@ mod tests {
         let mut found = given.clone();
         found.links[1].a_m += 0.002;
         found.links[0].theta_rad += 0.01;
-        let block = picture(&given, &found, &recording()).unwrap().unwrap();
+        let block = picture(&given, &found, &recording(), "as identified")
+            .unwrap()
+            .unwrap();
         let Block::Svg { caption, svg } = block else {
             panic!("no picture");
         };
@@ -212,6 +215,10 @@ mod tests {
             "{caption}"
         );
         assert!(caption.contains("the handle is 2.8"), "{caption}");
-        assert!(picture(&given, &given, &recording()).unwrap().is_none());
+        assert!(
+            picture(&given, &given, &recording(), "as identified")
+                .unwrap()
+                .is_none()
+        );
     }
 }

@@ -36,27 +36,24 @@ fn the_deviation_is_drawn_by_the_stated_factor() {
     assert_eq!(gain, 20.0);
     let picture = Picture::read(&arm().to_svg(440, 330).unwrap());
     assert!(picture.has("identified, its deviation drawn 20 times") && picture.has("as given"));
-    let shift = |factor: f64| {
+    let line = picture
+        .lines_of(AFTER)
+        .into_iter()
+        .max_by_key(|line| line.points.len());
+    let points = &line.unwrap().points;
+    // the first link stands upright, seen from 0.42 rad above; the last one hangs down, and its end moved along y, which the
+    // view of azimuth 0.9 rad shortens
+    let px_per_m = (points[0].1 - points[1].1) / (0.4 * 0.42_f64.cos());
+    let wanted = -px_per_m * gain * 0.002 * 0.9_f64.sin();
+    assert!(
+        (points[3].0 - points[2].0 - wanted).abs() < 0.3,
+        "{points:?} {wanted}"
+    );
+    for (deviation_m, wanted) in [(0.001, 50.0), (0.004, 10.0), (0.05, 1.0), (0.1, 1.0)] {
         let mut own = arm();
-        let before = own.before[3][1];
-        own.after[3][1] = before + factor * 0.002;
-        let svg = own.to_svg(440, 330).unwrap();
-        let lines = Picture::read(&svg);
-        let line = lines
-            .lines_of(AFTER)
-            .into_iter()
-            .max_by_key(|line| line.points.len())
-            .unwrap()
-            .clone();
-        let [end, bend] = [line.points[3], line.points[2]];
-        (end.0 - bend.0).hypot(end.1 - bend.1)
-    };
-    // twice the deviation at half the factor is drawn alike
-    assert_eq!(arm().gain(), 20.0);
-    let mut twice = arm();
-    twice.after[3][1] = 0.004;
-    assert_eq!(twice.gain(), 10.0);
-    assert!((shift(1.0) - shift(2.0)).abs() < 0.2);
+        own.after[3][1] = deviation_m;
+        assert_eq!(own.gain(), wanted, "{deviation_m}");
+    }
 }
 
 #[test]

@@ -27,12 +27,15 @@ fn map() -> String {
 /// Dark colours by light ones, of rules such as `[fill="#0072B2"]{fill:#4AA3E0}`.
 fn dark(svg: &str, paint: &str) -> BTreeMap<String, String> {
     let start = format!("[{paint}=\"");
+    let count = svg.split(&start).skip(1).count();
     let rules = svg.split(&start).skip(1).map(|rule| {
         let (light, rest) = rule.split_once("\"]{").unwrap();
         let (dark, _) = rest.split_once('}').unwrap();
         (light.to_owned(), dark.split_once(':').unwrap().1.to_owned())
     });
-    rules.collect()
+    let rules: BTreeMap<String, String> = rules.collect();
+    assert_eq!(rules.len(), count, "two rules for one colour");
+    rules
 }
 
 /// Relative luminance by WCAG 2.2.

@@ -115,6 +115,8 @@ pub struct NumberEntry {
 pub struct JointEntry {
     /// Joint, from 1.
     pub joint: usize,
+    /// Its name in the device file or the robot description.
+    pub name: String,
     /// Coulomb friction.
     pub coulomb: NumberEntry,
     /// Viscous friction.
@@ -278,6 +280,7 @@ fn joint(device: &Device, own: &JointDynamics) -> JointEntry {
     };
     JointEntry {
         joint: own.joint + 1,
+        name: device.joints[own.joint].name.clone(),
         coulomb: number(&own.coulomb, torque),
         viscous: number(&own.viscous, pick("N m s/rad", "N s/m")),
         of_load: own.load.as_ref().map(|load| number(load, "1")),

@@ -120,8 +120,12 @@ pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
             let digits = (2.0 - size.log10().floor()).clamp(0.0, 9.0) as usize;
             format!("{what} {size:.digits$}")
         });
+        let name = match own.name.is_empty() {
+            true => own.joint.to_string(),
+            false => own.name.clone(),
+        };
         table.push(vec![
-            format!("{}", own.joint).into(),
+            name.into(),
             in_words(&own.coulomb).into(),
             own.of_load
                 .as_ref()

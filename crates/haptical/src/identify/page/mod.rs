@@ -27,7 +27,12 @@ pub(super) fn page(
     recording: &Recording,
 ) -> Result<String, Error> {
     let mut figures = channel_figures::blocks(calibration, recording)?;
-    let arm = arm::picture(&calibration.nominal, &calibration.device, recording)?;
+    let arm = arm::picture(
+        &calibration.nominal,
+        &calibration.device,
+        recording,
+        "as identified",
+    )?;
     let main = arm.or_else(|| {
         let first = figures
             .iter()
