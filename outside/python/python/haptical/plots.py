@@ -54,10 +54,10 @@ def identification(result: Any) -> Any:
         own.invert_yaxis()
         own.set_xlabel(f"deviation from nominal [{name}]")
     channels = result["channels"]
-    rms = [[float(np.sqrt(np.nanmean(np.square(own[key])))) if np.size(own[key]) else 0.0 for own in channels.values()]
+    rms = [[1e3 * float(np.sqrt(np.nanmean(np.square(own[key])))) if np.size(own[key]) else 0.0 for own in channels.values()]
            for key in ("before", "after")]
     _bars(axes[0][-1], list(channels), rms[0], rms[1], ("before", "after"))
-    axes[0][-1].set_xlabel("root mean square [m or rad]")
+    axes[0][-1].set_xlabel("root mean square [mm or mrad]")
     return figure
 
 
