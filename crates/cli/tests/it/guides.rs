@@ -175,15 +175,15 @@ fn console(block: &Block) -> Vec<Shown<'_>> {
     found
 }
 
-/// Runs the console blocks of a README in a folder of their own and returns how many commands there are. A command whose
-/// first shown line is an error fails, every other succeeds.
-fn run_console(readme: &Path) -> usize {
+/// Runs the console blocks of a README in a folder of their own and returns how many commands there are, with the folder.
+/// A command whose first shown line is an error fails, every other succeeds.
+fn run_console(readme: &Path) -> (usize, Option<tempfile::TempDir>) {
     let page = std::fs::read_to_string(readme).unwrap();
     let blocks = blocks(&page);
     let consoles = blocks.iter().filter(|block| block.language == "console");
     let commands: Vec<Shown<'_>> = consoles.flat_map(console).collect();
     if commands.is_empty() {
-        return 0;
+        return (0, None);
     }
     let sandbox = sandbox();
     for command in &commands {
@@ -216,7 +216,7 @@ fn run_console(readme: &Path) -> usize {
             );
         }
     }
-    commands.len()
+    (commands.len(), Some(sandbox))
 }
 
 #[test]
@@ -225,7 +225,7 @@ fn console_blocks_of_the_crates_readmes_are_true() {
     for entry in std::fs::read_dir(root().join("crates")).unwrap() {
         let readme = entry.unwrap().path().join("README.md");
         if readme.exists() {
-            commands += run_console(&readme);
+            commands += run_console(&readme).0;
         }
     }
     assert!(commands >= 10, "{commands} commands");
@@ -395,10 +395,28 @@ fn a_joint_that_two_others_drive() {
     assert!((angle - 0.2).abs() < 1e-12, "{angle}");
 }
 
-/// The README's commands, and the lines that they print.
+/// The README's commands, the lines that they print, and the words of its picture, which is the first of a diagnosis.
 #[test]
 fn the_readme_is_true() {
-    let readme = root().join("README.md");
-    let commands = run_console(&readme);
+    let (commands, sandbox) = run_console(&root().join("README.md"));
     assert!(commands >= 9, "{commands} commands");
+    let read = |path: PathBuf| std::fs::read_to_string(path).unwrap();
+    let page = read(sandbox.unwrap().path().join("demo/gap/gap.html"));
+    let words = |text: &str| -> Vec<String> {
+        let begin = text.find("<svg").unwrap();
+        let end = text[begin..].find("</svg>").unwrap();
+        let lines = text[begin..begin + end].lines();
+        lines
+            .filter(|line| !line.starts_with('<'))
+            .map(str::to_owned)
+            .collect()
+    };
+    let (made, shown) = (
+        words(&page),
+        words(&read(root().join("docs/images/gap.svg"))),
+    );
+    assert!(made.len() == shown.len() && made.len() > 8, "{made:?}");
+    for (made, shown) in made.iter().zip(&shown) {
+        assert!(is_shown(made, shown), "{made} {shown}");
+    }
 }
