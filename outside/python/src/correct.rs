@@ -52,7 +52,9 @@ pub(crate) fn correct<'py>(
     let joints = device.read.model.joints.len();
     let (found, text) = watched(py, progress, move || -> Result<_, Failure> {
         let path = match &path {
-            Log::File(file) => Waypoints::read(&haptical::files::Source::by_path(file), &device.read)?,
+            Log::File(file) => {
+                Waypoints::read(&haptical::files::Source::by_path(file), &device.read)?
+            }
             Log::Columns(_) => Waypoints::from_columns(&path.cells(), "the path", &device.read)?,
         };
         let found = correct_path(&device.read, &model.read, &path, &request)?;
@@ -61,7 +63,8 @@ pub(crate) fn correct<'py>(
     })??;
     let all = &found.waypoints;
     let result = PyDict::new(py);
-    let commands = Array2::from_shape_fn((all.len(), joints), |(row, joint)| all[row].command[joint]);
+    let commands =
+        Array2::from_shape_fn((all.len(), joints), |(row, joint)| all[row].command[joint]);
     result.set_item("commands", commands.to_pyarray(py))?;
     let number = |of: &dyn Fn(&haptical::CorrectedWaypoint) -> Option<f64>| {
         let column = all.iter().map(|own| of(own).unwrap_or(f64::NAN));

@@ -45,7 +45,9 @@ pub(crate) fn diagnose(
         let read = logs.iter().map(|log| log.read(&device.read));
         let read: Vec<Log> = read.collect::<Result<_, _>>()?;
         let Some((first, further)) = read.split_first() else {
-            return Err(Failure::value("the list of logs is empty; give one log or more"));
+            return Err(Failure::value(
+                "the list of logs is empty; give one log or more",
+            ));
         };
         let second = validate.map(|log| log.read(&device.read)).transpose()?;
         let request = Diagnose {

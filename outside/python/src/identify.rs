@@ -101,7 +101,9 @@ pub(crate) fn identify<'py>(
 fn of_dynamics(with: &[String], is_extra: bool) -> Result<bool, Failure> {
     let is_asked = with.iter().any(|word| word == DYNAMICS);
     if is_asked && with.len() > 1 {
-        return Err(Failure::value("with_ has \"dynamics\" beside other effects; give it alone"));
+        return Err(Failure::value(
+            "with_ has \"dynamics\" beside other effects; give it alone",
+        ));
     }
     if is_extra && !is_asked {
         let text = "validate and band_hz belong to with_=[\"dynamics\"]; leave them out";

@@ -1,8 +1,8 @@
 //! The Python module `haptical._haptical`: devices and recordings in, NumPy arrays out.
 
 mod candidates;
-mod device;
 mod correct;
+mod device;
 mod diagnose;
 mod effects;
 mod export;

@@ -76,19 +76,26 @@ pub(crate) fn plan<'py>(
     let logs = log.map(logs_of).transpose()?.unwrap_or_default();
     if let Some(gap) = settle {
         if has_rigs {
-            let text = "settle goes with neither measure, poses nor known_transmissions; leave them out";
+            let text =
+                "settle goes with neither measure, poses nor known_transmissions; leave them out";
             return Err(Failure::value(text).into());
         }
         let usual = SettleRequest::default();
         let request = SettleRequest {
             rows,
-            candidates: if candidates_asked { request.candidates } else { usual.candidates },
+            candidates: if candidates_asked {
+                request.candidates
+            } else {
+                usual.candidates
+            },
             limits: request.limits,
             seed: request.seed,
             press_n: press,
         };
         let gap = gap_of(gap)?;
-        let files = watched(py, progress, move || settled(&device, &logs, &gap, &request))??;
+        let files = watched(py, progress, move || {
+            settled(&device, &logs, &gap, &request)
+        })??;
         return json(py, &files);
     }
     if logs.len() > 1 {

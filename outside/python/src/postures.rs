@@ -22,7 +22,9 @@ fn checked(model: &Model, readings: &Readings<'_>, what: &str) -> Result<Array2<
             "the {what} have {columns} columns, and the device has {joints} joints"
         )));
     }
-    let odd = readings.indexed_iter().find(|(_, value)| !value.is_finite());
+    let odd = readings
+        .indexed_iter()
+        .find(|(_, value)| !value.is_finite());
     if let Some(((row, joint), value)) = odd {
         return Err(Failure::value(format!(
             "row {row}: the reading of joint {} is {value}, and a finite number is expected",
@@ -91,9 +93,13 @@ fn rigid(model: &Model, readings: &Array2<f64>) -> Result<(Array2<f64>, Array3<f
         let moved = evaluation.move_pose_to(&own.to_vec());
         moved.map_err(|error| Failure::value(format!("row {row}: {error}")))?;
         let pose = evaluation.pose()?;
-        put(&mut positions, &mut rotations, row, &pose.position_m.into(), &|r, c| {
-            pose.rotation[(r, c)]
-        });
+        put(
+            &mut positions,
+            &mut rotations,
+            row,
+            &pose.position_m.into(),
+            &|r, c| pose.rotation[(r, c)],
+        );
     }
     Ok((positions, rotations))
 }
@@ -108,9 +114,13 @@ fn bent(
     let found = rest_poses(device, &Waypoints::from_log(log)?)?;
     let (mut positions, mut rotations) = (Array2::zeros((rows, 3)), Array3::zeros((rows, 3, 3)));
     for (row, pose) in found.poses.iter().enumerate() {
-        put(&mut positions, &mut rotations, row, &pose.position_m.into(), &|r, c| {
-            pose.rotation[(r, c)]
-        });
+        put(
+            &mut positions,
+            &mut rotations,
+            row,
+            &pose.position_m.into(),
+            &|r, c| pose.rotation[(r, c)],
+        );
     }
     Ok(((positions, rotations), found.warnings))
 }
@@ -208,8 +218,12 @@ pub(crate) fn torques<'py>(
     let model = &device.read.model;
     let readings = checked(model, &readings, "readings")?;
     let rates = [
-        velocities.map(|own| checked(model, &own, "velocities")).transpose()?,
-        accelerations.map(|own| checked(model, &own, "accelerations")).transpose()?,
+        velocities
+            .map(|own| checked(model, &own, "velocities"))
+            .transpose()?,
+        accelerations
+            .map(|own| checked(model, &own, "accelerations"))
+            .transpose()?,
     ];
     for own in rates.iter().flatten() {
         if own.nrows() != readings.nrows() {
@@ -234,7 +248,9 @@ fn holding(model: &Model, readings: &Array2<f64>) -> Result<Array2<f64>, Failure
     let columns = columns.ok_or_else(|| {
         Failure::value("the device has no masses with [gravity]: give mass_kg and centre_of_mass_m of its links")
     })?;
-    Ok(Array2::from_shape_fn(readings.dim(), |(row, joint)| columns[joint][row]))
+    Ok(Array2::from_shape_fn(readings.dim(), |(row, joint)| {
+        columns[joint][row]
+    }))
 }
 
 fn moving(

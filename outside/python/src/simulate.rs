@@ -4,9 +4,7 @@ use haptical::data::{LogShape, write_log_to};
 use haptical::design::Rig;
 use haptical::effects::device::{add_effects, bare};
 use haptical::model::Recording;
-use haptical::simulator::{
-    Effects, HandMotion, MotionSettings, add_tracker, record_motion,
-};
+use haptical::simulator::{Effects, HandMotion, MotionSettings, add_tracker, record_motion};
 use haptical::{Truth, simulate_postures, true_device};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -48,13 +46,16 @@ pub(crate) fn simulate<'py>(
     rig: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     if truth.is_some() && deviate.is_some() {
-        return Err(Failure::value("truth and deviate exclude each other; give one of them").into());
+        return Err(
+            Failure::value("truth and deviate exclude each other; give one of them").into(),
+        );
     }
     if poses.is_none() && measure.is_some() {
         return Err(Failure::value("measure belongs to poses; leave it out").into());
     }
     if poses.is_some() && effects.is_some() {
-        let text = "effects are of a hand's motion; with poses give them in truth, as its [[effect]]";
+        let text =
+            "effects are of a hand's motion; with poses give them in truth, as its [[effect]]";
         return Err(Failure::value(text).into());
     }
     let device = device_of(device, (base, tip), rig)?;
@@ -87,7 +88,9 @@ fn table(recording: &Recording, shape: &LogShape) -> Result<Vec<u8>, Failure> {
 }
 
 fn text(truth: &haptical::model::Device) -> Result<String, Failure> {
-    truth.to_new_toml().map_err(|error| Failure::value(error.to_string()))
+    truth
+        .to_new_toml()
+        .map_err(|error| Failure::value(error.to_string()))
 }
 
 fn postures(
@@ -121,7 +124,9 @@ fn motion(
     // NaN is no number of rows
     let is_allowed = rows > 0.0 && rows <= MOST_ROWS;
     if !is_allowed {
-        let text = format!("a log of {rows:e} rows is asked for; give other seconds or rate_hz: at most {MOST_ROWS:e} rows");
+        let text = format!(
+            "a log of {rows:e} rows is asked for; give other seconds or rate_hz: at most {MOST_ROWS:e} rows"
+        );
         return Err(Failure::value(text));
     }
     let truth = true_device(&device.read, truth, seed)?;

@@ -37,7 +37,8 @@ pub(crate) fn watched<T: Send + 'static>(
                 }
             }
             Err(RecvTimeoutError::Disconnected) => {
-                let text = "a fault of haptical itself; please report it with the device file and the log";
+                let text =
+                    "a fault of haptical itself; please report it with the device file and the log";
                 return Err(PyRuntimeError::new_err(text));
             }
         }
