@@ -59,8 +59,17 @@ impl ParameterFit {
     /// errors. Dependent ones are left out: what moves along the direction that the data leave open is not known by
     /// a covariance.
     pub fn uncertain(&self) -> (Vec<ParameterId>, Matrix) {
+        self.uncertain_where(|held| held != Held::Dependent)
+    }
+
+    /// The same with the dependent ones, each off by as much as is plausible: what a number by itself is known to.
+    pub fn uncertain_with_dependent(&self) -> (Vec<ParameterId>, Matrix) {
+        self.uncertain_where(|_| true)
+    }
+
+    fn uncertain_where(&self, is_kept: impl Fn(Held) -> bool) -> (Vec<ParameterId>, Matrix) {
         let kept: Vec<usize> = (0..self.considered.parameters.len())
-            .filter(|&k| self.considered.held[k] != Held::Dependent)
+            .filter(|&k| is_kept(self.considered.held[k]))
             .collect();
         let considered = self.considered.select(&kept);
         let fitted = self.fitted.iter().map(|&index| self.parameters[index]);

@@ -35,17 +35,23 @@ pub struct MovedEntry {
     pub deviation: f64,
     /// 95 % interval of the deviation.
     pub ci95: [f64; 2],
-    /// Size that a deviation may plausibly have: the entries are in the order of the deviation over it, largest first.
+    /// Size that a deviation may plausibly have: the entries are in the order of the deviation over it, largest first, those whose
+    /// interval holds zero behind the others.
     pub plausible_size: f64,
 }
 
 impl MovedEntry {
+    /// Whether the interval tells that it moved, and to which side.
+    fn is_known(&self) -> bool {
+        self.ci95[0] > 0.0 || self.ci95[1] < 0.0
+    }
+
     fn multiples(&self) -> f64 {
         self.deviation.abs() / self.plausible_size
     }
 }
 
-/// All numbers that were identified with an interval, those that moved most first.
+/// All numbers that were identified with an interval, those that moved most first; whose interval holds zero come last.
 pub(super) fn moved(
     device: &Device,
     calibration: &Calibration,
@@ -68,7 +74,8 @@ pub(super) fn moved(
         })
     };
     all.extend(parameters.iter().filter_map(of_parameter));
-    all.sort_by(|a, b| b.multiples().total_cmp(&a.multiples()));
+    let by_size = |a: &MovedEntry, b: &MovedEntry| b.multiples().total_cmp(&a.multiples());
+    all.sort_by(|a, b| (b.is_known().cmp(&a.is_known())).then(by_size(a, b)));
     all
 }
 
@@ -103,7 +110,7 @@ fn origins(device: &Device, calibration: &Calibration) -> Option<Vec<MovedEntry>
     // what no parameter moves is given, not identified
     Some(
         entries
-            .filter(|entry| entry.ci95[0] < entry.ci95[1])
+            .filter(|entry| entry.ci95[0] < entry.ci95[1] && entry.deviation != 0.0)
             .collect(),
     )
 }
@@ -120,15 +127,15 @@ fn changes(given: &[JointOrigin], now: &[JointOrigin]) -> Vec<f64> {
     numbers.collect()
 }
 
-/// Standard deviations of all numbers of the origins, by the covariance of the parameters that the log tells: what acts
-/// like a combination of others keeps its value.
+/// Standard deviations of all numbers of the origins. What acts like a combination of others keeps its value, and may be off
+/// by as much as is plausible: the others are off with it.
 fn spread(
     chain: &UrdfOrigins,
     given: &[JointOrigin],
     fitted: &Model,
     fit: &ParameterFit,
 ) -> Option<Vec<f64>> {
-    let (parameters, covariance) = fit.uncertain();
+    let (parameters, covariance) = fit.uncertain_with_dependent();
     let of_links = parameters.iter().enumerate();
     let of_links = of_links.filter(|(_, id)| matches!(id, ParameterId::Link { .. }));
     let of_links: Vec<(usize, ParameterId)> = of_links.map(|(index, id)| (index, *id)).collect();
@@ -185,12 +192,11 @@ pub(super) fn says_origins(moved: &[MovedEntry]) -> bool {
 
 /// What the order of the table is, and what its intervals leave out.
 pub(super) fn note(moved: &[MovedEntry]) -> String {
-    let order =
-        "Moved most: in multiples of what is plausible, 5 mm or 1.1° of a link unless stated.";
+    let order = "Moved most: in multiples of what is plausible, 5 mm or 1.1° of a link unless stated; first those whose interval holds no zero.";
     match says_origins(moved) {
         true => format!(
             "{order} Origins are those of the URDF's joints: x, y, z in the parent link's frame, turns about the joint's own axes; \
-             what acts like a combination of others keeps its value."
+             what acts like a combination of others keeps its value, and the intervals count what it may be off by."
         ),
         false => order.to_owned(),
     }
