@@ -37,6 +37,7 @@ mod plan;
 mod play_log;
 mod play_page;
 mod play_refusals;
+mod python;
 mod real_sets;
 mod repair;
 mod reproducible;

@@ -3,15 +3,14 @@
 //! Python with `mujoco` and `numpy` is asked for: the interpreter of `HAPTICAL_PYTHON`, or `python3`. Without it each test
 //! says that it skips.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use haptical_model::kinematics::Pose;
 use haptical_model::{Device, DeviceChain};
 use serde_json::{Value, json};
 
 use crate::export::export;
+use crate::python::interpreter;
 use crate::text;
 
 /// How far MuJoCo's pose of a site may be from ours \[m\], or as an entry of a rotation.
@@ -26,37 +25,13 @@ const SECONDS: f64 = 10.0;
 
 /// An interpreter with MuJoCo; none is said on standard output.
 pub(crate) fn python() -> Option<String> {
-    let python = std::env::var("HAPTICAL_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let asked = Command::new(&python)
-        .args(["-c", "import mujoco, numpy"])
-        .output();
-    if asked.is_ok_and(|asked| asked.status.success()) {
-        return Some(python);
-    }
-    println!(
-        "skipped: `{python}` has no mujoco and numpy; `pip install mujoco numpy`, and name the interpreter in HAPTICAL_PYTHON"
-    );
-    None
+    interpreter(&["-c", "import mujoco, numpy"], "mujoco")
 }
 
 /// Asks tests/fixtures/mujoco_stands.py.
 fn ask(python: &str, question: &Value) -> Value {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/mujoco_stands.py");
-    let mut child = Command::new(python)
-        .arg(script)
-        // MuJoCo writes its log where it runs
-        .current_dir(std::env::temp_dir())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    stdin.write_all(question.to_string().as_bytes()).unwrap();
-    drop(stdin);
-    let answer = child.wait_with_output().unwrap();
-    assert!(answer.status.success(), "{}", text(&answer.stderr));
-    serde_json::from_slice(&answer.stdout).unwrap()
+    crate::python::ask(python, &script, question)
 }
 
 fn repository(name: &str) -> Option<PathBuf> {

@@ -3,9 +3,7 @@
 //! The programs (Pinocchio, Drake, yourdfpy, xacro) are asked through Python: the interpreter of `HAPTICAL_PYTHON`, or
 //! `python3`. Where one is missing the test says that it skips; what can be said without them is said without them.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use haptical_model::{Device, DeviceChain};
 use haptical_urdf::{BaseAndTip, device_from_urdf};
@@ -13,6 +11,7 @@ use roxmltree::{Document, Node};
 use serde_json::{Value, json};
 
 use crate::export::export;
+use crate::python::interpreter;
 use crate::text;
 use crate::urdf::fixture;
 
@@ -25,34 +24,12 @@ fn script() -> PathBuf {
 
 /// An interpreter with a program; none is said on standard output.
 fn python(program: &str) -> Option<String> {
-    let python = std::env::var("HAPTICAL_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let asked = Command::new(&python)
-        .arg(script())
-        .args(["--has", program])
-        .output();
-    if asked.is_ok_and(|asked| asked.status.success()) {
-        return Some(python);
-    }
-    println!(
-        "skipped: `{python}` has no {program} and numpy; install them with pip, and name the interpreter in HAPTICAL_PYTHON"
-    );
-    None
+    let script = script();
+    interpreter(&[script.to_str()?, "--has", program], program)
 }
 
 fn ask(python: &str, question: &Value) -> Value {
-    let mut child = Command::new(python)
-        .arg(script())
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut stdin = child.stdin.take().unwrap();
-    stdin.write_all(question.to_string().as_bytes()).unwrap();
-    drop(stdin);
-    let answer = child.wait_with_output().unwrap();
-    assert!(answer.status.success(), "{}", text(&answer.stderr));
-    serde_json::from_slice(&answer.stdout).unwrap()
+    crate::python::ask(python, &script(), question)
 }
 
 /// The arm of fixtures/urdf as a device whose numbers are off, as a file in a folder.

@@ -11,21 +11,7 @@ use mcap::records::MessageHeader;
 use proptest::prelude::*;
 use serde::Serialize;
 
-use crate::support::revolute;
-
-fn shape() -> LogShape {
-    LogShape {
-        joints: vec![revolute("shoulder"), revolute("elbow")],
-        cable_count: 0,
-        hands: Vec::new(),
-    }
-}
-
-fn fixture(name: &str) -> std::path::PathBuf {
-    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/fixtures")
-        .join(name)
-}
+use crate::support::{fixture, revolute, shape};
 
 #[derive(Serialize, Clone)]
 struct JointState {

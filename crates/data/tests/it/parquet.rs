@@ -1,6 +1,5 @@
 //! Parquet logs: what pyarrow wrote, what the crate's own writer writes, and what is no log.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use haptical_data::{DataError, LoadedLog, LogShape, read_log, read_log_from};
@@ -11,25 +10,10 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 use proptest::prelude::*;
 
-use crate::support::revolute;
-
-/// The device of the fixtures.
-pub(crate) fn fixture_shape() -> LogShape {
-    LogShape {
-        joints: vec![revolute("shoulder"), revolute("elbow")],
-        cable_count: 0,
-        hands: Vec::new(),
-    }
-}
-
-pub(crate) fn fixture(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/fixtures")
-        .join(name)
-}
+use crate::support::{fixture, shape};
 
 fn read(name: &str) -> Result<LoadedLog, DataError> {
-    read_log(&fixture(name), &fixture_shape())
+    read_log(&fixture(name), &shape())
 }
 
 #[test]
@@ -166,7 +150,7 @@ fn rows_are_refused_where_a_csv_log_would_be() {
 fn a_cut_file_is_refused_at_every_length() {
     let whole = std::fs::read(fixture("snappy.parquet")).unwrap();
     for length in 8..whole.len() {
-        let error = read_bytes(&whole[..length], &fixture_shape()).unwrap_err();
+        let error = read_bytes(&whole[..length], &shape()).unwrap_err();
         assert_eq!(error.kind(), "damaged", "{length}: {error}");
     }
 }
@@ -201,6 +185,6 @@ proptest! {
             let place = place.index(content.len());
             content[place] = byte;
         }
-        let _ = read_bytes(&content, &fixture_shape());
+        let _ = read_bytes(&content, &shape());
     }
 }

@@ -6,21 +6,7 @@ use haptical_data::{
 use proptest::prelude::*;
 use rusqlite::Connection;
 
-use crate::support::revolute;
-
-fn shape() -> LogShape {
-    LogShape {
-        joints: vec![revolute("shoulder"), revolute("elbow")],
-        cable_count: 0,
-        hands: Vec::new(),
-    }
-}
-
-fn fixture(name: &str) -> std::path::PathBuf {
-    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/fixtures")
-        .join(name)
-}
+use crate::support::{fixture, revolute, shape};
 
 fn read(content: &[u8]) -> Result<LoadedLog, DataError> {
     read_bag_from(content, "bag.db3", &BagOptions::default(), &shape())

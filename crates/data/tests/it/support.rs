@@ -12,6 +12,24 @@ pub(crate) fn revolute(name: &str) -> JointShape {
     }
 }
 
+/// The device of the files in tests/fixtures.
+#[cfg(any(feature = "mcap", feature = "parquet", feature = "rosbag2"))]
+pub(crate) fn shape() -> LogShape {
+    LogShape {
+        joints: vec![revolute("shoulder"), revolute("elbow")],
+        cable_count: 0,
+        hands: Vec::new(),
+    }
+}
+
+/// A file of tests/fixtures.
+#[cfg(any(feature = "mcap", feature = "parquet", feature = "rosbag2"))]
+pub(crate) fn fixture(name: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/fixtures")
+        .join(name)
+}
+
 /// Two revolute joints, a prismatic one, two cables.
 pub(crate) fn device() -> LogShape {
     let slide = JointShape {
