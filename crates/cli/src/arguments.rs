@@ -146,7 +146,7 @@ pub(crate) struct IdentifyArguments {
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
-    /// Log (CSV, plain or gzip)
+    /// Log (CSV, Parquet, MCAP, .db3 or JSON lines)
     #[arg(long, value_name = "FILE")]
     pub(crate) log: PathBuf,
     /// Folder for the result files; made if it is missing
@@ -211,7 +211,7 @@ pub(crate) struct DiagnoseArguments {
     pub(crate) device: PathBuf,
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
-    /// Log (CSV, plain or gzip); give it again for further recordings of the device with the same columns: they are
+    /// Log (CSV, Parquet, MCAP, .db3 or JSON lines); give it again for further recordings of the device with the same columns: they are
     /// judged together
     #[arg(
         long,
@@ -278,7 +278,7 @@ pub(crate) struct CheckArguments {
     pub(crate) device_options: DeviceOptions,
     #[command(flatten)]
     pub(crate) hold: HoldOptions,
-    /// Log (CSV, plain or gzip)
+    /// Log (CSV, Parquet, MCAP, .db3 or JSON lines)
     pub(crate) log: Option<PathBuf>,
     /// Print the findings as JSON
     #[arg(long)]

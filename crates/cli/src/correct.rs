@@ -200,7 +200,7 @@ impl Written {
 
     fn text(&self) -> String {
         let way = |own: f64| small("m", own);
-        let mut text = format!("{} waypoints\n", self.waypoints);
+        let mut text = format!("{} waypoints, by the model\n", self.waypoints);
         if let (Some(rms), Some(largest), Some(row)) = (
             self.before_rms_m,
             self.before_largest_m,

@@ -40,7 +40,7 @@ pub(crate) struct PlayArguments {
     /// drawn
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Log (CSV, plain or gzip)
+    /// Log (CSV, Parquet, MCAP, .db3 or JSON lines)
     #[arg(long, value_name = "FILE")]
     log: PathBuf,
     /// Page to write (HTML)

@@ -85,7 +85,14 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
     };
     let mut warnings = Vec::new();
     let recording = log.recording.as_ref();
-    let (mut model, placed) = placed(&device.model, recording).map_err(|error| refuse(&error))?;
+    let mut seen_from_base = device.model.clone();
+    if is_corrected_path(recording) && seen_from_base.tracker.is_some() {
+        seen_from_base.forget_tracker_place();
+        warnings.push(
+            "the log is a path that was corrected: its poses are the handle's in the frame of the base, not the tracker's".to_owned(),
+        );
+    }
+    let (mut model, placed) = placed(&seen_from_base, recording).map_err(|error| refuse(&error))?;
     if placed {
         warnings.push(
             "the device file does not say where the tracker stands or what it sees: both are fitted to this log".to_owned(),
@@ -126,6 +133,12 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
         channels: told,
         warnings,
     })
+}
+
+/// Whether [`crate::correct`] wrote the recording: its poses are wanted ones, seen from the base.
+fn is_corrected_path(recording: &Recording) -> bool {
+    let mut columns = recording.covariates.iter();
+    columns.any(|(name, _)| name == crate::correct::REST_COLUMN)
 }
 
 /// The model with its tracker placed, and whether that had to be fitted to the recording.

@@ -482,6 +482,11 @@ impl Monitor {
         self.reference_end
     }
 
+    /// Rows that a reference needs at least.
+    pub fn least_reference_rows(&self) -> u64 {
+        self.settings.reference_rows as u64
+    }
+
     /// Rows taken.
     pub fn rows(&self) -> u64 {
         self.rows

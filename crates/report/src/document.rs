@@ -250,6 +250,22 @@ fn in_order(blocks: &[Block]) -> Markup {
     }
 }
 
+/// Text whose pieces between backticks are names of files, columns and flags.
+pub(crate) fn with_code(text: &str) -> Markup {
+    let text = clean(text);
+    let pieces: Vec<&str> = text.split('`').collect();
+    let is_paired = pieces.len() % 2 == 1;
+    html! {
+        @if is_paired {
+            @for (index, piece) in pieces.iter().enumerate() {
+                @if index % 2 == 1 { code { (piece) } } @else { (piece) }
+            }
+        } @else {
+            (text)
+        }
+    }
+}
+
 /// A command whose lines are broken between words alone.
 fn by_word(command: &str) -> Markup {
     html! {
@@ -272,16 +288,16 @@ fn has_command(blocks: &[Block]) -> bool {
 impl Block {
     fn to_html(&self) -> Markup {
         match self {
-            Self::Paragraph(text) => html! { p { (clean(text)) } },
+            Self::Paragraph(text) => html! { p { (with_code(text)) } },
             Self::Table(table) => table.to_html(),
             Self::Svg { caption, svg } => drawing(caption, svg),
             Self::Command { purpose, command } => html! {
                 div.run {
-                    @if !purpose.is_empty() { p { (clean(purpose)) } }
+                    @if !purpose.is_empty() { p { (with_code(purpose)) } }
                     div.row { pre.command tabindex="0" { (by_word(command)) } }
                 }
             },
-            Self::List(items) => html! { ul { @for item in items { li { (clean(item)) } } } },
+            Self::List(items) => html! { ul { @for item in items { li { (with_code(item)) } } } },
             Self::Links(links) => html! { ul { @for link in links { li { (link.to_html()) } } } },
             Self::Verdict { good: true, text } => notice(Tone::Good, "✓ met", text),
             Self::Verdict { good: false, text } => notice(Tone::Bad, "✗ not met", text),
@@ -328,7 +344,7 @@ impl Link {
             } @else {
                 (clean(&self.file))
             }
-            @if !self.text.is_empty() { ": " (clean(&self.text)) }
+            @if !self.text.is_empty() { ": " (with_code(&self.text)) }
         }
     }
 }
@@ -337,7 +353,7 @@ fn notice(tone: Tone, label: &str, text: &str) -> Markup {
     html! {
         p.verdict.good[tone == Tone::Good].bad[tone == Tone::Bad] {
             @if !label.is_empty() { b { (clean(label)) } }
-            (clean(text))
+            (with_code(text))
         }
     }
 }

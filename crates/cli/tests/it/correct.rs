@@ -13,7 +13,9 @@ const LANDED: f64 = 1e-9;
 /// Two joints that yield, one in front of its external encoder and one behind it.
 const YIELDS: &str = "\n[[effect]]\nname = \"capstan-compliance\"\njoint = 2\nstiffness_nm_per_rad = 260.0\n\
     [[effect]]\nname = \"joint-compliance\"\njoint = 3\nstiffness_nm_per_rad = 250.0\n";
-const TRACKER: &str = "[tracker]\nbase = \"known\"\ntool = \"known\"\n";
+/// A tracker whose place was found with the arm: poses of a path are the handle's all the same.
+const TRACKER: &str = "[tracker]\nbase = \"unknown\"\ntool = \"unknown\"\nbase_xyz_m = [1.0, 2.0, 0.5]\n\
+    base_wxyz = [0.6, 0.0, 0.8, 0.0]\ntool_xyz_m = [0.0, 0.0, 0.1]\ntool_wxyz = [1.0, 0.0, 0.0, 0.0]\n";
 
 fn devices(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -92,6 +94,11 @@ fn the_commands_of_a_yielding_arm_land_on_the_path() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     let said: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(said["waypoints"], 40);
+    let warnings = said["warnings"].as_array().unwrap().iter();
+    let mut warnings = warnings.map(|own| own.as_str().unwrap());
+    assert!(
+        warnings.any(|own| own.contains("where the tracker stands and what it sees were fitted"))
+    );
     // the path's own readings are millimetres off
     assert!(said["before_rms_m"].as_f64().unwrap() > 2e-3, "{said}");
     assert!(said["largest_rest_m"].as_f64().unwrap() < 1e-6);

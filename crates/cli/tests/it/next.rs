@@ -49,6 +49,8 @@ fn what_an_example_prints_runs() {
             let answer: toml::Table = answer.parse().unwrap();
             let (cause, answer) = (&gap["causes"][0], &answer["effect"][0]);
             assert_eq!(gap["verdict"], "named");
+            let page = std::fs::read_to_string(folder.path().join("here/gap/gap.html")).unwrap();
+            assert!(page.contains("<span>--with</span> <span>gap.json</span>"));
             assert_eq!(cause["effect"].as_str(), answer["name"].as_str());
             assert_eq!(cause["joint"].as_i64(), answer["joint"].as_integer());
         }

@@ -124,7 +124,7 @@ fn what_cannot_be_watched_is_refused() {
                 "log.csv",
                 "log.csv",
             ],
-            "are no reference",
+            "300 rows are too few for a reference, which needs 6000",
         ),
     ] {
         let output = haptical()

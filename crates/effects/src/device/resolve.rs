@@ -305,6 +305,9 @@ fn refused_place(device: &Device, entry: &DeviceEffect, spec: &Spec) -> DeviceEf
         Some(_) if !own.is_empty() && !at_joints => {
             "it is of the whole device: leave `joint` out".to_owned()
         }
+        Some(_) if entry.numbers.contains_key("order") => {
+            "its `order` is none that is fitted at that joint".to_owned()
+        }
         Some(joint) if own.iter().any(|effect| effect.joint() == Some(joint)) => {
             let joints = device.joints.len();
             format!("give `from_joint`, another joint from 1 to {joints}")

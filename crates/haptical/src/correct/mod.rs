@@ -18,6 +18,8 @@ use crate::units::Shown;
 /// What to do about waypoints out of reach.
 const COMMAND_PLACE: &str = "give another start (joint columns beside the poses), allow a rest with --within-m and \
                              --within-rad, or ask for the position alone with --match position";
+/// Column of the written path with what is left of each waypoint \[m\].
+pub(crate) const REST_COLUMN: &str = "rest_m";
 /// Times that readings and what bends the arm are brought together.
 const MOST_ROUNDS: usize = 50;
 /// A handle that moves by less between two of them has settled \[m\], and \[rad\].
@@ -137,6 +139,7 @@ pub fn correct(
     let targets = targets(nominal, path, with_orientations, &mut warnings)?;
     let mut stance = Stance::new(model, path)?;
     warnings.extend(stance.left_out());
+    warnings.extend(model.relative_to_tracker());
     let near = match path.has_readings {
         true => readings_of(rows),
         false => starts(model, path, &targets)?,
@@ -364,7 +367,7 @@ fn written(rows: &Recording, targets: &[Wanted], waypoints: &[CorrectedWaypoint]
     written.orientation_wxyz =
         turns.map(|turns| std::array::from_fn(|part| turns.iter().map(|own| own[part]).collect()));
     let rest = waypoints.iter().map(|own| own.rest_m).collect();
-    written.covariates.push(("rest_m".to_owned(), rest));
+    written.covariates.push((REST_COLUMN.to_owned(), rest));
     let turns: Option<Vec<f64>> = waypoints.iter().map(|own| own.rest_rad).collect();
     let turns = turns.map(|column| ("rest_rad".to_owned(), column));
     written.covariates.extend(turns);

@@ -112,6 +112,30 @@ impl Device {
         Self::open(&Source::text(text, name), &Equipment::default())
     }
 
+    /// What of the model's poses only an unknown tracker fixes; nothing where its place and what it sees are known.
+    ///
+    /// Such a recording is the same for an arm that is moved or turned as a whole, and for another flange: docs/equations.md,
+    /// tracker in its own frame.
+    pub(crate) fn relative_to_tracker(&self) -> Option<String> {
+        let tracker = self.model.tracker?;
+        let around = &self.model.surroundings;
+        let is_fitted = around.tracker_base.is_some()
+            || around.tracker_tool.is_some()
+            || !around.run_bases.is_empty();
+        let what = match (tracker.base_known, tracker.tool_known) {
+            _ if !is_fitted => return None,
+            (true, true) => return None,
+            (false, true) => "where the tracker stands was fitted with the arm, so all poses",
+            (true, false) => "what the tracker sees was fitted with the arm, so the handle",
+            (false, false) => {
+                "where the tracker stands and what it sees were fitted with the arm, so all poses, and the handle,"
+            }
+        };
+        Some(format!(
+            "{what} may be moved and turned on the true arm as one piece; measure that place, or touch known points, to fix it"
+        ))
+    }
+
     /// Reads a device with its equipment.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! Refusals of logs.
 
+use std::path::Path;
+
 use haptical_data::{DataError, Fault};
 use haptical_model::Device;
 
@@ -34,7 +36,13 @@ impl Error {
 impl From<DataError> for Error {
     fn from(error: DataError) -> Self {
         let at = &error.at;
-        let (what, next) = split_advice(&error.fault.to_string());
+        let (what, mut next) = split_advice(&error.fault.to_string());
+        if is_foreign(&error.fault) && Path::new(&at.file).is_file() {
+            next += &format!(
+                "; or let `haptical import --guess {}` read the table as it is",
+                at.file
+            );
+        }
         let joint_columns = match &error.fault {
             Fault::MissingColumn {
                 missing,
@@ -64,5 +72,16 @@ impl From<DataError> for Error {
             }),
             next,
         }
+    }
+}
+
+/// Whether a file looks like a table of another maker, not like a log with a fault.
+fn is_foreign(fault: &Fault) -> bool {
+    match fault {
+        Fault::WrongSeparator { .. } | Fault::NoHeader { .. } | Fault::DecimalComma { .. } => true,
+        Fault::MissingColumn {
+            missing, required, ..
+        } => missing.len() == required.len(),
+        _ => false,
     }
 }

@@ -129,6 +129,9 @@ pub fn export(device: &Device, request: &Export<'_>) -> Result<Exported, Error> 
         sha256: device.source().fingerprint_text(device.to_toml()).sha256,
     };
     let mut warnings = device.warnings.clone();
+    if matches!(request.form, Form::Urdf | Form::Mjcf | Form::KinematicsYaml) {
+        warnings.extend(device.relative_to_tracker());
+    }
     let mut described = || {
         device.refuse_hands("this form")?;
         let described = Described::new(&device.model, path)?;

@@ -498,10 +498,7 @@ impl Watch {
         let Some(found) = self.reference_entry() else {
             return Err(Error::bad_input(
                 "short-reference",
-                format!(
-                    "{} rows are no reference: they are too few, or their noise remembers longer than they last",
-                    self.rows
-                ),
+                self.not_judged().unwrap_or_default(),
                 self.file.clone(),
                 "give a longer log of the device while it was true",
             ));

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::intake::LeftOut;
-use super::{Watch, WatchCause, WatchEvent};
+use super::{LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
 use crate::units::Shown;
 
 /// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
@@ -123,6 +123,8 @@ pub struct WatchState {
     pub channels: Vec<WatchChannel>,
     /// The reference, where it is complete.
     pub reference: Option<WatchReference>,
+    /// Why there is no reference yet.
+    pub not_judged: Option<String>,
     /// The alarm, where there is one.
     pub alarm: Option<WatchAlarm>,
     /// Its cause, where one was sought.
@@ -157,8 +159,29 @@ impl Watch {
             left_out: self.intake.left_out.clone(),
             channels: present.collect(),
             reference: self.reference_entry(),
+            not_judged: self.not_judged(),
             alarm: self.alarm.clone(),
             cause: self.cause.clone(),
+        }
+    }
+
+    /// Why there is no reference yet; nothing where there is one.
+    pub(super) fn not_judged(&self) -> Option<String> {
+        let monitor = self.monitor.as_ref();
+        let least = monitor.map_or(
+            LEAST_REFERENCE_ROWS as u64,
+            haptical_monitor::Monitor::least_reference_rows,
+        );
+        match monitor.is_some_and(|own| own.reference().is_some()) {
+            true => None,
+            false if self.rows < least => Some(format!(
+                "{} rows are too few for a reference, which needs {least}",
+                self.rows
+            )),
+            false => Some(format!(
+                "the noise of {} rows remembers longer than they last, so they are no reference",
+                self.rows
+            )),
         }
     }
 
@@ -286,9 +309,8 @@ impl WatchState {
             .map(|own| own.block_s * self.blocks as f64 / 3600.0);
         text += &match self.verdict {
             WatchVerdict::NotJudged => format!(
-                "Not judged: {} rows are too few for a reference, or the noise remembers longer than they last. Give --reference \
-                 a log of the device while it was true, or go on.\n",
-                self.rows
+                "Not judged: {}. Give --reference a log of the device while it was true, or go on.\n",
+                self.not_judged.as_deref().unwrap_or("there are no rows")
             ),
             WatchVerdict::True => format!(
                 "The calibration is true: no alarm in {:.2} h behind the reference.\n",

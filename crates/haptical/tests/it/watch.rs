@@ -343,5 +343,7 @@ fn a_whole_log_can_be_the_reference() {
     short
         .text(&(HEADER.to_owned() + &rows.text(300, 0.0)))
         .unwrap();
-    assert_eq!(short.end_reference().unwrap_err().name(), "short-reference");
+    let refused = short.end_reference().unwrap_err();
+    assert_eq!(refused.name(), "short-reference");
+    assert!(refused.what().contains("300 rows are too few"), "{refused}");
 }

@@ -81,6 +81,17 @@ impl Tool {
 }
 
 impl Device {
+    /// Leaves out where the tracker stands and what it sees: poses are then the handle's in frame (-1).
+    pub fn forget_tracker_place(&mut self) {
+        if let Some(tracker) = &mut self.tracker {
+            (tracker.base_known, tracker.tool_known) = (true, true);
+            tracker.base_per_run = false;
+        }
+        let around = &mut self.surroundings;
+        (around.tracker_base, around.tracker_tool) = (None, None);
+        around.run_bases.clear();
+    }
+
     /// Whether each run of a recording has a tracker place of its own.
     pub fn has_run_bases(&self) -> bool {
         self.tracker.is_some_and(|tracker| tracker.base_per_run)

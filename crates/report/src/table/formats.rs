@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 use serde_json::{Value, json};
 
+use crate::document::with_code;
 use crate::error::ReportError;
 use crate::table::Table;
 use crate::table::cell::{Cell, raw};
@@ -132,7 +133,7 @@ impl Table {
                         }
                     }
                 }
-                @for note in &self.notes { p.note { (clean(note)) } }
+                @for note in &self.notes { p.note { (with_code(note)) } }
             }
         }
     }
@@ -204,13 +205,12 @@ fn html_cell(cell: &Cell) -> Markup {
     let text = cell.display();
     if let (Cell::Scientific { .. }, Some((mantissa, exponent))) = (cell, text.split_once('e')) {
         let exponent = exponent.replace('-', "\u{2212}");
-        return html! { (mantissa) "\u{2009}×\u{2009}10" sup { (exponent) } };
+        return html! { span.one { (mantissa) "\u{2009}×\u{2009}10" sup { (exponent) } } };
     }
-    let lines: Vec<String> = text.lines().map(clean).collect();
     html! {
-        @for (index, line) in lines.iter().enumerate() {
+        @for (index, line) in text.lines().enumerate() {
             @if index > 0 { br; }
-            (line)
+            (with_code(line))
         }
     }
 }

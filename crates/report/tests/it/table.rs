@@ -132,7 +132,7 @@ fn html_escapes_and_marks_number_columns() {
         html.contains("<td class=\"text short\" data-label=\"parameter\">inner</td>"),
         "{html}"
     );
-    assert!(html.contains("10<sup>\u{2212}9</sup>"), "{html}");
+    assert!(html.contains("10<sup>\u{2212}9</sup></span>"), "{html}");
     assert!(html.contains("<span class=\"unit\">[mm]</span>"), "{html}");
 }
 

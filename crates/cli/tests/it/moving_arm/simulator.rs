@@ -47,4 +47,8 @@ fn a_payload_and_armatures_are_named_and_their_intervals_hold_the_truth() {
         .skip(1)
         .filter(|own| own["effect"] != "armature");
     assert_eq!(others.count(), 0, "{told}");
+    // `identify` refuses a gap.json of torques alone: the page does not offer it
+    let page = std::fs::read_to_string(folder.path().join("gap/gap.html")).unwrap();
+    assert!(page.contains("<span>--device</span> <span>corrected.toml</span>"));
+    assert!(!page.contains("<span>--with</span>"));
 }

@@ -6,6 +6,7 @@ mod tables;
 use std::collections::BTreeSet;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
+use haptical_effects::{Hook, specs};
 use haptical_report::{Block, Document, Section, Table};
 
 use crate::diagnose::next::next_step;
@@ -106,6 +107,22 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error>
     Ok(Section::new("", blocks))
 }
 
+/// Whether `identify` fits the named causes beside geometry and drives: it takes none of torques and forces, and a log of torques
+/// alone shows no geometry.
+fn are_fitted_by_identify(diagnosis: &Diagnosis) -> bool {
+    let is_of_drives = |name: &str| name.starts_with("torque") || name.starts_with("force");
+    let mut channels = diagnosis.gap.channels.iter();
+    let shows_geometry = channels.any(|own| !is_of_drives(&own.channel));
+    let is_taken = |name: &str| {
+        specs().any(|own| {
+            own.name == name
+                && !matches!(own.hook, Hook::Torque | Hook::ForceSensor | Hook::Readings)
+        })
+    };
+    let mut causes = diagnosis.causes.iter();
+    diagnosis.verdict == Verdict::Named && shows_geometry && causes.all(|own| is_taken(&own.effect))
+}
+
 /// Commands that go on from here, as one would type them where this one was typed; what is named alone is in the folder of
 /// the page.
 fn commands(diagnosis: &Diagnosis, besides: Besides<'_>) -> Vec<(String, String)> {
@@ -125,7 +142,7 @@ fn commands(diagnosis: &Diagnosis, besides: Besides<'_>) -> Vec<(String, String)
             command,
         );
     }
-    if diagnosis.verdict == Verdict::Named && diagnosis.corrected.is_some() {
+    if diagnosis.corrected.is_some() && are_fitted_by_identify(diagnosis) {
         let command = format!("haptical identify{fit} --with gap.json --out result");
         push("Fit the causes together with geometry and drives:", command);
     }
