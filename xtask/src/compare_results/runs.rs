@@ -50,7 +50,8 @@ pub(crate) fn command() -> Result<PathBuf> {
         .args([
             "build",
             "--quiet",
-            "--release",
+            "--profile",
+            "jobs",
             "--package",
             "haptical-cli",
             "--locked",

@@ -25,10 +25,13 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
         writeln!(text, "{}", said(next, plan.plan.measured_poses))?;
     }
     for rig in plan.rigs() {
-        for (index, line) in lines(rig).iter().enumerate() {
+        for (index, line) in brief(rig).iter().enumerate() {
             let label = if index == 0 { "" } else { "  " };
             write!(text, "{}", labelled(label, line, label.len()))?;
         }
+    }
+    if !plan.rows.is_empty() {
+        writeln!(text, "{}", labelled("", &plan.rows, 0))?;
     }
     // a table of this many columns in each row is never refused
     let table = table(plan).map_err(|_| std::fmt::Error)?;
@@ -94,8 +97,8 @@ pub(super) fn word(entry: &ParameterStatus) -> String {
     }
 }
 
-/// The parameters that a rig does not identify, and measurements that would.
-pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
+/// What a rig counts, and what all its lengths rest on.
+fn heading(rig: &RigIdentifiability) -> Vec<String> {
     let mut lines = vec![format!(
         "{}: {} of {} parameters; readings a pose: {}",
         rig.measure,
@@ -105,6 +108,47 @@ pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
     )];
     let scales = of_scales(&rig.length_scales);
     lines.extend((!scales.is_empty()).then(|| scales.trim_start().to_owned()));
+    lines
+}
+
+/// A line for each measurement that would tell more, and one for what none of those tried tells.
+fn brief(rig: &RigIdentifiability) -> Vec<String> {
+    let mut lines = heading(rig);
+    let mut told: Vec<(String, Vec<String>)> = Vec::new();
+    let mut rest: Vec<&str> = Vec::new();
+    for suggestion in &rig.suggestions {
+        let Some(best) = suggestion.remedies.first() else {
+            rest.push(&suggestion.parameter);
+            continue;
+        };
+        let measure = match &best.instead_of {
+            Some(own) => format!("{} instead of {own}", best.measure),
+            None => best.measure.clone(),
+        };
+        let (sd, unit) = (best.standard_deviation, &suggestion.unit);
+        let parameter = format!("{} (sd {sd:.1e} {unit})", suggestion.parameter);
+        match told.iter_mut().find(|(own, _)| *own == measure) {
+            Some((_, parameters)) => parameters.push(parameter),
+            None => told.push((measure, vec![parameter])),
+        }
+    }
+    let told = told.into_iter();
+    lines.extend(
+        told.map(|(measure, parameters)| format!("{measure} would tell {}", parameters.join(", "))),
+    );
+    if !rest.is_empty() {
+        lines.push(format!(
+            "nothing that was tried tells {}: they act like others or not at all, and keep their values (each with its \
+             reason in plan.html)",
+            rest.join(", ")
+        ));
+    }
+    lines
+}
+
+/// The parameters that a rig does not identify, each with its reason, and measurements that would.
+pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
+    let mut lines = heading(rig);
     let suggestions = rig.suggestions.iter();
     lines.extend(suggestions.map(suggested));
     lines

@@ -17,7 +17,7 @@ pub(crate) fn passed_tests(
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let done = Command::new(cargo)
         .current_dir(root)
-        .args(["test", "--release", "--quiet"])
+        .args(["test", "--profile", "jobs", "--quiet"])
         .args(arguments)
         .envs(environment.iter().map(|(name, value)| (name, value)))
         .output()

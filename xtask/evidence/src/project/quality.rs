@@ -119,7 +119,8 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
             "--skip-clean",
             "--no-fail-fast",
             // counting unoptimised code takes the tests of the diagnosis half an hour
-            "--release",
+            "--profile",
+            "jobs",
         ])
         .args(["--lib", "--tests", "--timeout", SECONDS_OF_A_TEST_BINARY])
         .args(["--out", "json", "--output-dir"])
