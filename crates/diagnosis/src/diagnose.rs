@@ -14,6 +14,7 @@ use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
+use crate::engine::own_sizes::own_sizes;
 use crate::force::answer::ForceAnswer;
 use crate::force::recorded::SLOWEST_S;
 use crate::judge::findings::{Findings, Inputs};
@@ -115,6 +116,9 @@ fn diagnose_all(
         device.effects.clone_from(&model.effects);
     }
     let at = options.model.unwrap_or(&device).clone();
+    if options.model.is_some() {
+        own_sizes(&mut device, &at, recording, options.loss);
+    }
     let recording = attached_at(&mut device, &at, recording)?;
     let second = options.validation;
     let validation = second.map(|second| attached_at(&mut device.clone(), &at, second));

@@ -26,8 +26,8 @@ pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
     AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
     Detectable, Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber,
-    NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, StepAnswer,
-    Trace, Untestable, Verdict, Whiteness,
+    NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, Refusal,
+    RefusedCorrection, StepAnswer, Trace, Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

@@ -32,8 +32,10 @@ pub(crate) fn within_laws(
         DRUM_ECCENTRICITY.name,
         RATIO_ERROR.name,
     ];
+    // the same law with another size is no error of the law
     let is_known = |cause: &CauseAnswer| {
-        of_base.contains(&cause.effect.as_str()) || own_effects.iter().any(|own| is_kin(own, cause))
+        let is_own = cause.earlier.is_empty() && own_effects.iter().any(|own| is_kin(own, cause));
+        of_base.contains(&cause.effect.as_str()) || is_own
     };
     // which of several effects it is, and where, is open: one of the family of an effect of the device may be it
     let may_be_known = |cause: &CauseAnswer| {
@@ -95,6 +97,7 @@ pub(crate) fn within_laws(
         traces: Vec::new(),
         steps: Vec::new(),
         correction: None,
+        correction_refused: None,
         corrected: None,
         own_effects_leave: share,
         ..found

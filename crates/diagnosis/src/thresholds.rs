@@ -415,6 +415,13 @@ pub(crate) mod earlier_model {
     pub(crate) const BEND_SCATTERS: f64 = 4.0;
     /// Standard deviations from which a number has moved. Chance: one in 370, two fits' errors.
     pub(crate) const MOVED_SD: f64 = 4.2;
+    /// Deviations, of a fit and of what its law gets wrong together, from which an effect of the device has another size. Chance:
+    /// one in 370.
+    pub(crate) const GROWN_SD: f64 = 3.0;
+    /// Fits of the sizes of a device's own effects at most: each leaves what a law's curvature makes of the change before. Cost.
+    pub(crate) const SIZE_FITS: usize = 3;
+    /// Relative change of a size below which the columns of its law hold. Choice.
+    pub(crate) const SIZE_SETTLED: f64 = 0.05;
     /// Probability of a term that an earlier model has wrong. Choice.
     pub(crate) const SURE: f64 = 0.98;
 }

@@ -109,6 +109,7 @@ pub(crate) fn diagnose(
         own_effects_leave: None,
         steps: Vec::new(),
         correction: None,
+        correction_refused: None,
         probability_unknown: match (verdict, causes.first()) {
             (Verdict::NoGap, _) => 0.0,
             (Verdict::Unknown, _) | (_, None) => 1.0,

@@ -65,6 +65,11 @@ pub trait Effect: Debug + Send + Sync {
         self.signal(context, amplitudes, shape)
     }
 
+    /// Name of another effect that no reading of this recording tells from it, whatever its size.
+    fn twin(&self, _context: &Context<'_>) -> Option<&'static str> {
+        None
+    }
+
     /// Whether nature allows these amplitudes.
     fn is_possible(&self, _context: &Context<'_>, amplitudes: &[f64]) -> bool {
         !self.spec().is_positive || amplitudes[0] > 0.0

@@ -4,6 +4,7 @@ use haptical_calibration::Channel;
 use haptical_model::Recording;
 
 use crate::context::{Context, Stream};
+use crate::motor_encoder::OtherClock;
 
 /// A column, a number of the device file, or a property of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +34,8 @@ pub enum Need {
     Position,
     /// Orientations of a tracker.
     Orientation,
+    /// An external encoder or a cable: a clock beside those of the motor encoders and the tracker.
+    FurtherClock,
     /// A distance, position, orientation or touch.
     Chain,
     /// Two runs.
@@ -67,6 +70,7 @@ impl Need {
             Self::DrumRadius => "drum radius",
             Self::Position => "position",
             Self::Orientation => "orientation",
+            Self::FurtherClock => "external encoder or cable",
             Self::Chain => "distance or pose",
             Self::Runs => "two runs",
             Self::OneBase => "one tracker place",
@@ -141,6 +145,10 @@ impl Need {
             Self::Orientation => lacks(
                 context.streams_of(Channel::Orientation).next().is_none(),
                 "no columns qw, qx, qy, qz",
+            ),
+            Self::FurtherClock => lacks(
+                OtherClock::only(context.streams.iter().map(|own| own.channel)).is_some(),
+                "no external encoder and no cable: it is one with encoder-latency of the other sign",
             ),
             Self::Chain => lacks(
                 !context.streams.iter().any(Stream::shows_handle),

@@ -134,6 +134,10 @@ const REGISTRY: &[Line] = &[
         specs: from_ref(&motor_encoder::encoder_latency::SPEC),
         site: Site::Device(|_| vec![Box::new(motor_encoder::encoder_latency::EncoderLatency)]),
     },
+    Line {
+        specs: from_ref(&structure::tracker_latency::SPEC),
+        site: Site::Device(|_| vec![Box::new(structure::tracker_latency::TrackerLatency)]),
+    },
     on_device!(cable::count_loss),
     on_device!(cable::drift),
     on_device!(cable::warming),

@@ -58,7 +58,8 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
         sandbox.ran(&[&["simulate", "--device", "dented.toml"][..], &flags].concat());
     }
     let diagnose = ["diagnose", "--device", "device.toml", "--log"];
-    let said = sandbox.ran(&[&diagnose[..], &["log.csv", "--out", "gap"]].concat());
+    let second = ["log.csv", "--validate", "fresh.csv", "--out", "gap"];
+    let said = sandbox.ran(&[&diagnose[..], &second].concat());
     let gap = sandbox.json("gap/gap.json");
     assert_eq!(gap["verdict"], "unknown", "{said}");
     assert!(said.contains("which is no cause"), "{said}");
@@ -70,6 +71,12 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
         (&2.into(), &"theta2_rad".into())
     );
     assert!(own["closed_unseen_share"].as_f64().unwrap() > 0.8, "{own}");
+    // the second recording confirms it
+    let closed = own["on_second"]["reduction_percent"].as_f64().unwrap();
+    assert!(
+        closed > 80.0 && gap["correction_refused"].is_null(),
+        "{own}"
+    );
     sandbox.ran(&[
         "identify",
         "--device",
@@ -128,6 +135,44 @@ fn a_dent_is_corrected_on_a_fresh_recording_and_named_no_cause() {
     let module = std::fs::read_to_string(sandbox.path("model.rs")).unwrap();
     let curve = "Effect::Curve { joint: 1, over: haptical_runtime::Over::Angle";
     assert!(module.contains(curve), "{module}");
+}
+
+/// The course of one recording over its time, with a temperature that rises meanwhile: neither is written, and the answer says why.
+#[test]
+fn the_course_of_one_recording_is_no_property_of_the_device() {
+    let sandbox = Sandbox::new();
+    let dent = |at: f64, middle: f64| (-0.5 * ((at - middle) / 2.0).powi(2)).exp();
+    let course = |at: f64| 2.5e-3 * (dent(at, 9.0) - 0.7 * dent(at, 22.0));
+    let knot = |index: i32| 30.0 / 57.0 * f64::from(index - 1);
+    let coefficients: Vec<f64> = (0..60).map(|index| course(knot(index))).collect();
+    let table = format!(
+        "\n[[effect]]\nname = \"correction\"\njoint = 2\nfrom_s = 0.0\nto_s = 30.0\ncoefficients_rad = {coefficients:?}\n"
+    );
+    sandbox.write("course.toml", sandbox.device_text() + &table);
+    for (device, log, seed) in [
+        ("course.toml", "log.csv", "3"),
+        ("device.toml", "second.csv", "4"),
+    ] {
+        let motion = ["--seconds", "30", "--rate-hz", "50", "--seed", seed];
+        let flags = ["simulate", "--device", device, "--out", log, "--force"];
+        sandbox.ran(&[&flags[..], &motion].concat());
+    }
+    for (second, why) in [
+        (&["--validate", "second.csv"][..], "second-recording"),
+        (&[], "course-of-time"),
+    ] {
+        let flags = ["diagnose", "--device", "device.toml", "--log", "log.csv"];
+        let said = sandbox.ran(&[&flags[..], second, &["--out", "gap", "--force"]].concat());
+        let gap = sandbox.json("gap/gap.json");
+        assert_eq!(gap["verdict"], "unknown", "{said}");
+        assert!(gap["correction"].is_null(), "{said}");
+        assert_eq!(gap["correction_refused"]["why"], why, "{said}");
+        let depends_on = gap["where"]["depends_on"].as_array().unwrap();
+        assert!(depends_on.contains(&"t_s".into()), "{said}");
+        assert!(!sandbox.path("gap/corrected.toml").exists());
+        let page = std::fs::read_to_string(sandbox.path("gap/gap.html")).unwrap();
+        assert!(page.contains("Nothing is corrected: a curve over"));
+    }
 }
 
 /// The dent of another simulator.

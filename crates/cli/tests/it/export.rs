@@ -177,6 +177,29 @@ fn every_form_says_where_it_comes_from() {
     }
 }
 
+/// A control loop that shifted good encoders by a tracker's delay would be wrong by it: the delay is in no form, and each says why.
+#[test]
+fn encoders_that_are_ahead_are_left_out() {
+    let sandbox = Sandbox::new();
+    let ahead = "\n[[effect]]\nname = \"encoder-latency\"\ndelay_s = -0.014\n";
+    let behind = "\n[[effect]]\nname = \"encoder-latency\"\ndelay_s = 0.004\n";
+    sandbox.write("ahead.toml", sandbox.device_text() + ahead);
+    sandbox.write("behind.toml", sandbox.device_text() + behind);
+    for (form, law) in [
+        ("c-header", "LATENCY"),
+        ("rust", "Effect::EncoderLatency"),
+        ("json", "\"EncoderLatency\""),
+    ] {
+        let written = exported(&sandbox.path("ahead.toml"), form);
+        assert!(
+            !written.contains("-0.014") && written.contains("(the tracker) is late"),
+            "{form}"
+        );
+        let written = exported(&sandbox.path("behind.toml"), form);
+        assert!(written.contains(law) && written.contains("0.004"), "{form}");
+    }
+}
+
 #[test]
 fn the_flat_arrays_hold_the_file_s_numbers() {
     let Some(path) = fixture("identified.toml") else {

@@ -207,6 +207,64 @@ fn late_motor_encoders_are_brought_to_their_times() {
     assert_eq!((of("resampled"), of("emptied")), (7, 5), "{changes:?}");
 }
 
+/// The lines of a log with the tracker's columns a row later: what they show is what was there a step before.
+fn with_late_tracker(log: &str) -> String {
+    let lines: Vec<Vec<&str>> = log.lines().map(|line| line.split(',').collect()).collect();
+    let is_late = |at: usize| ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"].contains(&lines[0][at]);
+    let mut text = lines[0].join(",") + "\n";
+    for pair in lines[1..].windows(2) {
+        let cells = (0..lines[0].len()).map(|at| pair[usize::from(!is_late(at))][at]);
+        text += &(cells.collect::<Vec<_>>().join(",") + "\n");
+    }
+    text
+}
+
+/// Encoders ahead of a tracker and a tracker behind the encoders are one log: the answer says so, and what is moved is the tracker.
+#[test]
+fn encoders_that_are_ahead_are_said_to_be_a_late_tracker_which_is_moved() {
+    let sandbox = Sandbox::new();
+    sandbox.ran(&["init", "arm", "--example", "urdf-arm"]);
+    let arm = ["--device", "arm/arm6.urdf", "--rig", "arm/rig.toml"];
+    let motion = [
+        "--seconds",
+        "20",
+        "--rate-hz",
+        "100",
+        "--seed",
+        "5",
+        "--out",
+    ];
+    sandbox.ran(&[&["simulate"][..], &arm, &motion, &["on-time.csv"]].concat());
+    let log = std::fs::read_to_string(sandbox.path("on-time.csv")).unwrap();
+    sandbox.write("late.csv", with_late_tracker(&log));
+    let flags = ["--log", "late.csv", "--repair", "--out", "result"];
+    let said = sandbox.ran(&[&["diagnose"][..], &arm, &flags].concat());
+    let gap = sandbox.json("result/gap.json");
+    let cause = &gap["causes"][0];
+    assert_eq!(gap["verdict"], "named", "{said}");
+    assert_eq!(cause["effect"], "encoder-latency", "{said}");
+    let twin = serde_json::json!(["tracker-latency"]);
+    assert_eq!(cause["confusable_with"], twin, "{said}");
+    let delay_s = cause["parameters"]["delay_s"]["value"].as_f64().unwrap();
+    assert!((delay_s + 0.01).abs() < 2e-4, "{delay_s}");
+    let words = "usually mean that the tracker is late by 10 ms";
+    let warnings = gap["warnings"].as_array().unwrap().iter();
+    let mut warnings = warnings.filter_map(Value::as_str);
+    assert!(warnings.any(|own| own.contains(words)), "{gap}");
+    assert!(
+        said.contains("`haptical identify --log repaired.csv`"),
+        "{said}"
+    );
+    let changes = gap["repair"]["changes"].as_array().unwrap();
+    let columns: Vec<&str> = (changes.iter())
+        .map(|change| change["column"].as_str().unwrap())
+        .collect();
+    assert_eq!(columns, ["x_m", "y_m", "z_m", "qw", "qx", "qy", "qz"]);
+    let by_s = changes[0]["by"]["delay_s"].as_f64().unwrap();
+    assert!((by_s + delay_s).abs() < 1e-12, "{by_s}");
+    assert_eq!(gap["repair"]["check"]["verdict"], "no-gap", "{said}");
+}
+
 #[test]
 fn a_drift_of_the_cable_is_taken_out() {
     let effects = "[[effect]]\nname = \"cable-drift\"\nm_per_s = 4e-6\n";

@@ -80,6 +80,72 @@ fn a_pipe_gives_json_lines_and_the_answer_as_exit_status() {
     }
 }
 
+/// The rows of [`rows`] with a play of a width in front of the external encoder.
+fn with_play(count: u64, width_rad: f64) -> String {
+    let plain = rows(count, count, 0.0);
+    let mut lines = plain.lines();
+    let mut text = format!("{}\n", lines.next().unwrap());
+    let mut link_rad = 0.0;
+    for line in lines {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let [t_s, theta_rad, out_rad] = cells[..] else {
+            panic!("{line}");
+        };
+        let half_rad = 0.5 * width_rad;
+        link_rad = f64::clamp(link_rad, theta_rad - half_rad, theta_rad + half_rad);
+        let out_rad = out_rad - theta_rad + link_rad;
+        writeln!(text, "{t_s},{theta_rad},{out_rad}").unwrap();
+    }
+    text
+}
+
+/// The device file has a play of 1.8 mrad, the log one of 3.2 mrad: the answer is that play, with its new width and what it had.
+#[test]
+fn a_play_that_has_grown_is_named_with_its_new_width() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    for fit in ["", "fit = true\n"] {
+        let device = "[[joint]]\nname = \"one\"\nexternal_encoder_sd_rad = 1e-4\n";
+        let play = "[[effect]]\nname = \"backlash\"\njoint = 1\nwidth_rad = 1.8e-3\n";
+        write("one.toml", &format!("{device}{play}{fit}"));
+        write("was.csv", &with_play(4000, 1.8e-3));
+        write("is.csv", &with_play(2000, 3.2e-3));
+        let words = "watch --device one.toml --once --reference-s 100 --reference was.csv --lines json --out alarm is.csv";
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(words.split(' '))
+            .output()
+            .unwrap();
+        let said = text(&output.stdout);
+        assert_eq!(output.status.code(), Some(4), "{said}");
+        let mut lines = said
+            .lines()
+            .map(|line| serde_json::from_str::<Value>(line).unwrap());
+        let cause = lines.find(|line| line["event"] == "cause").unwrap();
+        assert_eq!(cause["effect"], "backlash", "{cause}");
+        let answer = cause["answer"].as_str().unwrap();
+        assert!(
+            answer.contains("more than the 1.8 mrad of the earlier model"),
+            "{answer}"
+        );
+        let gap = std::fs::read_to_string(folder.path().join("alarm/gap.json")).unwrap();
+        let gap: Value = serde_json::from_str(&gap).unwrap();
+        let own = &gap["causes"][0];
+        let width_rad = own["parameters"]["width_rad"]["value"].as_f64().unwrap();
+        assert!((width_rad - 3.2e-3).abs() < 5e-5, "{own}");
+        assert_eq!(
+            (&own["joint"], &own["earlier"]["width_rad"]),
+            (&1.into(), &1.8e-3.into())
+        );
+        let corrected =
+            std::fs::read_to_string(folder.path().join("alarm/corrected.toml")).unwrap();
+        let widths = corrected.lines().filter(|line| {
+            line.starts_with("width_rad = 0.0032") || line.starts_with("width_rad = 0.0031")
+        });
+        assert_eq!(widths.count(), 1, "{corrected}");
+    }
+}
+
 #[test]
 fn what_cannot_be_watched_is_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -18,6 +18,11 @@ pub(crate) fn next_experiment(
         return Some(CONFIRM_TOOL.to_owned());
     }
     let first = findings.first();
+    // what is done about the tracker's clock comes before what confirms that there is a delay
+    let ahead = causes.first().and_then(CauseAnswer::ahead);
+    if let (Verdict::Named | Verdict::Ambiguous, Some(ahead)) = (verdict, ahead) {
+        return Some(ahead.words());
+    }
     let confused_with = causes.first().map(|cause| cause.confusable_with.as_slice());
     match (verdict, confused_with.unwrap_or_default()) {
         (Verdict::NoGap, _) => None,

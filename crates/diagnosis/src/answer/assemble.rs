@@ -2,6 +2,7 @@
 
 use haptical_calibration::implausible_deviations;
 use haptical_effects::Stream;
+use haptical_effects::motor_encoder::Ahead;
 
 use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;
@@ -44,6 +45,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         in_positions = Verdict::Unknown;
     }
     hedge(&findings, in_positions, &mut causes);
+    name_twins(&findings, &mut causes);
     causes.extend(findings.force.findings.iter().cloned());
     let has_position_gap = in_positions != Verdict::NoGap;
     let verdict = match has_position_gap {
@@ -56,7 +58,9 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         true => located(&findings, verdict, touches),
         false => None,
     };
-    let correction = correction(&findings.selection, verdict, located.as_ref())?;
+    let second = findings.inputs.options.validation;
+    let curves = correction(&findings.selection, verdict, located.as_ref(), second)?;
+    let correction = curves.kept;
     let noise = noise(&findings);
     if causes.is_empty() {
         causes = on_the_data(&findings, &noise);
@@ -124,11 +128,30 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             )?,
         },
         correction: correction.map(|correction| correction.answer),
+        correction_refused: curves.refused,
         causes,
         steps: steps(&findings.selection),
         held_out: findings.shrink.description,
         predictions: findings.shrink.predictions,
     })
+}
+
+/// Adds to what a cause is confusable with what no reading of the log tells from it. The verdict stays: the two are one fact of
+/// two clocks, and have one number.
+fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
+    for cause in findings.selection.causes() {
+        let effect = findings.selection.effect(cause);
+        let Some(twin) = effect.twin(&findings.engine().context) else {
+            continue;
+        };
+        let joint = effect.joint().map(|joint| joint + 1);
+        let of_effect = |own: &&mut CauseAnswer| own.effect == effect.name() && own.joint == joint;
+        for own in causes.iter_mut().filter(of_effect) {
+            if !own.confusable_with.iter().any(|name| name == twin) {
+                own.confusable_with.push(twin.to_owned());
+            }
+        }
+    }
 }
 
 /// The place of a gap of positions.
@@ -179,6 +202,12 @@ fn warnings(
     warnings.extend(left.zip(causes.first()).map(|(left, cause)| {
         leaves_of_second(&format!("{} at {}", cause.effect, cause.place()), left)
     }));
+    warnings.extend(
+        causes
+            .iter()
+            .filter_map(CauseAnswer::ahead)
+            .map(Ahead::words),
+    );
     warnings.extend(overruled(findings));
     warnings.extend(unstated);
     warnings.extend(on_torques(findings, verdict));

@@ -152,6 +152,7 @@ fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
         class_probability: SURE,
         confusable_with: term.confusable_with.clone(),
         parameters: term.parameters.clone(),
+        earlier: term.earlier.clone(),
         share: term.explained / total.max(1e-300),
         held_out: held_out(shrink, hook, term.joint),
         ..CauseAnswer::named(term.name, term.joint, probability)

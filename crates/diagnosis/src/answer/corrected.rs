@@ -32,6 +32,17 @@ pub(crate) fn corrected(
     let mut has_any = false;
     // effects that the device had before were fitted with it
     settle(&mut device, engine.context.recording, &|_| None)?;
+    for answer in causes.iter().filter(|answer| !answer.earlier.is_empty()) {
+        // of an effect that the device had, the size is another one
+        let is_it = |own: &&mut DeviceEffect| {
+            own.name == answer.effect && own.joint.map(|joint| joint + 1) == answer.joint
+        };
+        for own in device.effects.iter_mut().filter(is_it) {
+            own.intervals = intervals(answer);
+            own.fit = true;
+            has_any = true;
+        }
+    }
     for cause in selection.causes() {
         let effect = selection.effect(cause);
         let number = effect.joint().map(|joint| joint + 1);

@@ -4,18 +4,75 @@ use haptical_effects::Effect;
 use haptical_effects::correction::{Curve, NAME, Over, coefficients_key};
 use haptical_effects::device::settle;
 use haptical_model::transmission::spline::Splines;
-use haptical_model::{Device, DeviceEffect};
+use haptical_model::{Device, DeviceEffect, Recording};
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::DiagnosisError;
 use crate::answer::p_spline::{Normal, PARTS, Smooth};
 use crate::answer::place::Located;
-use crate::answer::{CorrectionAnswer, Verdict};
+use crate::answer::shrink::{Unseen, device_on_second};
+use crate::answer::{HeldOutAnswer, Verdict};
 use crate::engine::Engine;
 use crate::engine::model::{Cause, Model};
+use crate::judge::rivals::warms_with_time;
 use crate::select::Selection;
 use crate::select::generic::Covariate;
 use crate::thresholds::correction::{CHANCE_SD, COEFFICIENTS, LEAST_SHARE, NEARLY_AS_MUCH};
+
+/// A curve that is added to a joint's angle in the place of a cause that is not known. It is no cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CorrectionAnswer {
+    /// Joint (from 1).
+    pub joint: usize,
+    /// Column of the log that it is drawn over.
+    pub over: String,
+    /// Lower end of its range, in the column's unit.
+    pub from: f64,
+    /// Upper end.
+    pub to: f64,
+    /// Number of its coefficients.
+    pub coefficients: usize,
+    /// Numbers that the data decide of them.
+    pub effective: f64,
+    /// Largest coefficient.
+    pub largest: f64,
+    /// Its unit.
+    pub unit: String,
+    /// Share of the squares beyond noise that rows lose that its fit did not see.
+    pub closed_unseen_share: f64,
+    /// What it gains there, in standard deviations of a gain by chance.
+    pub gain_sd: f64,
+    /// The gap of a second recording, without it and with it; none without a second recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_second: Option<HeldOutAnswer>,
+}
+
+/// Why a curve is not written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refusal {
+    /// It is drawn over the time: a course of one recording is no property of a device.
+    CourseOfTime,
+    /// It does not predict the second recording better than the device without it.
+    SecondRecording,
+}
+
+/// A curve that predicts unseen rows of its log, and is not written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RefusedCorrection {
+    /// Joint (from 1).
+    pub joint: usize,
+    /// Column of the log that it is drawn over.
+    pub over: String,
+    /// Share of the squares beyond noise that rows of the log lose that its fit did not see.
+    pub closed_unseen_share: f64,
+    /// Why it is not written.
+    pub why: Refusal,
+    /// The gap of the second recording, without it and with it, where that is why.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub on_second: Option<HeldOutAnswer>,
+}
 
 /// A correction that was found.
 pub(crate) struct Correction {
@@ -24,8 +81,16 @@ pub(crate) struct Correction {
     pub(crate) device: Device,
 }
 
-/// The curve of the located joint over what the gap depends on, the joint's own angle first, that unseen rows confirm; none
-/// where a cause is named, the gap is in no joint, or no curve predicts unseen rows better than chance.
+/// What became of the curve: nothing where a cause is named, the gap is in no joint, or no curve predicts unseen rows better than
+/// chance.
+#[derive(Default)]
+pub(crate) struct Corrections {
+    pub(crate) kept: Option<Correction>,
+    pub(crate) refused: Option<RefusedCorrection>,
+}
+
+/// The curve of the located joint over what the gap depends on, the joint's own angle first, that unseen rows confirm, and a second
+/// recording where there is one. One over time is never kept.
 ///
 /// # Errors
 /// [`DiagnosisError`] where base model and curve cannot be fitted together.
@@ -33,43 +98,107 @@ pub(crate) fn correction(
     selection: &Selection<'_>,
     verdict: Verdict,
     located: Option<&Located>,
-) -> Result<Option<Correction>, DiagnosisError> {
+    second: Option<&Recording>,
+) -> Result<Corrections, DiagnosisError> {
     let Some(located) = located.filter(|_| verdict == Verdict::Unknown) else {
-        return Ok(None);
+        return Ok(Corrections::default());
     };
     let Some(joint) = located.answer.joint.map(|joint| joint - 1) else {
-        return Ok(None);
+        return Ok(Corrections::default());
     };
     let engine = selection.engine();
     if !engine.context.ordered {
         // single postures are too few, and their order is none of time
-        return Ok(None);
+        return Ok(Corrections::default());
     }
+    let sure = |over: Over, covariate: Covariate| {
+        let column = covariate.column(&engine.context);
+        let is_located = located.answer.depends_on.contains(&column);
+        let fitted = is_located.then(|| fitted(engine, joint, over, covariate));
+        let fitted = fitted.flatten()?;
+        let share = fitted.smooth.share();
+        let is_sure = fitted.smooth.gain_sd() > CHANCE_SD && share > LEAST_SHARE;
+        is_sure.then_some((fitted, share))
+    };
     let mut best: Option<(Fitted, f64)> = None;
     for (over, covariate) in [
         (Over::Angle, Covariate::Angle(joint)),
         (Over::Torque, Covariate::Torque(joint)),
         (Over::Temperature, Covariate::Temperature),
-        (Over::Time, Covariate::Time),
     ] {
-        let column = covariate.column(&engine.context);
-        if !located.answer.depends_on.contains(&column) {
-            continue;
-        }
-        let Some(fitted) = fitted(engine, joint, over, covariate) else {
+        let Some((fitted, share)) = sure(over, covariate) else {
             continue;
         };
-        let share = fitted.smooth.share();
-        let is_sure = fitted.smooth.gain_sd() > CHANCE_SD && share > LEAST_SHARE;
         let is_more = |(_, most): &(Fitted, f64)| NEARLY_AS_MUCH * share > *most;
-        if is_sure && best.as_ref().is_none_or(is_more) {
+        if best.as_ref().is_none_or(is_more) {
             best = Some((fitted, share));
         }
     }
-    match best {
-        Some((fitted, _)) => with_it(engine, joint, fitted).map(Some),
-        None => Ok(None),
+    // a temperature that rises with the time is the time, until another recording shows that it is not
+    let is_time = |fitted: &Fitted| {
+        fitted.over == Over::Temperature && second.is_none() && warms_with_time(&engine.context)
+    };
+    let of_device = match best {
+        Some((fitted, _)) if !is_time(&fitted) => Some(fitted),
+        _ => None,
+    };
+    let Some(fitted) = of_device else {
+        let of_time = sure(Over::Time, Covariate::Time);
+        return Ok(Corrections {
+            refused: of_time.map(|(fitted, share)| RefusedCorrection {
+                joint: joint + 1,
+                over: fitted.column,
+                closed_unseen_share: share,
+                why: Refusal::CourseOfTime,
+                on_second: None,
+            }),
+            ..Corrections::default()
+        });
+    };
+    let found = with_it(engine, joint, fitted)?;
+    match second {
+        Some(second) => confirmed(found, engine, second, &located.answer.channel),
+        None => Ok(Corrections {
+            kept: Some(found),
+            ..Corrections::default()
+        }),
     }
+}
+
+/// The curve, kept where it predicts a second recording better: in all channels together, and beyond chance in the one that the gap
+/// is in (the one with most of a gap, where the second recording lacks that).
+fn confirmed(
+    mut found: Correction,
+    engine: &Engine<'_>,
+    second: &Recording,
+    located: &str,
+) -> Result<Corrections, DiagnosisError> {
+    let channels = device_on_second(engine, second, &found.device)?;
+    let gained: f64 = channels.iter().map(|own| own.gained() * own.left().1).sum();
+    let is_located = |own: &&Unseen| own.channel.name() == located;
+    let by_gap = |a: &&Unseen, b: &&Unseen| a.gap().total_cmp(&b.gap());
+    let main = channels.iter().find(is_located);
+    let main = main.or_else(|| channels.iter().max_by(by_gap));
+    let is_better = gained > 0.0 && main.is_some_and(|own| own.gain_sd() > CHANCE_SD);
+    let on_second = main.map(Unseen::answer);
+    if !is_better {
+        let refused = RefusedCorrection {
+            joint: found.answer.joint,
+            over: found.answer.over,
+            closed_unseen_share: found.answer.closed_unseen_share,
+            why: Refusal::SecondRecording,
+            on_second,
+        };
+        return Ok(Corrections {
+            refused: Some(refused),
+            ..Corrections::default()
+        });
+    }
+    found.answer.on_second = on_second;
+    Ok(Corrections {
+        kept: Some(found),
+        ..Corrections::default()
+    })
 }
 
 /// A curve with what unseen rows say of it.
@@ -199,6 +328,7 @@ fn with_it(
             unit: base.joints[joint].unit().to_owned(),
             closed_unseen_share: smooth.share(),
             gain_sd: smooth.gain_sd(),
+            on_second: None,
         },
         device,
     })

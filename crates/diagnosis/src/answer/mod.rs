@@ -18,9 +18,11 @@ pub(crate) mod unseen;
 
 use std::collections::BTreeMap;
 
+use haptical_effects::motor_encoder::Ahead;
 use haptical_model::Device;
 use serde::Serialize;
 
+pub use self::correction::{CorrectionAnswer, Refusal, RefusedCorrection};
 pub use self::floor::NoReduction;
 pub use self::gap::{ChannelGap, Gap};
 use crate::noise::NoiseSource;
@@ -78,6 +80,9 @@ pub struct Diagnosis {
     /// Where the cause is unknown: the curve in its place that `corrected` has; none where no curve predicts unseen rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correction: Option<CorrectionAnswer>,
+    /// Where the cause is unknown: a curve that predicts unseen rows of the log, and is not in `corrected`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correction_refused: Option<RefusedCorrection>,
     /// Probability that the cause is none of the catalogue's.
     pub probability_unknown: f64,
     /// Effects that the recording cannot test.
@@ -222,6 +227,9 @@ pub struct CauseAnswer {
     pub confusable_with: Vec<String>,
     /// Parameters with intervals.
     pub parameters: BTreeMap<String, ParameterAnswer>,
+    /// Of an effect that the earlier model has with another size: the numbers that it has.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub earlier: BTreeMap<String, f64>,
     /// False where a parameter lies beyond what a sound device can show.
     pub plausible: bool,
     /// The opposite, under the name that a script may look for.
@@ -233,6 +241,12 @@ pub struct CauseAnswer {
 }
 
 impl CauseAnswer {
+    /// Of motor encoders that are ahead of the other sensors: what that usually means.
+    pub fn ahead(&self) -> Option<Ahead> {
+        let delay_s = self.parameters.get("delay_s").map(|own| own.value);
+        Ahead::of(&self.effect, delay_s, &self.confusable_with)
+    }
+
     /// Its joint in words, or the device.
     pub(crate) fn place(&self) -> String {
         self.joint
@@ -310,37 +324,13 @@ impl CauseAnswer {
             class_probability: probability,
             confusable_with: Vec::new(),
             parameters: BTreeMap::new(),
+            earlier: BTreeMap::new(),
             plausible: true,
             implausible: false,
             share: 0.0,
             held_out: None,
         }
     }
-}
-
-/// A curve that is added to a joint's angle in the place of a cause that is not known. It is no cause.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CorrectionAnswer {
-    /// Joint (from 1).
-    pub joint: usize,
-    /// Column of the log that it is drawn over.
-    pub over: String,
-    /// Lower end of its range, in the column's unit.
-    pub from: f64,
-    /// Upper end.
-    pub to: f64,
-    /// Number of its coefficients.
-    pub coefficients: usize,
-    /// Numbers that the data decide of them.
-    pub effective: f64,
-    /// Largest coefficient.
-    pub largest: f64,
-    /// Its unit.
-    pub unit: String,
-    /// Share of the squares beyond noise that rows lose that its fit did not see.
-    pub closed_unseen_share: f64,
-    /// What it gains there, in standard deviations of a gain by chance.
-    pub gain_sd: f64,
 }
 
 /// A step of an event.

@@ -9,7 +9,7 @@ use crate::answer::Prediction;
 pub(crate) use self::held_back::on_held_back;
 pub use self::reduction::BOOTSTRAP_SEED;
 pub(crate) use self::reduction::Unseen;
-pub(crate) use self::second::{model_residual, on_second};
+pub(crate) use self::second::{device_on_second, model_residual, on_second};
 
 /// Residuals on unseen data.
 #[derive(Debug, Clone, Default)]

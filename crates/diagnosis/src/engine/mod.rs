@@ -9,6 +9,7 @@ pub(crate) mod layout;
 pub(crate) mod least;
 pub(crate) mod model;
 pub(crate) mod onto_touches;
+pub(crate) mod own_sizes;
 pub(crate) mod part;
 pub(crate) mod refit;
 pub(crate) mod regression;

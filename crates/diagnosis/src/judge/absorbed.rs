@@ -117,7 +117,11 @@ impl Numbers<'_, '_> {
 
 /// A number of the base model as the earlier model has it. A polynomial of another degree or range is taken at this one's
 /// Chebyshev points (Trefethen 2019, chapter 4); none where the earlier model has another law.
-fn earlier_value(parameter: ParameterId, model: &Device, device: &Device) -> Option<f64> {
+pub(crate) fn earlier_value(
+    parameter: ParameterId,
+    model: &Device,
+    device: &Device,
+) -> Option<f64> {
     let (joint, index) = match parameter {
         ParameterId::Transmission { joint, index } => (joint, index),
         // the model may have other effects, or none

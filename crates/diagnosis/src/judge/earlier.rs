@@ -14,10 +14,12 @@ use crate::answer::ParameterAnswer;
 use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
+use crate::judge::absorbed::earlier_value;
 use crate::judge::displaced::{Displaced, displaced};
+use crate::judge::resized::{Resized, resized};
 use crate::judge::tool;
 use crate::thresholds::earlier_model::{
-    AS_WELL, BEYOND_CHANCE, NEARLY_ALL, TERM_SHARE, TWO_FITS, WRONG_RATHER_THAN_CHANGED,
+    AS_WELL, BEYOND_CHANCE, MOVED_SD, NEARLY_ALL, TERM_SHARE, TWO_FITS, WRONG_RATHER_THAN_CHANGED,
 };
 
 /// A base term that differs from the earlier model.
@@ -36,6 +38,8 @@ pub(crate) struct BaseTerm {
     pub(crate) is_all: bool,
     /// Its free columns; none where it is no number of the base model.
     pub(crate) columns: Vec<usize>,
+    /// Of an effect of the device: the numbers that the earlier model has.
+    pub(crate) earlier: BTreeMap<String, f64>,
 }
 
 /// What a model differs in.
@@ -97,13 +101,16 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
         all.extend(sensor.columns.iter().map(Vec::as_slice));
     }
     let columns = Columns::new(&all, &target);
+    let deviations = columns.deviations(count);
+    let resized = resized(engine, model, &deviations);
     let earlier = Earlier {
         engine,
-        deviations: columns.deviations(count),
+        model,
+        deviations,
         places: places(engine),
         tool: (count..count + tool.len()).collect(),
         sensors: displaced.iter().zip(sensors).collect(),
-        groups: groups(engine),
+        groups: groups(engine, resized),
         columns,
         count,
     };
@@ -113,6 +120,7 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
 /// An earlier model's residuals and everything that may explain them.
 struct Earlier<'e, 'a> {
     engine: &'e Engine<'a>,
+    model: &'e Device,
     columns: Columns,
     /// Of the free columns' coefficients.
     deviations: Vec<f64>,
@@ -182,6 +190,10 @@ impl Earlier<'_, '_> {
                 terms.push(self.term(group, lost));
             }
         }
+        // what a law's curvature leaves of an effect's growth is no change of the numbers beside it
+        if terms.iter().any(|term| !term.earlier.is_empty()) {
+            terms.retain(|term| !term.earlier.is_empty() || self.has_moved(term));
+        }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
         Difference {
             terms,
@@ -189,6 +201,20 @@ impl Earlier<'_, '_> {
             is_unnamed: false,
             deviations: self.deviations.clone(),
         }
+    }
+
+    /// Whether a number of a term differs from the earlier model's beyond chance; one that is no number of the base model does.
+    fn has_moved(&self, term: &BaseTerm) -> bool {
+        let (engine, device) = (self.engine, self.engine.context.device);
+        let mut columns = term.columns.iter();
+        let is_far = |&column: &usize| {
+            let position = engine.base.free[column];
+            let value = engine.start.model.values[position];
+            let earlier = earlier_value(engine.base.parameters[position], self.model, device);
+            let step = |earlier: f64| (value - earlier).abs();
+            earlier.is_none_or(|earlier| step(earlier) > MOVED_SD * self.deviations[column])
+        };
+        term.columns.is_empty() || columns.any(is_far)
     }
 
     /// Another tool, where it alone explains nearly all of the difference.
@@ -210,6 +236,7 @@ impl Earlier<'_, '_> {
             confusable_with: self.as_good(explained, is_other),
             is_all: true,
             columns: Vec::new(),
+            earlier: BTreeMap::new(),
         })
     }
 
@@ -256,6 +283,7 @@ impl Earlier<'_, '_> {
             confusable_with: Vec::new(),
             is_all: false,
             columns: Vec::new(),
+            earlier: BTreeMap::new(),
         })
     }
 
@@ -277,6 +305,9 @@ impl Earlier<'_, '_> {
         let Some((values, _)) = self.columns.solution(&chosen) else {
             return false;
         };
+        if group.resized.is_some() {
+            return true;
+        }
         let device = self.engine.context.device;
         let changes = group.columns.iter().zip(&values[self.places.len()..]);
         let mut sizes = changes.map(|(&column, change)| {
@@ -337,11 +368,16 @@ impl Earlier<'_, '_> {
             name: group.name,
             joint: group.joint,
             explained,
-            parameters: self.parameters(group),
+            parameters: match &group.resized {
+                Some(resized) => resized.parameters.clone(),
+                None => self.parameters(group),
+            },
             in_drive: group.in_drive,
             confusable_with: Vec::new(),
             is_all: false,
             columns: group.columns.clone(),
+            earlier: (group.resized.as_ref())
+                .map_or_else(BTreeMap::new, |resized| resized.earlier.clone()),
         }
     }
 
@@ -405,16 +441,26 @@ struct Group {
     /// Among the free columns.
     columns: Vec<usize>,
     in_drive: bool,
+    /// Of an effect of the device.
+    resized: Option<Resized>,
 }
 
-fn groups(engine: &Engine<'_>) -> Vec<Group> {
+/// The free numbers by name and place, and the device's own effects that have other sizes.
+fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
     let device = engine.context.device;
-    let mut groups: Vec<Group> = Vec::new();
+    let own = resized.into_iter().map(|own| Group {
+        name: own.name,
+        joint: own.joint,
+        columns: own.columns.clone(),
+        in_drive: own.in_drive,
+        resized: Some(own),
+    });
+    let mut groups: Vec<Group> = own.collect();
     for (column, &position) in engine.base.free.iter().enumerate() {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
             ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
             ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
-            // the place of a rig is no effect of the device, and the device's own effects are no deviation from it
+            // the place of a rig is no effect of the device, and an effect of its own size is no deviation from it
             ParameterId::Surrounding(_) | ParameterId::Effect { .. } => continue,
             ParameterId::Transmission { joint, index } => {
                 (term_name(device, joint, index), Some(joint), true)
@@ -422,7 +468,7 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
         };
         match groups
             .iter_mut()
-            .find(|group| group.name == name && group.joint == joint)
+            .find(|group| group.resized.is_none() && group.name == name && group.joint == joint)
         {
             Some(group) => group.columns.push(column),
             None => groups.push(Group {
@@ -430,6 +476,7 @@ fn groups(engine: &Engine<'_>) -> Vec<Group> {
                 joint,
                 columns: vec![column],
                 in_drive,
+                resized: None,
             }),
         }
     }

@@ -6,6 +6,7 @@ pub(crate) mod dependence;
 pub(crate) mod displaced;
 pub(crate) mod earlier;
 pub(crate) mod findings;
+pub(crate) mod resized;
 pub(crate) mod rivals;
 pub(crate) mod too_coarse;
 pub(crate) mod tool;

@@ -125,6 +125,7 @@ pub(super) fn answer(
         own_effects_leave: None,
         steps: Vec::new(),
         correction: None,
+        correction_refused: None,
         probability_unknown: match (verdict, causes.first()) {
             (Verdict::NoGap, _) => 0.0,
             (Verdict::Unknown, _) | (_, None) => 1.0,

@@ -1,13 +1,15 @@
-//! All motor encoders are sampled late: everything else is ahead of them.
+//! All motor encoders are sampled late: everything else is ahead of them. Encoders that are ahead are as often a sensor that is
+//! late: where one kind of sensor is all that they are compared with, the two are one (docs/diagnosis.md, Laws of the catalogue).
 
 use crate::context::Context;
 use crate::laws::{Delay, moved, slope};
+use crate::motor_encoder::OtherClock;
 use crate::{Effect, Hook, LogFault, Need, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "encoder-latency",
     meaning: "all motor encoders are sampled later or earlier than the rest",
-    inspect: "the time stamps of the motor encoders",
+    inspect: "the time stamps of the motor encoders, and of the sensors that they are compared with",
     adds: "theta(t + d) - theta(t), all joints",
     hook: Hook::Timing,
     needs: &[Need::Time, Need::Motion],
@@ -38,5 +40,10 @@ impl Effect for EncoderLatency {
         };
         let errors = motion.iter().map(|motion| moved(motion, -amplitudes[0]));
         context.upstream_of_all(&errors.collect::<Vec<_>>())
+    }
+
+    fn twin(&self, context: &Context<'_>) -> Option<&'static str> {
+        let channels = context.streams.iter().map(|stream| stream.channel);
+        OtherClock::only(channels).map(OtherClock::latency)
     }
 }

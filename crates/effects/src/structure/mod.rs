@@ -9,6 +9,7 @@ pub(crate) mod joint_compliance;
 pub(crate) mod lateral_compliance;
 pub(crate) mod tool_changed;
 pub(crate) mod tool_compliance;
+pub(crate) mod tracker_latency;
 pub(crate) mod tracker_moved;
 pub(crate) mod warming;
 

@@ -252,7 +252,7 @@ fn assert_derivative_agrees_with_differences(effect: &AnyEffect, context: &Conte
     } else {
         effect.shapes(context)
     };
-    if effect.spec().hook == Hook::Timing {
+    if effect.spec().hook == Hook::Timing || effect.name() == "tracker-latency" {
         assert_linear_in_the_limit(effect, context, &amplitudes);
         return;
     }
@@ -297,7 +297,7 @@ fn finite_difference(
 /// meanwhile, several of them at once.
 const CURVED: f64 = 2e-2;
 
-/// The late motors' contribution evaluates the chain again, their column is the linear one: they differ by
+/// The contribution of late motors, and of a late tracker, evaluates the chain again, their column is the linear one: they differ by
 /// what is of second order in the delay, and not at all in the external encoders.
 fn assert_linear_in_the_limit(effect: &AnyEffect, context: &Context<'_>, amplitudes: &[f64]) {
     for factor in [1.0, 0.1, 0.01] {

@@ -5,7 +5,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 72] = [
+const STABLE: [(&str, &[&str]); 73] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -59,6 +59,7 @@ const STABLE: [(&str, &[&str]); 72] = [
     ("lateral-compliance", &["stiffness_nm_per_rad"]),
     ("tool-compliance", &["m_per_n"]),
     ("tool-changed", &["shift_m"]),
+    ("tracker-latency", &["delay_s"]),
     ("tracker-moved", &["shift_m", "tilt_rad"]),
     ("periodic-disturbance", &[]),
     ("outliers", &[]),

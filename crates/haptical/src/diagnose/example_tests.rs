@@ -101,6 +101,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         traces: vec![],
         steps: vec![],
         correction: None,
+        correction_refused: None,
         predictions: vec![],
     }
 }

@@ -2,7 +2,7 @@
 
 use haptical_diagnosis::{
     CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, MovedNumber, NoReduction,
-    Over, Verdict,
+    Over, Refusal, Verdict,
 };
 use haptical_report::Tone;
 
@@ -259,17 +259,43 @@ fn unknown(diagnosis: &Diagnosis) -> String {
     sentence + &besides(&surely) + &corrected_by(diagnosis)
 }
 
-/// A further sentence on the curve in the place of a cause; empty without one.
+/// Further sentences on the curve in the place of a cause, written or refused; empty without one.
 fn corrected_by(diagnosis: &Diagnosis) -> String {
-    diagnosis.correction.as_ref().map_or_else(String::new, |own| {
+    let kept = diagnosis.correction.as_ref().map(|own| {
         format!(
             " corrected.toml has a correction, which is no cause: a curve over {} at joint {} closes {} of the gap's squares on \
-             unseen rows.",
+             unseen rows.{}",
+            own.over,
+            own.joint,
+            percent(own.closed_unseen_share.min(0.999)),
+            own.on_second.as_ref().map_or_else(String::new, |second| format!(
+                " It predicts the second recording better: {}.",
+                held_out_sizes(second)
+            ))
+        )
+    });
+    let refused = diagnosis.correction_refused.as_ref().map(|own| {
+        let curve = format!(
+            "a curve over {} at joint {} closes {} of the gap's squares on unseen rows of the log",
             own.over,
             own.joint,
             percent(own.closed_unseen_share.min(0.999))
-        )
-    })
+        );
+        match own.why {
+            Refusal::CourseOfTime => format!(
+                " Nothing is corrected: {curve}, but the course of one recording is no property of the device, and no other \
+                 recording has it."
+            ),
+            Refusal::SecondRecording => format!(
+                " Nothing is corrected: {curve}, but does not predict the second recording better{}.",
+                own.on_second.as_ref().map_or_else(String::new, |second| format!(
+                    " ({})",
+                    held_out_sizes(second)
+                ))
+            ),
+        }
+    });
+    kept.or(refused).unwrap_or_default()
 }
 
 /// The check of the first cause that has one on unseen data.
@@ -403,9 +429,25 @@ pub(crate) fn parameters(cause: &CauseAnswer) -> String {
     let texts = cause.parameters.iter().map(|(name, parameter)| {
         let quantity = Quantity::new(&cause.effect, name, parameter.value);
         let value = quantity.text(parameter.value, parameter.ci95);
-        format!("{} {value}", quantity.words)
+        format!("{} {value}{}", quantity.words, earlier(cause, name))
     });
     texts.collect::<Vec<_>>().join(", ")
+}
+
+/// What the earlier model has in the place of a number of an effect that it knows: `(1.4 mrad more than the 1.8 mrad of
+/// the earlier model)`.
+pub(crate) fn earlier(cause: &CauseAnswer, name: &str) -> String {
+    let number = cause.parameters.get(name).zip(cause.earlier.get(name));
+    number.map_or_else(String::new, |(parameter, earlier)| {
+        let quantity = |value: f64| Quantity::new(&cause.effect, name, value).short(value);
+        let step = parameter.value - earlier;
+        let than = if step < 0.0 { "less" } else { "more" };
+        format!(
+            " ({} {than} than the {} of the earlier model)",
+            quantity(step.abs()),
+            quantity(*earlier)
+        )
+    })
 }
 
 /// `a`, `a and b`, `a, b and c`.

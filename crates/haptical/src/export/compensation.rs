@@ -36,6 +36,8 @@ impl LeftOut {
 const NOT_READ: &str = "it shows on a sensor that a control loop does not read";
 const EVENT: &str = "it is an event of one recording, which homing takes away";
 const UNKNOWN: &str = "its numbers are not known yet: identify the device first";
+const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm, and good encoders would be shifted: usually the other \
+                     sensor of the log (the tracker) is late, so check its time stamps";
 const NO_AXIS: &str = "its joint slides or moves several rows";
 const NO_GRAVITY: &str = "the device file has no [gravity]";
 
@@ -204,6 +206,7 @@ impl Place<'_> {
                 joint,
                 delay_s: law.amplitude(0),
             },
+            "encoder-latency" if law.amplitude(0) < 0.0 => return Err(AHEAD),
             "encoder-latency" => Effect::EncoderLatency {
                 delay_s: law.amplitude(0),
             },

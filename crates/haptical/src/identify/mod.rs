@@ -19,6 +19,7 @@ use haptical_calibration::{
     Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
     force_direction, without_copies,
 };
+use haptical_effects::motor_encoder::{Ahead, OtherClock};
 use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
 
 pub use self::dynamics::{
@@ -126,6 +127,7 @@ pub fn identify_as(
     let warnings = [&device.warnings, &log.warnings, &calibration.warnings];
     let mut warnings = warnings.map(Clone::clone);
     warnings[1].extend(copies);
+    warnings[2].extend(ahead(&calibration.device, &recording));
     let mut inputs = device.inputs("device");
     // behind the device, before the rig: the order of the flags
     inputs.splice(1..1, log.input("log"));
@@ -284,6 +286,17 @@ pub(crate) fn flag_of_loss(loss: LossChoice) -> String {
         LossChoice::Auto => "--loss=auto".to_owned(),
         LossChoice::Fixed(loss) => format!("--loss={loss}"),
     }
+}
+
+/// What is said of motor encoders that are ahead of all else.
+fn ahead(device: &Model, recording: &Recording) -> Option<String> {
+    let channels = haptical_calibration::channels(device, recording).unwrap_or_default();
+    let twin = OtherClock::only(channels.into_iter()).map(|own| own.latency().to_owned());
+    let twins: Vec<String> = twin.into_iter().collect();
+    let mut effects = device.effects.iter();
+    let ahead =
+        effects.find_map(|own| Ahead::of(&own.name, own.numbers.get("delay_s").copied(), &twins));
+    ahead.map(Ahead::words)
 }
 
 impl Found {

@@ -9,6 +9,10 @@ const LATEST_S: f64 = 1.0;
 /// Stiffness from which a spring is rigid \[Nm/rad\], \[N/m\].
 const RIGID: f64 = 1e9;
 
+/// Why motor encoders that are ahead of the other sensors are in no description.
+pub(crate) const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm; usually the other sensor of the log \
+     (the tracker) is late, so check its time stamps";
+
 /// A motion of its own along a joint's axis, between its motor and its link.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Yield {
@@ -63,7 +67,7 @@ pub(crate) struct Effects<'d> {
     pub(crate) external_delay_s: Vec<f64>,
     /// What MuJoCo has no means for.
     pub(crate) left_out: Vec<&'d DeviceEffect>,
-    /// What is carried in part.
+    /// What is carried in part, or is no property of an arm.
     pub(crate) said: Vec<String>,
 }
 
@@ -78,7 +82,11 @@ impl<'d> Effects<'d> {
             ..Self::default()
         };
         for effect in &device.effects {
-            if effects.take(device, effect).is_none() {
+            if is_ahead(effect) {
+                effects
+                    .said
+                    .push(format!("`{}` is left out: {AHEAD}", effect.label()));
+            } else if effects.take(device, effect).is_none() {
                 effects.left_out.push(effect);
             }
         }
@@ -171,6 +179,12 @@ impl<'d> Effects<'d> {
         });
         Some(())
     }
+}
+
+/// Whether an effect is that of motor encoders that are ahead of the other sensors.
+pub(crate) fn is_ahead(effect: &DeviceEffect) -> bool {
+    let delay_s = effect.numbers.get("delay_s");
+    effect.name == "encoder-latency" && delay_s.is_some_and(|delay_s| *delay_s < 0.0)
 }
 
 /// Whether a row moves as the joint reads.

@@ -6,7 +6,7 @@ use haptical_model::{Device, DeviceEffect, Joint};
 
 use crate::numbers::{commented, rounded};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors};
-use crate::write::effects::Effects;
+use crate::write::effects::{Effects, is_ahead};
 
 /// Kinds of robot descriptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,7 +133,7 @@ fn without_means(device: &Device, effects: &Effects<'_>) -> Vec<String> {
             .any(|left| std::ptr::eq(*left, *own))
     };
     let labels: Vec<String> = (device.effects.iter())
-        .filter(|own| own.name != FRICTION || is_left(own))
+        .filter(|own| !is_ahead(own) && (own.name != FRICTION || is_left(own)))
         .map(|own| format!("`{}`", own.label()))
         .collect();
     let others = (!labels.is_empty()).then(|| {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use haptical_model::{Device, Joint, JointType, TransmissionError};
 
 use crate::numbers::{commented, escaped, rounded, written};
-use crate::write::effects::has_own_row;
+use crate::write::effects::{AHEAD, has_own_row, is_ahead};
 use crate::write::urdf::joint_names;
 
 /// Readings over which the line through a drive's error is drawn (assumption A213).
@@ -206,7 +206,10 @@ fn left_out(device: &Device) -> Option<String> {
     let mut labels: Vec<String> = device
         .effects
         .iter()
-        .map(|own| format!("`{}`", own.label()))
+        .map(|own| match is_ahead(own) {
+            true => format!("`{}` ({AHEAD})", own.label()),
+            false => format!("`{}`", own.label()),
+        })
         .collect();
     let yields =
         (0..device.joints.len()).filter(|joint| device.compliance_rad_per_nm(*joint) != 0.0);

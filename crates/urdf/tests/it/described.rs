@@ -319,6 +319,27 @@ fn what_is_made_up_is_marked() {
     }
 }
 
+/// A log says of encoders that are ahead that another sensor is late: no simulator is to have it, and each form says so.
+#[test]
+fn encoders_that_are_ahead_are_in_no_description() {
+    let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.5\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n\
+        [[effect]]\nname = \"encoder-latency\"\ndelay_s = -0.014\n";
+    let device = Device::from_toml(text, "device.toml").unwrap().device;
+    let (mjcf, of_mjcf) = new_mjcf(&device).unwrap();
+    let (_, of_urdf) = new_urdf(&device).unwrap();
+    assert!(!mjcf.contains("delay="), "{mjcf}");
+    for warnings in [of_mjcf, of_urdf] {
+        let own = warnings
+            .iter()
+            .filter(|own| own.contains("encoder-latency"));
+        let own: Vec<&String> = own.collect();
+        assert!(
+            own.len() == 1 && own[0].contains("(the tracker) is late"),
+            "{warnings:?}"
+        );
+    }
+}
+
 #[test]
 fn effects_are_joints_or_listed() {
     let effects = "[[effect]]\nname = \"capstan-compliance\"\njoint = 1\nstiffness_nm_per_rad = 260.0\n\

@@ -3,10 +3,10 @@
 use haptical_calibration::{Channel, channels, with_unseen_places};
 use haptical_effects::Effect;
 use haptical_effects::device::attached;
-use haptical_model::Recording;
+use haptical_model::{Device, Recording};
 
 use super::Shrink;
-use super::reduction::collect;
+use super::reduction::{Unseen, collect};
 use crate::DiagnosisError;
 use crate::answer::Prediction;
 use crate::engine::base::Base;
@@ -61,15 +61,7 @@ pub(crate) fn on_second(
     };
     let after = second.residual_of(effects, &with, &causes)?;
     let (before, after) = zeroed(&second, before, after, &mut warnings);
-    let known: Vec<bool> = (0..validation.len())
-        .map(|row| {
-            base.device
-                .joints
-                .iter()
-                .zip(&validation.joint)
-                .all(|(joint, column)| joint.error_is_known_at(column[row]))
-        })
-        .collect();
+    let known = known_rows(&base.device, validation);
     let outside = known.iter().filter(|known| !**known).count();
     if outside > 0 {
         warnings.push(format!(
@@ -84,6 +76,42 @@ pub(crate) fn on_second(
         description: "the second recording".to_owned(),
         warnings,
     })
+}
+
+/// Residuals of a second recording with the base model of the first and with another device in its place, channel by channel.
+pub(crate) fn device_on_second(
+    engine: &Engine<'_>,
+    validation: &Recording,
+    other: &Device,
+) -> Result<Vec<Unseen>, DiagnosisError> {
+    let (base, values) = (engine.base, &engine.start.model.values);
+    let there = |device: &Device| placed(device, &base.device, validation, &base.channels);
+    let plain = there(&engine.problem.device_with(values))?;
+    let with = there(other)?;
+    let prepared = Prepared::new(&plain, validation, validation)?;
+    let gone = prepared.outlying(OUTLIER_SD);
+    let cleaned = without_readings(validation, &gone);
+    let second = prepared.without(&gone, &cleaned).fit(None)?;
+    let before = model_residual(&plain, &cleaned, &second)?;
+    let after = model_residual(&with, &cleaned, &second)?;
+    let (before, after) = zeroed(&second, before, after, &mut Vec::new());
+    let known = known_rows(&plain.device, validation);
+    let is_finite = |stream: usize, row: usize| {
+        before[stream][row].is_finite() && after[stream][row].is_finite()
+    };
+    let rows = |stream: usize, row: usize| {
+        known[row] && second.usable[stream][row] && is_finite(stream, row)
+    };
+    Ok(collect(&second, &rows, &before, &after))
+}
+
+/// Rows within the ranges of all transmissions' polynomials.
+fn known_rows(device: &Device, recording: &Recording) -> Vec<bool> {
+    let is_known = |row: usize| {
+        let mut pairs = device.joints.iter().zip(&recording.joint);
+        pairs.all(|(joint, column)| joint.error_is_known_at(column[row]))
+    };
+    (0..recording.len()).map(is_known).collect()
 }
 
 /// A model with places for the runs and tools of a second recording that the first one lacks; none where it has all.

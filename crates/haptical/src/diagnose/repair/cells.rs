@@ -6,6 +6,7 @@ use haptical_calibration::Channel;
 use haptical_data::{LogColumn, LogEdits};
 use haptical_diagnosis::{CauseAnswer, Diagnosis, StepAnswer, outlying_readings};
 use haptical_effects::device::{attached, bare};
+use haptical_effects::motor_encoder::{Ahead, OtherClock};
 use haptical_effects::{Hook, runs_of};
 use haptical_model::{DeviceEffect, Recording};
 
@@ -27,6 +28,34 @@ fn column_of(cause: &CauseAnswer) -> Option<LogColumn> {
         Hook::ExternalEncoder => joint.map(LogColumn::Output),
         Hook::CableSensor => Some(LogColumn::Cable(0)),
         _ => None,
+    }
+}
+
+/// The columns of a cause that are late, and by how much \[s\]: of motor encoders that are ahead of one kind of sensor those of
+/// that sensor.
+fn late_columns(cause: &CauseAnswer, delay_s: f64, recording: &Recording) -> (Vec<LogColumn>, f64) {
+    let late = cause.ahead().and_then(Ahead::late);
+    let is_of_tracker = OtherClock::of_latency(&cause.effect) == Some(OtherClock::Tracker);
+    let columns = |clock: OtherClock| -> Vec<LogColumn> {
+        match clock {
+            OtherClock::Tracker => {
+                let tracked = (0..3).map(LogColumn::Position);
+                tracked.chain((0..4).map(LogColumn::Orientation)).collect()
+            }
+            OtherClock::Cables => (0..recording.cable_m.len()).map(LogColumn::Cable).collect(),
+            OtherClock::ExternalEncoders => {
+                (0..recording.output.len()).map(LogColumn::Output).collect()
+            }
+        }
+    };
+    match (late, column_of(cause)) {
+        (Some(clock), _) => (columns(clock), -delay_s),
+        (None, Some(column)) => (vec![column], delay_s),
+        (None, None) if is_of_tracker => (columns(OtherClock::Tracker), delay_s),
+        (None, None) => {
+            let joints = (0..recording.joint.len()).map(LogColumn::Joint);
+            (joints.collect(), delay_s)
+        }
     }
 }
 
@@ -145,34 +174,44 @@ impl<'r> Repairing<'r> {
         Ok(Some(edits))
     }
 
-    /// Brings late readings to the times of their rows. Where a motor's reading has none, the row loses what was measured
-    /// in it: a row without a joint is none.
-    pub(super) fn take_delay(&mut self, cause: &CauseAnswer, delay_s: f64) -> Option<LogEdits> {
+    /// Brings late readings to the times of their rows, and says how late they were \[s\]. Where a motor's reading has none, the row
+    /// loses what was measured in it: a row without a joint is none.
+    pub(super) fn take_delay(
+        &mut self,
+        cause: &CauseAnswer,
+        delay_s: f64,
+    ) -> Option<(LogEdits, f64)> {
         let time_s = self.recording.time_s.as_ref()?;
-        let of_joints = column_of(cause).is_none();
-        let columns: Vec<LogColumn> = match column_of(cause) {
-            Some(column) => vec![column],
-            None => (0..self.recording.joint.len())
-                .map(LogColumn::Joint)
-                .collect(),
+        let (columns, delay_s) = late_columns(cause, delay_s, &self.recording);
+        let over_runs = |readings: &[f64]| -> Vec<Option<f64>> {
+            let runs = self.runs.iter().cloned();
+            runs.flat_map(|run| on_time(time_s, readings, run, delay_s))
+                .collect()
         };
+        let turned = turned_alike(&self.recording, &self.runs);
+        let turned = turned.map(|parts| unit(parts.map(|part| over_runs(&part))));
         let mut edits = LogEdits::default();
         for column in columns {
-            let readings = column.readings(&self.recording)?;
-            for run in &self.runs {
-                let on_time = on_time(time_s, readings, run.clone(), delay_s);
-                for (row, value) in run.clone().zip(on_time) {
-                    match value {
-                        Some(value) => edits.set(column, row, value),
-                        None if of_joints => self.empty_measured(&mut edits, row),
-                        None if readings[row].is_finite() => edits.empty(column, row),
-                        None => {}
-                    }
+            let Some(readings) = column.readings(&self.recording) else {
+                continue;
+            };
+            let of_joint = matches!(column, LogColumn::Joint(_));
+            let on_time = match (column, &turned) {
+                (LogColumn::Orientation(part), Some(turned)) => turned[part].clone(),
+                _ => over_runs(readings),
+            };
+            let rows = self.runs.iter().cloned().flatten();
+            for (row, value) in rows.zip(on_time) {
+                match value {
+                    Some(value) => edits.set(column, row, value),
+                    None if of_joint => self.empty_measured(&mut edits, row),
+                    None if readings[row].is_finite() => edits.empty(column, row),
+                    None => {}
                 }
             }
         }
         self.set(&edits);
-        Some(edits)
+        Some((edits, delay_s))
     }
 
     /// Empties everything that a row measured beside its joints.
@@ -228,6 +267,44 @@ impl<'r> Repairing<'r> {
         self.set(&edits);
         Ok(edits)
     }
+}
+
+/// The parts of the orientations, each quaternion of the two of one orientation that is nearer to the one before it, so that
+/// they can be interpolated; none of a log without orientations.
+fn turned_alike(recording: &Recording, runs: &[Range<usize>]) -> Option<[Vec<f64>; 4]> {
+    let mut parts = recording.orientation_wxyz.clone()?;
+    for run in runs {
+        let mut last: Option<[f64; 4]> = None;
+        for row in run.clone() {
+            let mut own = parts.each_ref().map(|part| part[row]);
+            if own.iter().any(|part| !part.is_finite()) {
+                continue;
+            }
+            let along = |last: [f64; 4]| last.iter().zip(own).map(|(a, b)| a * b).sum::<f64>();
+            if last.is_some_and(|last| along(last) < 0.0) {
+                own = own.map(|part| -part);
+                for (part, value) in parts.iter_mut().zip(own) {
+                    part[row] = value;
+                }
+            }
+            last = Some(own);
+        }
+    }
+    Some(parts)
+}
+
+/// Interpolated quaternions of norm 1.
+fn unit(mut parts: [Vec<Option<f64>>; 4]) -> [Vec<Option<f64>>; 4] {
+    for row in 0..parts[0].len() {
+        let squares = parts.iter().map(|part| part[row].map(|own| own * own));
+        let Some(square) = squares.sum::<Option<f64>>() else {
+            continue;
+        };
+        for part in &mut parts {
+            part[row] = part[row].map(|own| own / square.sqrt().max(f64::MIN_POSITIVE));
+        }
+    }
+    parts
 }
 
 /// Sum of the squared second differences about an event, were `row` the first one after it.

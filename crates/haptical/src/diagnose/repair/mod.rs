@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use haptical_data::{LogEdits, LogShape, edit_log, read_log_from, write_log_to};
 use haptical_diagnosis::{CauseAnswer, Diagnosis, Verdict};
+use haptical_effects::motor_encoder::Ahead;
 use haptical_effects::{LogFault, spec};
 use haptical_model::{Device as Model, Recording};
 use serde::Serialize;
@@ -104,8 +105,18 @@ impl Repair {
         let is_own = |cause: &CauseAnswer| {
             (repair.changes.iter()).any(|own| own.cause == cause.effect && own.joint == cause.joint)
         };
-        let others = diagnosis.causes.iter().filter(|cause| !is_own(cause));
-        repair.kept.extend(others.map(stays));
+        let (own, others): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
+            (diagnosis.causes.iter()).partition(|cause| is_own(cause));
+        repair.kept.extend(others.into_iter().map(stays));
+        let moved = |ahead: &Ahead| ahead.late().is_some();
+        let ahead = own.into_iter().filter_map(CauseAnswer::ahead);
+        let ahead = ahead.filter(moved);
+        repair.kept.extend(ahead.map(|own| {
+            format!(
+                "the motor encoders keep their times, and the other sensor is moved: {}",
+                own.words()
+            )
+        }));
         if repairing.edits.is_empty() {
             return Ok(repair);
         }
@@ -155,8 +166,8 @@ impl Repair {
         }
         for fault in of(LogFault::Late) {
             let delay_s = fault.cause.parameters.get("delay_s").map(|own| own.value);
-            let edits = delay_s.and_then(|delay_s| repairing.take_delay(fault.cause, delay_s));
-            if let (Some(edits), Some(delay_s)) = (edits, delay_s) {
+            let taken = delay_s.and_then(|delay_s| repairing.take_delay(fault.cause, delay_s));
+            if let Some((edits, delay_s)) = taken {
                 let by = BTreeMap::from([("delay_s".to_owned(), delay_s)]);
                 changes.note(fault.cause, "resampled", &edits, |_| by.clone());
             }

@@ -4,7 +4,7 @@ use haptical_diagnosis::{CandidateAnswer, Diagnosis};
 use haptical_report::{Cell, Table};
 
 use crate::diagnose::quantity::Quantity;
-use crate::diagnose::words::{listed, named_at};
+use crate::diagnose::words::{earlier, listed, named_at};
 use crate::error::Error;
 use crate::units::Shown;
 
@@ -56,7 +56,7 @@ pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Tab
             table.push(vec![
                 (&named).into(),
                 (&quantity.words).into(),
-                quantity.text(parameter.value, parameter.ci95).into(),
+                (quantity.text(parameter.value, parameter.ci95) + &earlier(cause, name)).into(),
                 name.into(),
             ])?;
         }
