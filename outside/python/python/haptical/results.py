@@ -97,7 +97,7 @@ class Columns(Record):
         body = "".join(f"<tr>{line}</tr>" for line in lines)
         more = f"<p>the first {_SHOWN} of {self.rows} rows</p>" if self.rows > _SHOWN else ""
         # a wide table moves below a narrow page, not with it
-        frame = f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        frame = f"<table style='white-space:nowrap'><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         return f'<div style="overflow-x:auto">{frame}</div>{more}'
 
 
@@ -153,7 +153,7 @@ class Result(Record):
     def _repr_html_(self) -> str:
         page = self.report_html
         if page is None:
-            return f"<pre>{_html.escape(repr(self))}</pre>"
+            return f"<p>{_html.escape(repr(self))}</p>{self.table._repr_html_()}"
         frame = 'style="width:100%;height:42em;border:1px solid #8884" sandbox="allow-scripts"'
         return f'<iframe title="report" srcdoc="{_html.escape(page)}" {frame}></iframe>'
 
