@@ -11,6 +11,7 @@ use crate::checks::held_out::{
 use crate::checks::rejection::{self, Rejected};
 use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
+use crate::error::wrap;
 use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
@@ -65,12 +66,18 @@ pub fn calibrate(
     options: &Options,
 ) -> Result<Calibration, CalibrationError> {
     let full = fit_and_check(device, recording, options)?;
-    let Some(growth) = rejection::growth(&full.held_out_channels) else {
-        return Ok(full);
+    let found = match rejection::growth(&full.held_out_channels) {
+        None => full,
+        Some(growth) => {
+            let alone = rejection::with_offsets_alone(device);
+            let offsets = fit_and_check(&alone, recording, options).ok();
+            kept_instead(&full, &growth, offsets)
+        }
     };
-    let alone = rejection::with_offsets_alone(device);
-    let offsets = fit_and_check(&alone, recording, options).ok();
-    Ok(kept_instead(&full, &growth, offsets))
+    // a part that was interrupted may have been left out
+    let ended = options.search.interrupt.check();
+    ended.map_err(|source| wrap("calibration", source))?;
+    Ok(found)
 }
 
 /// The better of the nominal device and one with joint offsets alone, with what was rejected for it.
@@ -177,7 +184,7 @@ fn fit_and_check(
             let loss = fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss);
             let mut options = Options {
                 loss: LossChoice::Fixed(loss),
-                ..*options
+                ..options.clone()
             };
             // nobody reads those of a fold
             options.rules.singular_values = false;

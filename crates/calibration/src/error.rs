@@ -175,7 +175,9 @@ impl CalibrationError {
             // A model without a value at some row is a reading that cannot be true.
             Self::Identification { source, .. } => !matches!(
                 source,
-                IdentificationError::Evaluation { .. } | IdentificationError::NotFinite { .. }
+                IdentificationError::Evaluation { .. }
+                    | IdentificationError::NotFinite { .. }
+                    | IdentificationError::Interrupted
             ),
             _ => false,
         }

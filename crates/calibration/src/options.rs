@@ -42,7 +42,7 @@ pub enum LossChoice {
 }
 
 /// Options of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Options {
     /// Two steps or all at once.
     pub method: CalibrationMethod,
@@ -57,7 +57,7 @@ pub struct Options {
     pub loss: LossChoice,
     /// Rows that the fit does not see.
     pub held_out: HeldOut,
-    /// Search settings.
+    /// Search settings; their `interrupt` stops the whole calibration.
     pub search: Settings,
     /// Random places that are tried where the search from the device's own values fails or ends where no good
     /// fit ends; 0 for none.

@@ -56,6 +56,8 @@ pub fn diagnose(
         ..options.clone()
     };
     let mut found = diagnose_all(device, recording, options)?;
+    // a part that was interrupted may have been left out
+    options.interrupt.check()?;
     found.warnings.extend(turns);
     let every = recording.len().div_ceil(MOST_ROWS).max(1);
     for step in &mut found.steps {
@@ -77,7 +79,7 @@ pub fn diagnose(
         own.extend(yielding(model));
         rigid.surroundings.compliance.clear();
     }
-    within_laws(found, &own, (&rigid, recording), options.loss)
+    within_laws(found, &own, (&rigid, recording), options)
 }
 
 /// What is said of turns that were undone.
@@ -127,6 +129,7 @@ fn diagnose_all(
     // with every row: accelerations need the log's own rate
     let model = options.model.unwrap_or(device);
     let moving = of_moving_arm(model, &recording, validation.as_deref(), &options.without);
+    options.interrupt.check()?;
     // the load between motor and link is that of the bodies that the torques show
     let shown = (moving.as_ref()).map(|(torques, _)| changed(model, &torques.changes).0);
     let loaded = |recording: &Recording| with_link_torques(shown.as_ref()?, recording);
@@ -179,7 +182,7 @@ fn diagnose_all(
     check_recording(device, recording, &channels(device, recording)?)?;
     let elsewhere = options.model.and_then(|_| with_open_base(device));
     check_rig(elsewhere.as_ref().unwrap_or(device), recording)?;
-    let base = Base::fit(device, recording, options.loss)?;
+    let base = Base::fit(device, recording, options.loss, &options.interrupt)?;
     let diagnosed = |device: &Device, base: &Base| {
         let case = Case {
             device,
@@ -199,7 +202,12 @@ fn diagnose_all(
     };
     // a gap may hide below a noise that is stated too large: judged by what the recording shows of it
     let mut found = if corrected.is_other_than(device) {
-        let base = Base::fit(&corrected.device, recording, options.loss)?;
+        let base = Base::fit(
+            &corrected.device,
+            recording,
+            options.loss,
+            &options.interrupt,
+        )?;
         diagnosed(&corrected.device, &base)?
     } else {
         diagnosed(device, &base)?

@@ -2,6 +2,7 @@
 
 use haptical_calibration::LossChoice;
 use haptical_effects::Effect;
+use haptical_identification::Interrupt;
 use haptical_model::{Device, Recording};
 
 /// The effects of a device, each at every place where it can occur: [`haptical_effects::catalogue`] is one.
@@ -20,4 +21,6 @@ pub struct Options<'a> {
     pub validation: Option<&'a Recording>,
     /// What large residuals cost in the fit of the base model.
     pub loss: LossChoice,
+    /// Stops the diagnosis from another thread.
+    pub interrupt: Interrupt,
 }

@@ -2,6 +2,7 @@
 
 use haptical_calibration::{Channel, channels};
 use haptical_effects::device::attached;
+use haptical_identification::Interrupt;
 use haptical_model::{Device, Recording};
 
 use crate::DiagnosisError;
@@ -28,6 +29,7 @@ pub fn outlying_readings(
         free: Vec::new(),
         anchor: None,
         unfinished: None,
+        interrupt: Interrupt::default(),
     };
     // a diagnosis takes every so many rows of a long recording: all its rows are so many recordings
     let every = recording.len().div_ceil(MOST_ROWS).max(1);

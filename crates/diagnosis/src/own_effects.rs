@@ -1,15 +1,15 @@
 //! What the laws of a device's own effects leave: a spring hardens, a loop has no single form.
 
-use haptical_calibration::{LossChoice, Weights, channel_residuals};
+use haptical_calibration::{Weights, channel_residuals};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
 use haptical_effects::{Context, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
-use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
 use crate::force::examine;
+use crate::{DiagnosisError, Options};
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
@@ -23,7 +23,7 @@ pub(crate) fn within_laws(
     found: Diagnosis,
     own_effects: &[DeviceEffect],
     (device, recording): (&Device, &Recording),
-    loss: LossChoice,
+    options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
     let of_base = [
         LINK_GEOMETRY.name,
@@ -69,7 +69,7 @@ pub(crate) fn within_laws(
         }
         let without = match is_on_drives {
             true => torques_without(device, recording)?,
-            false => channels_without(device, recording, loss)?,
+            false => channels_without(device, recording, options)?,
         };
         let left = share_left(&own, &without);
         let laws = own_effects.iter().filter_map(|own| spec(&own.name));
@@ -110,9 +110,9 @@ type Without = (String, f64, f64);
 fn channels_without(
     device: &Device,
     recording: &Recording,
-    loss: LossChoice,
+    options: &Options<'_>,
 ) -> Result<Vec<Without>, DiagnosisError> {
-    let base = Base::fit(device, recording, loss)?;
+    let base = Base::fit(device, recording, options.loss, &options.interrupt)?;
     let weights = Weights::stated(&base.device, &base.channels);
     let (own, model) = (&base.device, &base.channels);
     let residuals = channel_residuals(own, own, recording, model, &weights)?;

@@ -3,6 +3,7 @@
 use haptical_calibration::LossChoice;
 use haptical_effects::Effect;
 use haptical_effects::device::{bare, effects_of, entry};
+use haptical_identification::Interrupt;
 use haptical_model::{Device, Recording};
 
 use crate::DiagnosisError;
@@ -29,7 +30,7 @@ pub fn start_values(
         return Ok(device.clone());
     }
     let rigid = bare(device);
-    let base = Base::fit(&rigid, recording, loss)?;
+    let base = Base::fit(&rigid, recording, loss, &Interrupt::default())?;
     let prepared = Prepared::new(&base, recording, recording)?;
     let gone = prepared.outlying(OUTLIER_SD);
     let cleaned = crate::noise::cleaning::without_readings(recording, &gone);

@@ -2,6 +2,7 @@
 
 use haptical_calibration::{Channel, Weights, prepare_device};
 use haptical_effects::{Context, catalogue, streams};
+use haptical_identification::Interrupt;
 use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_torques_nm};
 use proptest::prelude::*;
 
@@ -74,6 +75,7 @@ proptest! {
             parameters,
             anchor: None,
             unfinished: None,
+            interrupt: Interrupt::default(),
         };
         let streams = streams(&base.device, &channels);
         let weights = Weights::stated(&base.device, &channels);

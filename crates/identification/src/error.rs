@@ -63,6 +63,9 @@ pub enum IdentificationError {
         /// Parameters asked for.
         parameters: usize,
     },
+    /// Stopped on request before the end.
+    #[error("interrupted before the end")]
+    Interrupted,
     /// A refusal of the linear algebra.
     #[error("linear algebra: {0}")]
     Linalg(LinalgError),

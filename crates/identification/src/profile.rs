@@ -88,7 +88,7 @@ pub fn profiles<P: Problem + ?Sized>(
         spread,
         settings: Settings {
             cost_tolerance: settings.cost_tolerance.max(FALL_LEFT),
-            ..*settings
+            ..settings.clone()
         },
     };
     let mut found = Vec::new();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::IdentificationError;
+use crate::{IdentificationError, Interrupt};
 
 /// The two methods that the paper names.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,7 +16,7 @@ pub enum Method {
 }
 
 /// Settings of a fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Settings {
     /// Search method.
     pub method: Method,
@@ -32,6 +32,9 @@ pub struct Settings {
     pub rank_tolerance: f64,
     /// First damping of Levenberg-Marquardt, relative to unit-norm columns.
     pub initial_damping: f64,
+    /// Stops the search from another thread; no setting of its numbers.
+    #[serde(skip)]
+    pub interrupt: Interrupt,
 }
 
 impl Default for Settings {
@@ -43,6 +46,7 @@ impl Default for Settings {
             step_tolerance: 1e-13,
             rank_tolerance: 1e-12,
             initial_damping: 1e-6,
+            interrupt: Interrupt::default(),
         }
     }
 }

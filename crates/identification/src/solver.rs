@@ -53,7 +53,7 @@ const HEAVIEST_WEIGHT: f64 = 1e100;
 ///
 /// # Errors
 /// [`IdentificationError`] for shapes, settings, fewer residuals than free parameters or a model
-/// that cannot be evaluated at the start. A search that stops early is not an error:
+/// that cannot be evaluated at the start, or a request to stop ([`Settings::interrupt`]). A search that stops early is not an error:
 /// see [`Fit::convergence`].
 pub fn solve<P: Problem + ?Sized>(
     problem: &P,
@@ -101,6 +101,7 @@ fn attempt<P: Problem + ?Sized>(
     };
     let mut iterations = 0;
     let convergence = loop {
+        settings.interrupt.check()?;
         let newton = search.newton()?;
         if let Some(reason) = search.converged(&newton) {
             break reason;

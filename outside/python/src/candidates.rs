@@ -29,6 +29,7 @@ pub(crate) fn columns<'py>(
     columns.set_item("deviation", number(|one| one.deviation))?;
     columns.set_item("standard_deviation", number(|one| one.standard_deviation))?;
     columns.set_item("ci95", intervals(py, candidates)?)?;
+    columns.set_item("plausible_size", number(|one| Some(one.plausible_size)))?;
     columns.set_item("status", text(|one| one.status)?)?;
     let combinations = json!(combinations.collect::<Vec<_>>());
     columns.set_item("combination", python(py, &combinations, &[])?)?;

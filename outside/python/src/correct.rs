@@ -50,7 +50,7 @@ pub(crate) fn correct<'py>(
         within_rad,
     };
     let joints = device.read.model.joints.len();
-    let (found, text) = watched(py, progress, move || -> Result<_, Failure> {
+    let (found, text) = watched(py, progress, move |_| -> Result<_, Failure> {
         let path = match &path {
             Log::File(file) => {
                 Waypoints::read(&haptical::files::Source::by_path(file), &device.read)?

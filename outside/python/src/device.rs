@@ -103,8 +103,7 @@ pub(crate) fn device_of(
     ends: Ends<'_>,
     rig: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Device> {
-    if let Ok(device) = source.cast::<Device>() {
-        let device = device.get();
+    if let Some(device) = read_before(source)? {
         if let Some(keyword) = named(&ends) {
             return Err(Failure::value(format!(
                 "{keyword} names a link of a URDF; give it where the device is read"
@@ -112,7 +111,7 @@ pub(crate) fn device_of(
             .into());
         }
         return match rig {
-            None => Ok(device.clone()),
+            None => Ok(device),
             Some(_) => {
                 let label = &device.read.source().label;
                 let text = Source::text(device.to_toml(), label);
@@ -121,6 +120,23 @@ pub(crate) fn device_of(
         };
     }
     read(read_source(source, "the device")?, ends, rig)
+}
+
+/// A device that was read before, or that of a result.
+fn read_before(source: &Bound<'_, PyAny>) -> PyResult<Option<Device>> {
+    if let Ok(device) = source.cast::<Device>() {
+        return Ok(Some(device.get().clone()));
+    }
+    // a device in a dictionary has such a key, and no such attribute
+    let Ok(of_result) = source.getattr("device") else {
+        return Ok(None);
+    };
+    if of_result.is_none() {
+        let text = "the result names no cause that is part of a device; give the device itself";
+        return Err(Failure::value(text).into());
+    }
+    let device = of_result.cast::<Device>().ok();
+    Ok(device.map(|device| device.get().clone()))
 }
 
 /// The device with other input drum denominators than its file's.
@@ -142,8 +158,8 @@ pub(crate) fn with_denominators(
 
 /// A model of a device from whatever was given; the chain of a URDF runs between the same links as the device's.
 pub(crate) fn model_of(source: &Bound<'_, PyAny>, device: &Device) -> PyResult<Device> {
-    if let Ok(model) = source.cast::<Device>() {
-        return Ok(model.get().clone());
+    if let Some(model) = read_before(source)? {
+        return Ok(model);
     }
     let source = read_source(source, "the model")?;
     let read = device.read.open_model(&source).map_err(Failure::from)?;

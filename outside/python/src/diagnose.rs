@@ -41,7 +41,7 @@ pub(crate) fn diagnose(
     let model = model.map(|model| model_of(model, &device)).transpose()?;
     let logs = logs_of(log)?;
     let validate = validate.map(log_of).transpose()?;
-    let (text, files) = watched(py, progress, move || -> Result<_, Failure> {
+    let (text, files) = watched(py, progress, move |interrupt| -> Result<_, Failure> {
         let read = logs.iter().map(|log| log.read(&device.read));
         let read: Vec<Log> = read.collect::<Result<_, _>>()?;
         let Some((first, further)) = read.split_first() else {
@@ -60,6 +60,7 @@ pub(crate) fn diagnose(
             hold,
             deviations,
             repair,
+            interrupt: interrupt.clone(),
             ..Diagnose::default()
         };
         let gap = diagnose_device(&device.read, first, &request)?;

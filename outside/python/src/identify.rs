@@ -72,12 +72,12 @@ pub(crate) fn identify<'py>(
         noise,
         loss,
     };
-    let request = keywords.request()?;
+    let mut request = keywords.request()?;
     let device = with_denominators(device_of(device, (base, tip), rig)?, denominators)?;
     let log = log_of(log)?;
     let validate = validate.map(log_of).transpose()?;
     if is_of_dynamics {
-        let found = watched(py, progress, move || -> Result<_, Failure> {
+        let found = watched(py, progress, move |_| -> Result<_, Failure> {
             let read = log.read(&device.read)?;
             let second = validate.map(|log| log.read(&device.read)).transpose()?;
             let found = identify_dynamics(&device.read, &read, second.as_ref(), band_hz)?;
@@ -86,7 +86,8 @@ pub(crate) fn identify<'py>(
         })??;
         return dynamics(py, &found.0, &found.1);
     }
-    let found = watched(py, progress, move || -> Result<_, Failure> {
+    let found = watched(py, progress, move |interrupt| -> Result<_, Failure> {
+        request.options.search.interrupt = interrupt.clone();
         let read = log.read(&device.read)?;
         let found = identify_device(&device.read, &read, &request)?;
         let files = found.files()?;

@@ -28,6 +28,8 @@ pub(crate) enum Column {
 
 /// Name of a recording in memory in messages.
 const IN_MEMORY: &str = "the log";
+/// The column of times in seconds.
+const TIME: &str = "t_s";
 
 /// Takes one log, or several in a list or a tuple.
 pub(crate) fn logs_of(logs: &Bound<'_, PyAny>) -> PyResult<Vec<Log>> {
@@ -43,10 +45,14 @@ pub(crate) fn log_of(log: &Bound<'_, PyAny>) -> PyResult<Log> {
     let Ok(columns) = log.cast::<PyDict>() else {
         return match log.extract::<PathBuf>() {
             Ok(path) => Ok(Log::File(path)),
+            Err(_) if log.is_instance_of::<PyList>() => {
+                let text = "there is a list where one log is expected; join the logs, or give them to diagnose or fleet";
+                Err(Failure::value(text).into())
+            }
             Err(_) => {
                 let kind = log.get_type().name()?;
                 Err(Failure::value(format!(
-                    "the log is of the type {kind}; give a path or a dictionary of columns"
+                    "the log is of the type {kind}; give a path, a dictionary of columns or a frame"
                 ))
                 .into())
             }
@@ -101,6 +107,11 @@ fn column(numpy: &Bound<'_, PyModule>, name: &str, cells: &Bound<'_, PyAny>) -> 
             Ok(Column::Texts(
                 cells.iter().map(text).collect::<PyResult<_>>()?,
             ))
+        }
+        // dates that the log's times are not taken from say as little as a text
+        "M" | "m" if name != TIME => {
+            let texts = array.call_method1("astype", ("str",))?;
+            Ok(Column::Texts(texts.call_method0("tolist")?.extract()?))
         }
         _ => {
             let dtype = array.getattr("dtype")?.str()?;

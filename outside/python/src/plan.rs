@@ -93,7 +93,7 @@ pub(crate) fn plan<'py>(
             press_n: press,
         };
         let gap = gap_of(gap)?;
-        let files = watched(py, progress, move || {
+        let files = watched(py, progress, move |_| {
             settled(&device, &logs, &gap, &request)
         })??;
         return json(py, &files);
@@ -101,7 +101,7 @@ pub(crate) fn plan<'py>(
     if logs.len() > 1 {
         return Err(Failure::value("a plan of rigs adds to one log; give one, or settle").into());
     }
-    let (planned, files) = watched(py, progress, move || -> Result<_, Failure> {
+    let (planned, files) = watched(py, progress, move |_| -> Result<_, Failure> {
         let read = logs.first().map(|log| log.read(&device.read)).transpose()?;
         let planned = plan_device(&device.read, &request, read.as_ref())?;
         let files = planned.files()?;

@@ -27,7 +27,7 @@ pub(crate) fn replay<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let device = device_of(device, (base, tip), rig)?;
     let log = log_of(log)?;
-    let replayed = watched(py, progress, move || -> Result<_, Failure> {
+    let replayed = watched(py, progress, move |_| -> Result<_, Failure> {
         Ok(replay_log(&device.read, &log.read(&device.read)?)?)
     })??;
     let channels = PyDict::new(py);

@@ -61,7 +61,7 @@ pub(crate) fn simulate<'py>(
     let device = device_of(device, (base, tip), rig)?;
     let truth = truth.map(|truth| model_of(truth, &device)).transpose()?;
     let poses = poses.map(log_of).transpose()?;
-    let made = watched(py, progress, move || {
+    let made = watched(py, progress, move |_| {
         let of = match (&truth, deviate) {
             (Some(truth), _) => Truth::Of(&truth.read),
             (None, Some(share)) => Truth::Drawn(share),

@@ -1,5 +1,7 @@
 """A fleet: many logs, one call, one table; a failure is a row."""
 
+import time
+
 import haptical
 import numpy as np
 import pytest
@@ -55,11 +57,72 @@ def test_two_local_workers_of_dask(tmp_path):
     check(table, paths)
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_two_local_workers_of_ray(tmp_path):
+    ray = pytest.importorskip("ray")
+    paths = logs(tmp_path)
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False)
+    try:
+        table = haptical.fleet(DEVICE, paths, executor=ray)
+    finally:
+        ray.shutdown()
+    check(table, paths)
+
+
+def test_logs_are_taken_as_they_are_worked_on():
+    taken = []
+
+    def one_by_one():
+        for number in range(12):
+            taken.append(number)
+            yield recording(0.3012, 0.1991, rows=60, seed=number)
+
+    behind = []
+    table = haptical.fleet(DEVICE, one_by_one(), workers=2, ahead=3, on_row=lambda row: behind.append((row["log"], len(taken))))
+    assert table.rows == 12 and table.failed == 0
+    assert [log for log, _ in behind] == [f"log {number + 1}" for number in range(12)]
+    assert all(count <= row + 3 for row, (_, count) in enumerate(behind)), behind
+    with pytest.raises(ValueError, match="one log; give a list"):
+        haptical.fleet(DEVICE, recording(0.3012, 0.1991))
+
+
+def test_an_executor_that_takes_no_more_keeps_what_was_found(tmp_path):
+    from concurrent.futures import Future
+
+    class Broken:
+        calls = 0
+
+        def submit(self, call, *arguments):
+            self.calls += 1
+            if self.calls > 2:
+                raise RuntimeError("the pool is broken")
+            future = Future()
+            future.set_result(call(*arguments))
+            return future
+
+    table = haptical.fleet(DEVICE, logs(tmp_path), executor=Broken())
+    assert table["ok"] == [True, False, False, False] and table["error"][3] == "RuntimeError: the pool is broken"
+
+
+def test_ctrl_c_ends_the_logs_that_are_worked_on():
+    long = [recording(0.3012, 0.1991, rows=rows) for rows in (60, 400000, 400000)]
+
+    def stop(_row):
+        raise KeyboardInterrupt
+
+    begun = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        haptical.fleet(DEVICE, long, call="diagnose", workers=3, on_row=stop)
+    assert time.perf_counter() - begun < 5.0
+
+
 def test_a_diagnosis_of_each(tmp_path):
     paths = logs(tmp_path)
     table = haptical.fleet(haptical.Device(DEVICE), [paths[0], paths[1]], call="diagnose", workers=2)
     assert table["ok"] == [True, False] and table["verdict"][0] == "no-gap" and table["verdict"][1] is None
     with pytest.raises(ValueError, match="one of these is expected: identify, diagnose"):
         haptical.fleet(DEVICE, paths, call="replay")
+    with pytest.raises(TypeError, match="metod"):
+        haptical.fleet(DEVICE, paths, metod="joint")
     with pytest.raises(ValueError, match="2 devices and 4 logs"):
         haptical.fleet([DEVICE, DEVICE], paths)

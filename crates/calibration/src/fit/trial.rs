@@ -61,7 +61,7 @@ impl<'a> Trial<'a> {
         let mut options = Options {
             starts: 0,
             unfinished: true,
-            ..*self.request.options
+            ..self.request.options.clone()
         };
         options.search.max_iterations = options.search.max_iterations.min(MOST_STEPS);
         let trial = FitRequest {

@@ -49,7 +49,7 @@ pub(crate) fn automatic(
     let sample = recording.select(&some);
     let quick = Options {
         method: CalibrationMethod::TwoStep,
-        ..*options
+        ..options.clone()
     };
     let Ok(screen) = fit(device, &sample, &quick, Loss::Tukey) else {
         return plain;

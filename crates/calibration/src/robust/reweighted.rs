@@ -213,11 +213,11 @@ pub(crate) fn fit(
     // the noise is stated by the weights, channel by channel
     let options = Options {
         weighting: Weighting::Stated,
-        ..*options
+        ..options.clone()
     };
     let quick = Options {
         method: CalibrationMethod::TwoStep,
-        ..options
+        ..options.clone()
     };
     let nominal = FittedDevice {
         device: device.clone(),
@@ -228,12 +228,12 @@ pub(crate) fn fit(
     };
     let (_, mut weights) = judge(&nominal, recording, Loss::Huber)?;
     weights.factor.clear();
-    let mut stages = vec![(Loss::Huber, quick, ROUNDS)];
+    let mut stages = vec![(Loss::Huber, &quick, ROUNDS)];
     if loss != Loss::Huber {
-        stages.push((loss, quick, ROUNDS));
+        stages.push((loss, &quick, ROUNDS));
     }
     if options.method == CalibrationMethod::Joint {
-        stages.push((loss, options, JOINT_ROUNDS));
+        stages.push((loss, &options, JOINT_ROUNDS));
     }
     let fit_with = |weights: &Weights, options: &Options, start: Option<&Device>| {
         fit_once(device, recording, &present, weights, options, start)
@@ -244,7 +244,7 @@ pub(crate) fn fit(
     let mut before: Option<Device> = None;
     for (loss, options, limit) in stages {
         for _ in 0..limit {
-            let fitted = fit_with(&weights, &options, before.as_ref())?;
+            let fitted = fit_with(&weights, options, before.as_ref())?;
             rounds += 1;
             let wanted;
             (scales, wanted) = judge(&fitted, recording, loss)?;

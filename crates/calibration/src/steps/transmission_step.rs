@@ -130,7 +130,7 @@ pub fn fit_transmission(
         .collect();
     // Terms that the evidence chose are supported, however large their scatter is against a
     // plausible size: on a worn arm both can be tens of milliradians.
-    let mut options = *options;
+    let mut options = options.clone();
     if !evidence.is_empty() {
         options.rules.weak_share = f64::MAX;
     }

@@ -4,7 +4,7 @@ use haptical_calibration::{
     Channel, Degree, HeldOut, LossChoice, Options, ParameterFit, Weighting, Weights, channels,
     fit_device, fit_transmissions, prepare_device,
 };
-use haptical_identification::Settings;
+use haptical_identification::{Interrupt, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
@@ -25,6 +25,8 @@ pub(crate) struct Base {
     pub(crate) anchor: Option<Anchor>,
     /// Where the search ended, and why, if that was no minimum.
     pub(crate) unfinished: Option<Unfinished>,
+    /// Stops everything that is worked out from it.
+    pub(crate) interrupt: Interrupt,
 }
 
 /// End of a search that found no minimum.
@@ -40,6 +42,7 @@ impl Base {
         device: &Device,
         recording: &Recording,
         loss: LossChoice,
+        interrupt: &Interrupt,
     ) -> Result<Self, DiagnosisError> {
         let channels = channels(device, recording)?;
         let part = recording.select(&spread_rows(recording, &channels));
@@ -55,6 +58,7 @@ impl Base {
             weighting: weighting(device, &channels),
             search: Settings {
                 max_iterations: MOST_STEPS,
+                interrupt: interrupt.clone(),
                 ..Settings::default()
             },
             unfinished: true,
@@ -104,6 +108,7 @@ impl Base {
                     free: found.free,
                     anchor: Some(found.anchor),
                     unfinished: None,
+                    interrupt: interrupt.clone(),
                 });
             }
         }
@@ -127,6 +132,7 @@ impl Base {
             free,
             anchor: None,
             unfinished,
+            interrupt: interrupt.clone(),
         })
     }
 

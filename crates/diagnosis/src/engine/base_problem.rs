@@ -144,6 +144,7 @@ impl<'a> BaseProblem<'a> {
         values: &[f64],
         derivatives: bool,
     ) -> Result<Evaluated, DiagnosisError> {
+        self.base.interrupt.check()?;
         let derivatives = derivatives && !self.base.parameters.is_empty();
         let groups = self.groups.par_iter();
         let made = groups.map(|group| group.evaluate(values, derivatives));

@@ -3,6 +3,7 @@
 use haptical_calibration::{
     Channel, FitRequest, Options, Weights, fit_parameters, prepare_device, with_unseen_places,
 };
+use haptical_identification::Interrupt;
 use haptical_model::{Device, ParameterId, Recording, SurroundingParameter};
 
 use crate::DiagnosisError;
@@ -60,6 +61,7 @@ pub(crate) fn placed(
         free: Vec::new(),
         anchor: None,
         unfinished: None,
+        interrupt: Interrupt::default(),
     })
 }
 

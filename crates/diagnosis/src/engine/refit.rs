@@ -79,6 +79,7 @@ impl Engine<'_> {
         let mut last_step = f64::INFINITY;
         let mut refreshed: Option<Part> = None;
         for pass in 0..PASSES {
+            self.base.interrupt.check()?;
             let current = refreshed.as_ref().unwrap_or(part);
             let (columns, owners) = self.cause_columns(current, effects, &model);
             let pull = self.base.pull(&model.values);

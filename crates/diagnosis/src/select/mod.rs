@@ -143,6 +143,7 @@ impl<'e> Selector<'e> {
         };
         let mut tried = Vec::new();
         loop {
+            self.engine.base.interrupt.check()?;
             let mut scan = self.scan(&grown.system, &grown.refit.model);
             scan.retain(|score| !refused.shut.contains(&score.effect));
             if grown.refit.model.causes.is_empty() {

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use haptical_calibration::{LossChoice, channels};
 use haptical_effects::device::attached;
 use haptical_effects::{Context, Effect, Family, catalogue};
+use haptical_identification::Interrupt;
 use haptical_linalg::SparseColumns;
 use haptical_model::{Device, Recording};
 use rayon::prelude::*;
@@ -70,7 +71,12 @@ impl Settler {
                 "the log has joints and torques alone, of which no further recording is planned",
             );
         }
-        let base = Base::fit(&device, &recorded, LossChoice::default())?;
+        let base = Base::fit(
+            &device,
+            &recorded,
+            LossChoice::default(),
+            &Interrupt::default(),
+        )?;
         let prepared = Prepared::new(&base, &recorded, &recorded)?;
         let cleaned = without_readings(&recorded, &prepared.outlying(OUTLIER_SD));
         let prepared = Prepared::new(&base, &cleaned, &cleaned)?;

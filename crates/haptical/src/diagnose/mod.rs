@@ -23,6 +23,7 @@ use haptical_diagnosis::{
     Verdict, diagnose as diagnose_recording,
 };
 use haptical_effects::structure::JOINT_COMPLIANCE;
+use haptical_identification::Interrupt;
 use haptical_model::Recording;
 use haptical_report::Block;
 
@@ -68,6 +69,8 @@ pub struct Diagnose<'a> {
     pub hold: Vec<String>,
     /// How far such numbers may plausibly be off \[m\] or \[rad\].
     pub deviations: Vec<(String, f64)>,
+    /// Stops the diagnosis from another thread.
+    pub interrupt: Interrupt,
     /// Whether to write the log without what is its own fault, and to diagnose that again.
     pub repair: bool,
 }
@@ -121,7 +124,8 @@ pub struct Cause<'a>(pub &'a CauseAnswer);
 ///
 /// # Errors
 /// [`ErrorKind::Unidentifiable`](crate::ErrorKind) where the log fixes nothing, otherwise what is wrong with a
-/// reading, the device or an option, and where; a second log that is the first one.
+/// reading, the device or an option, and where; a second log that is the first one;
+/// [`ErrorKind::Interrupted`](crate::ErrorKind) after a request of `options.interrupt`.
 pub fn diagnose(device: &Device, log: &Log, options: &Diagnose<'_>) -> Result<Diagnosed, Error> {
     diagnose_as(VERSION, device, log, options)
 }
@@ -146,6 +150,7 @@ pub fn diagnose_as(
         joint_compliance,
         hold: kept,
         deviations,
+        interrupt,
         repair,
     } = options;
     if let Some(model) = model {
@@ -175,15 +180,19 @@ pub fn diagnose_as(
         own_effects: *own_effects,
         model: model.map(|model| &model.model),
         validation: validate.map(|log| log.recording.as_ref()),
+        interrupt: interrupt.clone(),
     };
     let (device_path, log_path) = (&device.source().path, &log.source().path);
-    let mut diagnosis = diagnose_recording(&described, &recording, &request)
+    let diagnosis = diagnose_recording(&described, &recording, &request);
+    Error::unless_interrupted(interrupt, log_path)?;
+    let mut diagnosis = diagnosis
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
     let repair = match repair {
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
         false => None,
     };
+    Error::unless_interrupted(interrupt, log_path)?;
     let arm = arm_of(model.unwrap_or(device), &diagnosis, &recording)?;
     let own = std::mem::take(&mut diagnosis.warnings);
     let of_logs = logs.iter().map(|log| &log.warnings);

@@ -13,6 +13,7 @@ use std::path::Path;
 pub use self::place::Place;
 use haptical_calibration::CalibrationError;
 use haptical_diagnosis::DiagnosisError;
+use haptical_identification::Interrupt;
 use haptical_report::ReportError;
 
 use crate::files::reason;
@@ -133,6 +134,11 @@ impl Error {
         let what = "interrupted before the end; nothing was written";
         Self::in_file("interrupted", what, out, "run the command again")
             .of_kind(ErrorKind::Interrupted)
+    }
+
+    /// A request to stop while a log was worked on.
+    pub(crate) fn unless_interrupted(interrupt: &Interrupt, log: &Path) -> Result<(), Self> {
+        interrupt.check().map_err(|_| Self::interrupted(log))
     }
 
     /// A failure of the program itself; no input should lead here.

@@ -72,7 +72,7 @@ impl Thresholds {
     pub fn from_options(options: &Options) -> Self {
         Self {
             identifiability: options.rules,
-            search: options.search,
+            search: options.search.clone(),
         }
     }
 }

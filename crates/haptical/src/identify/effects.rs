@@ -287,7 +287,7 @@ fn fitted<'r>(
                 true => options.held_out,
                 false => HeldOut::None,
             },
-            ..*options
+            ..options.clone()
         };
         let calibration = calibrate(&there, &with, options)?;
         let mut found = Fitted {

@@ -93,7 +93,8 @@ pub struct Found {
 ///
 /// # Errors
 /// [`ErrorKind::Unidentifiable`](crate::ErrorKind) where the log fixes nothing, otherwise what is wrong with a
-/// reading, the device or an option, and where.
+/// reading, the device or an option, and where; [`ErrorKind::Interrupted`](crate::ErrorKind) after a request of
+/// `options.options.search.interrupt`.
 pub fn identify(device: &Device, log: &Log, options: &Identify) -> Result<Found, Error> {
     identify_as(VERSION, device, log, options)
 }
@@ -116,6 +117,7 @@ pub fn identify_as(
         Error::calibration(&error, device_path, log_path).with_equipment(device)
     };
     let found = calibrate_with_effects(&model, &recording, &options.options);
+    Error::unless_interrupted(&options.options.search.interrupt, log_path)?;
     let (calibration, mut effects) = found.map_err(|error| match error {
         EffectFitError::Calibration(error) => refuse(error),
         EffectFitError::Diagnosis(error) => {

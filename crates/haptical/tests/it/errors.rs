@@ -1,5 +1,6 @@
 //! Refusals: kind, place and next step, whatever was wrong.
 
+use haptical::identification::Interrupt;
 use haptical::prelude::*;
 
 const DEVICE: &str = "[[joint]]\nexternal_encoder_counts_per_rev = 20000\n";
@@ -60,6 +61,27 @@ fn the_log_of_the_fit_is_no_second_log() {
     };
     let refused = diagnose(&device, &log, &request).unwrap_err();
     assert_eq!(refused.name(), "same-log");
+}
+
+#[test]
+fn what_is_asked_to_stop_gives_no_result() {
+    let device = Device::from_toml(DEVICE, "device.toml").unwrap();
+    let row = |row: i32| format!("{0},{0}\n", 0.01 * f64::from(row));
+    let rows: String = (0..80).map(row).collect();
+    let log = log_of(&format!("theta1_rad,out1_rad\n{rows}")).unwrap();
+    let interrupt = Interrupt::default();
+    let mut asked = Identify::default();
+    asked.options.search.interrupt = interrupt.clone();
+    let request = Diagnose {
+        interrupt: interrupt.clone(),
+        ..Diagnose::default()
+    };
+    assert!(identify(&device, &log, &asked).is_ok() && diagnose(&device, &log, &request).is_ok());
+    interrupt.request();
+    let refused = identify(&device, &log, &asked).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Interrupted, "{refused}");
+    let refused = diagnose(&device, &log, &request).unwrap_err();
+    assert_eq!(refused.kind(), ErrorKind::Interrupted, "{refused}");
 }
 
 #[test]

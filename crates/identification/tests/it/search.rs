@@ -1,6 +1,10 @@
 //! The course of a search: rejected trials, reasons for stopping, no false success.
 
-use haptical_identification::{Convergence, IdentificationError, Method, Settings, Status, solve};
+use std::cell::Cell;
+
+use haptical_identification::{
+    Convergence, IdentificationError, Interrupt, Method, Settings, Status, solve,
+};
 use proptest::prelude::*;
 
 use crate::support::{Closure, Evaluation, decay, judge};
@@ -224,6 +228,37 @@ fn the_iteration_limit_is_reported() {
         assert_eq!(fit.convergence, Convergence::IterationLimit);
         assert_eq!(fit.iterations, 1);
         assert!(!fit.convergence.was_successful());
+    }
+}
+
+/// The model asks for the stop while it is evaluated at its second place: the search goes no further.
+#[test]
+fn a_request_to_stop_ends_the_search_at_its_next_step() {
+    let interrupt = Interrupt::default();
+    let places = Cell::new(0);
+    let cubic = Closure {
+        parameters: 1,
+        rows: 2,
+        evaluate: |p: &[f64]| {
+            places.set(places.get() + 1);
+            if places.get() == 3 {
+                interrupt.request();
+            }
+            Ok((
+                vec![p[0].powi(3) - 1.0; 2],
+                vec![vec![3.0 * p[0] * p[0]]; 2],
+            ))
+        },
+    };
+    for method in METHODS {
+        let heard = Settings {
+            interrupt: interrupt.clone(),
+            ..settings(method)
+        };
+        let ended = solve(&cubic, &[9.0], &[0], &heard).map(|_| ());
+        assert_eq!(ended, Err(IdentificationError::Interrupted));
+        // a step evaluates residuals, then derivatives: the second method begins with the request
+        assert!(places.get() <= 5, "{}", places.get());
     }
 }
 

@@ -93,6 +93,11 @@ def _watched(progress: Progress, what: str) -> Iterator[Optional[Callable[[float
             print("\r" + " " * len(shown) + "\r", end="", file=_sys.stderr, flush=True)
 
 
+def _words(words: Sequence[str]) -> list[str]:
+    """Names in a list; one alone is a list of one."""
+    return [words] if isinstance(words, str) else list(words)
+
+
 def identify(
     device: Union[Device, Source],
     log: Log,
@@ -139,8 +144,8 @@ def identify(
             method=method,
             held_out=held_out,
             folds=folds,
-            with_=list(with_),
-            hold=list(hold),
+            with_=_words(with_),
+            hold=_words(hold),
             deviation=dict(deviation or {}),
             degree=degree,
             noise=noise,
@@ -190,9 +195,9 @@ def diagnose(
             _columns(log),
             model=model,
             validate=None if validate is None else _columns(validate),
-            without=list(without),
-            with_=list(with_),
-            hold=list(hold),
+            without=_words(without),
+            with_=_words(with_),
+            hold=_words(hold),
             deviation=dict(deviation or {}),
             loss=loss,
             repair=repair,
@@ -248,7 +253,7 @@ def plan(
     with _watched(progress, "planning") as watch:
         found = _haptical.plan(
             device,
-            [measure] if isinstance(measure, str) else list(measure),
+            _words(measure),
             poses=poses,
             criterion=criterion,
             region=region,
@@ -420,6 +425,8 @@ def effects() -> list[Record]:
 
 
 def _rows(readings: _npt.ArrayLike, what: str) -> Array:
+    if isinstance(readings, dict):
+        raise ValueError(f"the {what} are a dictionary; give an array [N, n], a column for each of `Device.columns`")
     rows = _np.atleast_2d(_np.asarray(readings, dtype=_np.float64))
     if rows.ndim != 2:
         raise ValueError(f"the {what} have {rows.ndim} dimensions; give one row for each posture")

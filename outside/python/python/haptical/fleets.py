@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+import sys
+import threading
 import time
+from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Callable, Iterable, Optional
+from itertools import repeat
+from typing import Any, Callable, Iterable, Iterator, Literal, Optional
 
 import numpy as np
 
@@ -20,55 +25,114 @@ def fleet(
     device: Any,
     logs: Iterable[Any],
     *,
-    call: str = "identify",
+    call: Literal["identify", "diagnose"] = "identify",
     executor: Optional[Any] = None,
     workers: Optional[int] = None,
+    ahead: int = 256,
     out: Optional[Any] = None,
     on_row: Optional[Callable[[dict[str, Any]], None]] = None,
+    progress: bool = False,
     **options: Any,
 ) -> Fleet:
     """Identify (or `call="diagnose"`) from every one of `logs`, and put what was found into one table.
 
     `device` is one device for all, or a list with one for each log. `executor` is whatever has `submit` and gives futures
-    with `result`: a `concurrent.futures` executor, or a `dask.distributed.Client`; without it `workers` threads of this
-    process, which run side by side because the interpreter's lock is free. `options` are keywords of the call. A log that
-    cannot be read, or fixes nothing, or whose worker dies, is a row with `ok` False and its `error`. `out` is a Parquet file to
-    write (needs pyarrow). `on_row` is called with every row as it comes.
+    with `result`: a `concurrent.futures` executor, or a `dask.distributed.Client`; or the module `ray`. Without it `workers`
+    threads of this process, which run side by side because the interpreter's lock is free. `options` are keywords of the call.
+    A log that cannot be read, or fixes nothing, or whose worker dies, is a row with `ok` False and its `error`.
+
+    `logs` may be a generator: at most `ahead` of them are handed out at a time, so that memory does not grow with their number.
+    `out` is a Parquet file to write (needs pyarrow). `on_row` is called with every row, in the order of the logs;
+    `progress=True` shows how many are done on standard error.
 
     The columns: `log`, `ok`, `error`, `seconds`, `answer`; of `identify` `rank`, `value.NAME` and `sd.NAME` of every parameter,
     `before.CHANNEL` and `after.CHANNEL`, root mean squares; of `diagnose` `verdict`, `cause`, `joint`, `probability`.
     """
     if call not in ("identify", "diagnose"):
         raise ValueError(f'call is "{call}"; one of these is expected: identify, diagnose')
-    logs = list(logs)
-    devices = list(device) if isinstance(device, (list, tuple)) else [device] * len(logs)
-    if len(devices) != len(logs):
-        raise ValueError(f"there are {len(devices)} devices and {len(logs)} logs; give one device, or one for each log")
+    if isinstance(logs, (str, dict)) or any(hasattr(logs, name) for name in ("__fspath__", "columns", "column_names")):
+        raise ValueError("logs is one log; give a list of them")
+    if ahead < 1:
+        raise ValueError(f"ahead is {ahead}; 1 or more is expected")
+    devices: Iterable[Any] = repeat(device)
+    if isinstance(device, (list, tuple)):
+        logs, devices = list(logs), device
+        if len(device) != len(logs):
+            raise ValueError(f"there are {len(device)} devices and {len(logs)} logs; give one device, or one for each log")
+    import haptical
+
+    # a keyword that is none is the caller's mistake, not one of every log
+    inspect.signature(getattr(haptical, call)).bind(device, None, **options)
+    stopped = threading.Event()
     own = None if executor is not None else ThreadPoolExecutor(max_workers=workers)
-    pool: Any = executor if executor is not None else own
+    submit = _submit(executor if own is None else own)
+    extra = {} if own is None else {"progress": _until(stopped)}
+    tasks = ((_label(log, index), one, log) for index, (one, log) in enumerate(zip(devices, logs)))
+    rows: list[dict[str, Any]] = []
     try:
-        # Dask takes equal calls for one
-        extra = {"pure": False} if hasattr(pool, "scheduler_info") else {}
-        futures = [
-            pool.submit(_one, call, one, log, _label(log, index), options, **extra)
-            for index, (one, log) in enumerate(zip(devices, logs))
-        ]
-        rows = []
-        for index, future in enumerate(futures):
-            try:
-                row = future.result()
-            except Exception as error:  # a worker that died, or a result that cannot be sent
-                row = _failure(_label(logs[index], index), error, 0.0)
+        for row in _rows(submit, ((call, one, log, label, options | extra) for label, one, log in tasks), ahead):
             rows.append(row)
             if on_row is not None:
                 on_row(row)
+            if progress:
+                print(f"\r{len(rows)} logs done, {sum(not row['ok'] for row in rows)} failed", end="", file=sys.stderr, flush=True)
     finally:
+        # after Ctrl-C the logs that are being worked on end too
+        stopped.set()
         if own is not None:
             own.shutdown(cancel_futures=True)
+        if progress:
+            print(file=sys.stderr)
     table = _table(rows)
     if out is not None:
         table.write_parquet(out)
     return table
+
+
+def _submit(executor: Any) -> Callable[..., Any]:
+    """What hands a call to the executor and gives a future."""
+    if hasattr(executor, "submit"):
+        # Dask takes equal calls for one
+        extra = {"pure": False} if hasattr(executor, "scheduler_info") else {}
+        return lambda call, *arguments: executor.submit(call, *arguments, **extra)
+    if hasattr(executor, "remote"):  # the module ray; its tasks are made of functions
+        task = executor.remote(_one)
+        return lambda _call, *arguments: task.remote(*arguments).future()
+    raise ValueError("the executor has no `submit`; give one of concurrent.futures, a client of Dask, or the module ray")
+
+
+def _until(stopped: threading.Event) -> Callable[[float], None]:
+    """Ends a call that is watched by it."""
+
+    def listen(_seconds: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
+    return listen
+
+
+def _rows(submit: Callable[..., Any], tasks: Iterator[tuple[Any, ...]], ahead: int) -> Iterator[dict[str, Any]]:
+    """The rows in the order of the tasks."""
+    waiting: deque[tuple[str, Any]] = deque()
+
+    def first() -> dict[str, Any]:
+        label, future = waiting.popleft()
+        try:
+            row: dict[str, Any] = future if isinstance(future, dict) else future.result()
+        except Exception as error:  # a worker that died, or a result that cannot be sent
+            row = _failure(label, error, 0.0)
+        return row
+
+    for task in tasks:
+        label = task[3]
+        try:
+            waiting.append((label, submit(_one, *task)))
+        except Exception as error:  # an executor that takes no more, or a log that cannot be sent
+            waiting.append((label, _failure(label, error, 0.0)))
+        if len(waiting) >= ahead:
+            yield first()
+    while waiting:
+        yield first()
 
 
 def _label(log: Any, index: int) -> str:

@@ -13,14 +13,18 @@ __all__ = ["columns"]
 
 def columns(log: Any) -> Any:
     """What the module takes: a path, or a dictionary of columns; a list of logs stays one."""
+    if isinstance(log, str) and "\n" in log:
+        raise ValueError("the log is a text; write it to a file and give its path, or give its columns")
     if isinstance(log, (str, os.PathLike, dict)):
         return log
+    if hasattr(log, "collect_schema") and hasattr(log, "collect"):  # a lazy frame of polars
+        log = log.collect()
     if isinstance(log, (list, tuple)):
         return [columns(own) for own in log]
     if isinstance(log, np.ndarray):
         names = log.dtype.names
         if names is None:
-            raise ValueError("the log is an array without names of columns; give a dictionary, a frame or a structured array")
+            raise ValueError("there is an array without names of columns; give a dictionary, a frame or a structured array")
         return {name: log[name] for name in names}
     # pyarrow's `columns` are not names
     names = getattr(log, "column_names", None)

@@ -15,9 +15,13 @@ from ._haptical import Device
 if TYPE_CHECKING:
     import os
 
-    from .types import Array, Channel, Intervals, ReplayedChannel
+    from .types import Array
 
 __all__ = ["Columns", "Correction", "Diagnosis", "Fleet", "Identification", "Plan", "Record", "Replay", "Result", "Simulation"]
+
+
+#: Rows of a table that a notebook shows.
+_SHOWN = 60
 
 
 class Record(dict[str, Any]):
@@ -70,7 +74,15 @@ class Columns(Record):
         """As a pyarrow.Table; an interval is two columns, `ci95_low` and `ci95_high`."""
         import pyarrow
 
-        return pyarrow.table(self._flat())
+        def array(column: Any) -> Any:
+            # a column without any text is one of texts all the same
+            is_empty = isinstance(column, list) and all(cell is None for cell in column)
+            return pyarrow.array(column, type=pyarrow.string() if is_empty else None)
+
+        return pyarrow.table({name: array(column) for name, column in self._flat().items()})
+
+    def __repr__(self) -> str:
+        return f"<haptical.{type(self).__name__}: {self.rows} rows of {', '.join(self)}>"
 
     def _repr_html_(self) -> str:
         flat = self._flat()
@@ -81,9 +93,12 @@ class Columns(Record):
                 return "" if value != value else f"{value:.6g}"
             return "" if value is None else _html.escape(str(value))
 
-        lines = ("".join(f"<td>{cell(column[row])}</td>" for column in flat.values()) for row in range(self.rows))
+        lines = ("".join(f"<td>{cell(column[row])}</td>" for column in flat.values()) for row in range(min(self.rows, _SHOWN)))
         body = "".join(f"<tr>{line}</tr>" for line in lines)
-        return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        more = f"<p>the first {_SHOWN} of {self.rows} rows</p>" if self.rows > _SHOWN else ""
+        # a wide table moves below a narrow page, not with it
+        frame = f"<table style='white-space:nowrap'><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        return f'<div style="overflow-x:auto">{frame}</div>{more}'
 
 
 def _deep(value: Any) -> Any:
@@ -138,9 +153,26 @@ class Result(Record):
     def _repr_html_(self) -> str:
         page = self.report_html
         if page is None:
-            return f"<pre>{_html.escape(repr(self))}</pre>"
+            return f"<p>{_html.escape(repr(self))}</p>{self.table._repr_html_()}"
         frame = 'style="width:100%;height:42em;border:1px solid #8884" sandbox="allow-scripts"'
         return f'<iframe title="report" srcdoc="{_html.escape(page)}" {frame}></iframe>'
+
+    @property
+    def table(self) -> Columns:
+        """What it is about, as one table."""
+        raise NotImplementedError(f"there is no table of a {type(self).__name__}")
+
+    def to_pandas(self) -> Any:
+        """`table` as a pandas.DataFrame."""
+        return self.table.to_pandas()
+
+    def to_polars(self) -> Any:
+        """`table` as a polars.DataFrame."""
+        return self.table.to_polars()
+
+    def to_arrow(self) -> Any:
+        """`table` as a pyarrow.Table."""
+        return self.table.to_arrow()
 
     def plot(self) -> Any:
         """A matplotlib figure of it."""
@@ -158,9 +190,16 @@ class Identification(Result):
     rank: int
     candidates: int
     parameters: Columns
-    channels: dict[str, "Channel"]
+    channels: dict[str, Record]
     transmissions: list[Any]
-    intervals: "Optional[Intervals]"
+    intervals: Optional[Record]
+    search: Optional[Record]
+    identifiability: Record
+    force_direction: Optional[Record]
+    noise: dict[str, Record]
+    moved: list[Record]
+    combinations: list[Record]
+    not_identified: list[Record]
     warnings: list[str]
     identified_toml: str
 
@@ -168,6 +207,11 @@ class Identification(Result):
     def device(self) -> Device:
         """The identified device."""
         return Device(self["identified_toml"])
+
+    @property
+    def table(self) -> Columns:
+        """The parameters."""
+        return Columns(self["parameters"])
 
     def plot(self) -> Any:
         """Deviations from nominal with their intervals, and the channels' errors before and after."""
@@ -183,7 +227,7 @@ class Diagnosis(Result):
 
     answer: str
     verdict: str
-    causes: list[Any]
+    causes: list[Record]
     gap: Record
     unexplained_share: float
     corrected_toml: Optional[str]
@@ -193,6 +237,11 @@ class Diagnosis(Result):
         """The device with the causes as effects; None where no cause is part of a device."""
         text = self["corrected_toml"]
         return None if text is None else Device(text)
+
+    @property
+    def table(self) -> Columns:
+        """The channels: a row for each, with its error before and after."""
+        return _by_columns(self["gap"]["channels"])
 
     def plot(self) -> Any:
         """Errors before and after, channel by channel."""
@@ -206,9 +255,17 @@ class Plan(Result):
 
     _page = "plan.html"
 
-    rigs: list[Any]
+    rigs: list[Record]
     next_poses: Optional[Record]
     warnings: list[str]
+
+    @property
+    def table(self) -> Columns:
+        """The chosen poses, a column for each joint's reading; where none were chosen, what the first rig tells."""
+        chosen = self["next_poses"]
+        if chosen is None:
+            return Columns(self["rigs"][0]["parameters"])
+        return table(self.files["poses.csv"].decode("utf-8"))
 
     def plot(self) -> Any:
         """How well each rig fixes each parameter."""
@@ -220,8 +277,13 @@ class Plan(Result):
 class Replay(Result):
     """What a model predicts of a log, channel by channel."""
 
-    channels: dict[str, "ReplayedChannel"]
+    channels: dict[str, Record]
     warnings: list[str]
+
+    @property
+    def table(self) -> Columns:
+        """The channels: a row for each, with its error and the noise that the device file states."""
+        return _by_columns(list(self["channels"].values()))
 
     def plot(self) -> Any:
         """Prediction minus measurement, channel by channel."""
@@ -247,6 +309,11 @@ class Correction(Result):
         """The corrected path as a table, as `haptical correct` writes it."""
         return table(self["csv"])
 
+    @property
+    def table(self) -> Columns:
+        """The corrected path."""
+        return self.path
+
     def plot(self) -> Any:
         """How far the path's own readings would be off."""
         from . import plots
@@ -268,6 +335,11 @@ class Simulation(Result):
         return table(self["csv"])
 
     @property
+    def table(self) -> Columns:
+        """The log."""
+        return self.log
+
+    @property
     def truth(self) -> Device:
         """The true device."""
         return Device(self["truth_toml"])
@@ -286,6 +358,12 @@ class Fleet(Columns):
         import pyarrow.parquet
 
         pyarrow.parquet.write_table(self.to_arrow(), path)
+
+
+def _by_columns(rows: list[Any]) -> Columns:
+    """Records of one kind as a table of what is one number or text in each."""
+    names = [name for name, cell in (rows[0].items() if rows else ()) if not isinstance(cell, (dict, list, _np.ndarray))]
+    return Columns({name: [row.get(name) for row in rows] for name in names})
 
 
 def table(text: str) -> Columns:

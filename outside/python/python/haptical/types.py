@@ -82,6 +82,8 @@ class Parameters(TypedDict):
     standard_deviation: Array
     ci95: Array
     """95 % intervals, [P, 2]; `Identification.intervals` says how they were made."""
+    plausible_size: Array
+    """Sizes that deviations may plausibly have, [P]."""
     status: List[Status]
     combination: List[Optional[List[Term]]]
     """For a dependent parameter: what acts like a unit change of it."""

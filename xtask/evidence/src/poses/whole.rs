@@ -39,7 +39,7 @@ pub(super) fn fit_at_once(
     let all: Vec<&Recording> = step_one.iter().chain([step_two]).collect();
     let options = Options {
         method: CalibrationMethod::Joint,
-        ..*options
+        ..options.clone()
     };
     let recording = merged(&all, nominal.joints.len());
     Ok(fit_device(nominal, &recording, &options)?.device)

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use xtask_output::{Output, Progress};
 
 /// What the environment needs besides the wheel, with the versions that were tried.
-const PACKAGES: [&str; 12] = [
+const PACKAGES: [&str; 13] = [
     "maturin>=1.9,<2",
     "numpy>=1.24",
     "pytest>=8",
@@ -20,6 +20,7 @@ const PACKAGES: [&str; 12] = [
     "matplotlib>=3.8",
     "nbclient>=0.10",
     "ipykernel>=6",
+    "ray>=2.9",
 ];
 
 /// Oldest Python that the wheel is for.
