@@ -10,7 +10,14 @@ pub fn built_command(root: &Path) -> Result<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let built = Command::new(cargo)
         .current_dir(root)
-        .args(["build", "--profile", "jobs", "--quiet", "-p", "haptical-cli"])
+        .args([
+            "build",
+            "--profile",
+            "jobs",
+            "--quiet",
+            "-p",
+            "haptical-cli",
+        ])
         .output()?;
     let said = String::from_utf8_lossy(&built.stderr);
     ensure!(

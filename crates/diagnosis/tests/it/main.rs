@@ -14,8 +14,12 @@ mod columns;
 mod dependencies;
 mod determinism;
 mod floors;
+mod foreign_torque;
 mod gap_sets;
 mod lines;
+#[path = "../../src/force/tests/arm.rs"]
+#[allow(dead_code, reason = "shared with the tests of the force test")]
+mod mechanics;
 mod moved;
 mod named;
 mod normal;

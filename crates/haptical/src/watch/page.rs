@@ -20,15 +20,17 @@ impl WatchState {
         };
         let text = match (&self.alarm, self.verdict) {
             (Some(alarm), _) => WatchEvent::Alarm(alarm.clone()).line(),
-            (None, WatchVerdict::NotJudged) => {
-                "The first rows say what the device's errors are while it is true.".to_owned()
-            }
+            (None, WatchVerdict::NotJudged) => format!(
+                "The first rows say what the device's errors are while it is true: {}.",
+                self.not_judged.as_deref().unwrap_or("there are no rows")
+            ),
             _ => "The residuals are what they were in the reference.".to_owned(),
         };
         let label = label.to_owned();
         let mut answer = vec![Block::Notice { tone, label, text }];
         if let Some(cause) = &self.cause {
-            answer.push(Block::Paragraph(WatchEvent::Cause(cause.clone()).line()));
+            let lines = WatchEvent::Cause(cause.clone()).line();
+            answer.extend(lines.lines().map(|line| Block::Paragraph(line.to_owned())));
         }
         let mut facts = vec![
             format!(

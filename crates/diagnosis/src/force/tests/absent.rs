@@ -1,6 +1,7 @@
 //! What cannot be tested is said, with its reason; what can be, still is.
 
-use super::arm::{Scene, arm, examined, examined_as, examined_held};
+use super::arm::{Scene, arm};
+use super::{examined, examined_as, examined_held};
 use crate::force::answer::names::names;
 
 const ROWS: usize = 2500;

@@ -1,13 +1,8 @@
 //! A small arm of point masses, its torques by virtual work: another route than the module's.
 
-use haptical_calibration::Channel;
-use haptical_effects::{Context, Stream};
 use haptical_model::kinematics::{Chain, Convention, Link};
 use haptical_model::{Device, JointType, Recording};
 use nalgebra::{Matrix3, Vector3};
-
-use crate::force::answer::ForceAnswer;
-use crate::{Diagnosis, Options, diagnose};
 
 /// Time between rows unless said otherwise.
 const STEP_S: f64 = 0.01;
@@ -15,7 +10,7 @@ pub(super) const TORQUE_SD_NM: f64 = 3e-3;
 pub(super) const FORCE_SD_N: f64 = 0.01;
 
 /// Five joints; the drives turn 6, 9, 9, 1 and 1 times as fast.
-const FILE: &str = r#"
+pub(super) const FILE: &str = r#"
 [device]
 name = "arm"
 dof = 5
@@ -433,48 +428,4 @@ impl Scene {
             ..Recording::default()
         }
     }
-}
-
-/// Standard deviation of the external encoders \[rad\].
-const OUTPUT_SD_RAD: f64 = 2e-4;
-
-/// The whole diagnosis of a recording, to which sound external encoders are added.
-pub(super) fn diagnosed(mut recording: Recording) -> Diagnosis {
-    let key = "encoder_counts_per_rev";
-    let encoders = FILE.replace(
-        key,
-        &format!("external_encoder_sd_rad = {OUTPUT_SD_RAD}\n{key}"),
-    );
-    let device = Device::from_toml(&encoders, "arm").unwrap().device;
-    let mut noise = Noise(99);
-    let read = recording.joint.iter().map(|angle| {
-        let noisy = angle
-            .iter()
-            .map(|angle| angle + OUTPUT_SD_RAD * noise.normal());
-        Some(noisy.collect())
-    });
-    recording.output = read.collect();
-    diagnose(&device, &recording, &Options::default()).unwrap()
-}
-
-/// The answer to a recording of the arm.
-pub(super) fn examined(recording: &Recording) -> ForceAnswer {
-    examined_as(&arm(), recording)
-}
-
-/// The answer where something sees the handle: a hand may hold it.
-pub(super) fn examined_held(recording: &Recording) -> ForceAnswer {
-    let device = arm();
-    let tracker = Stream {
-        channel: Channel::Position,
-        axis: 0,
-        unit: "m",
-    };
-    let context = Context::new(&device, recording, &[tracker]).unwrap();
-    crate::force::examine(&context, &[]).unwrap()
-}
-
-pub(super) fn examined_as(device: &Device, recording: &Recording) -> ForceAnswer {
-    let context = Context::new(device, recording, &[]).unwrap();
-    crate::force::examine(&context, &[]).unwrap()
 }

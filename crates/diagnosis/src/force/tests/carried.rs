@@ -4,7 +4,8 @@ use haptical_effects::{Context, drive_catalogue};
 use haptical_model::Recording;
 use nalgebra::Vector3;
 
-use super::arm::{Scene, arm, examined, other_arm};
+use super::arm::{Scene, arm, other_arm};
+use super::examined;
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::along::Along;
 use crate::force::answer::ForceAnswer;

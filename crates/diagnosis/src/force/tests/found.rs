@@ -2,9 +2,9 @@
 
 use haptical_effects::Context;
 
-use super::arm::{Noise, Scene, arm, diagnosed, examined, examined_as};
+use super::arm::{Noise, Scene, arm};
+use super::{examined, examined_as};
 use crate::answer::{CauseAnswer, ParameterAnswer};
-use crate::answer::{Diagnosis, Verdict};
 use crate::force::answer::ForceAnswer;
 use crate::force::examine;
 
@@ -336,54 +336,6 @@ fn two_effects_are_both_found() {
     assert_eq!(names, ["force-bias", "joint-friction"], "{answer:?}");
     let shares: f64 = answer.findings.iter().map(|found| found.share).sum();
     assert!((0.9..=1.0 + 1e-9).contains(&shares));
-}
-
-/// A torque that has nothing to do with the arm, in the place of the recorded one.
-fn with_a_foreign_torque(hertz: f64) -> Diagnosis {
-    let mut scene = Scene::new(21, ROWS);
-    let times = scene.time_s.clone();
-    for (torque, time) in scene.torque_nm[2].iter_mut().zip(times) {
-        *torque = 20.0 * (std::f64::consts::TAU * hertz * time).sin();
-    }
-    diagnosed(scene.record())
-}
-
-#[test]
-fn a_torque_that_no_effect_explains_is_a_gap_of_the_device() {
-    let clean = diagnosed(Scene::new(21, ROWS).record());
-    assert_eq!(clean.verdict, Verdict::NoGap);
-    assert!(clean.warnings.is_empty(), "{:?}", clean.warnings);
-
-    let gap = with_a_foreign_torque(0.5);
-    assert_eq!(gap.verdict, Verdict::Unknown, "{:?}", gap.causes);
-    assert_eq!(gap.unexplained_share, 1.0);
-    let place = gap.place.unwrap();
-    assert_eq!((place.channel.as_str(), place.joint), ("torque3", Some(3)));
-    let listed = gap
-        .gap
-        .channels
-        .iter()
-        .find(|channel| channel.channel == "torque3");
-    let torque = listed.unwrap();
-    assert!(
-        torque.rms_before > 10.0 && torque.share_of_gap > 0.9,
-        "{torque:?}"
-    );
-}
-
-/// Between the rates of motion and sampling it passes for noise: then the torques are not called tested.
-#[test]
-fn a_torque_that_drowns_in_its_noise_is_not_called_tested() {
-    let gap = with_a_foreign_torque(13.0);
-    let warned = gap
-        .warnings
-        .iter()
-        .any(|warning| warning.contains("torques were not tested"));
-    assert!(
-        warned || gap.verdict == Verdict::Unknown,
-        "{:?}",
-        gap.warnings
-    );
 }
 
 /// Rotors behind gears, as large as the links: what they add is no link's, and no gap.

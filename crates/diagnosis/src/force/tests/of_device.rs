@@ -3,7 +3,8 @@
 use haptical_effects::device::attached;
 use haptical_model::DeviceEffect;
 
-use super::arm::{Scene, arm, examined};
+use super::arm::{Scene, arm};
+use super::examined;
 use super::found::{holds, only};
 use crate::force::asked::ask_torques;
 
