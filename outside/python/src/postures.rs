@@ -9,6 +9,8 @@ use pyo3::prelude::*;
 use crate::device::{Tips, device_of};
 use crate::failure::Failure;
 
+/// Positions \[N, 3\] and rotations \[N, 3, 3\], before they are arrays of Python.
+type Made = (Array2<f64>, Array3<f64>);
 /// Positions and rotations of many postures.
 type Poses<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
 type Readings<'py> = PyReadonlyArray2<'py, f64>;
@@ -60,7 +62,7 @@ fn recording(readings: &Array2<f64>) -> Recording {
     }
 }
 
-/// Positions [N, 3] and rotations [N, 3, 3] of the handle in frame (-1), from readings [N, n]; with what the arm yields at rest
+/// Positions \[N, 3\] and rotations \[N, 3, 3\] of the handle in frame (-1), from readings [N, n]; with what the arm yields at rest
 /// and the effects of its postures where that is asked for.
 #[pyfunction]
 #[pyo3(signature = (device, readings, *, effects=false, base=None, tip=None, rig=None))]
@@ -85,7 +87,7 @@ pub(crate) fn forward_kinematics<'py>(
     Ok((positions.to_pyarray(py), rotations.to_pyarray(py)))
 }
 
-fn rigid(model: &Model, readings: &Array2<f64>) -> Result<(Array2<f64>, Array3<f64>), Failure> {
+fn rigid(model: &Model, readings: &Array2<f64>) -> Result<Made, Failure> {
     let rows = readings.nrows();
     let (mut positions, mut rotations) = (Array2::zeros((rows, 3)), Array3::zeros((rows, 3, 3)));
     let mut evaluation = Evaluation::new(model);
@@ -105,10 +107,7 @@ fn rigid(model: &Model, readings: &Array2<f64>) -> Result<(Array2<f64>, Array3<f
 }
 
 /// With what is left out.
-fn bent(
-    device: &Device,
-    readings: &Array2<f64>,
-) -> Result<((Array2<f64>, Array3<f64>), Vec<String>), Failure> {
+fn bent(device: &Device, readings: &Array2<f64>) -> Result<(Made, Vec<String>), Failure> {
     let rows = readings.nrows();
     let log = Log::from_recording(recording(readings), "the readings", device)?;
     let found = rest_poses(device, &Waypoints::from_log(log)?)?;

@@ -122,6 +122,8 @@ def test_a_diagnosis_of_each(tmp_path):
     assert table["ok"] == [True, False] and table["verdict"][0] == "no-gap" and table["verdict"][1] is None
     with pytest.raises(ValueError, match="one of these is expected: identify, diagnose"):
         haptical.fleet(DEVICE, paths, call="replay")
+    with pytest.raises(FileNotFoundError, match="its folder is not there"):
+        haptical.fleet(DEVICE, paths, out=tmp_path / "no" / "fleet.parquet")
     with pytest.raises(TypeError, match="metod"):
         haptical.fleet(DEVICE, paths, metod="joint")
     with pytest.raises(ValueError, match="2 devices and 4 logs"):

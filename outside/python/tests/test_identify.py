@@ -209,7 +209,7 @@ def test_bad_input_is_a_value_error_with_place_and_advice(device):
     refused(r"the log:2: `x_m, y_m, z_m` looks like millimetres: .* reaches 0.5000 m", **millimetres(log))
     with pytest.raises(FileNotFoundError, match="no_such.csv"):
         haptical.identify(device, "no_such.csv")
-    with pytest.raises(ValueError, match="type int; give a path or a dictionary"):
+    with pytest.raises(ValueError, match="type int; give a path, a dictionary of columns or a frame"):
         haptical.identify(device, 3)
     for keyword, wrong in [
         ("method", "both"),

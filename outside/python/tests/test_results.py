@@ -82,6 +82,15 @@ def test_a_name_alone_is_a_list_of_one(device):
         haptical.diagnose(device, log, without="backlsh")
 
 
+def test_a_package_that_is_missing_is_named_with_its_extra(found, monkeypatch):
+    import sys
+
+    for name, call, extra in [("matplotlib.pyplot", found.plot, "plots"), ("pandas", found.to_pandas, "frames"), ("pyarrow", found.to_arrow, "frames")]:
+        monkeypatch.setitem(sys.modules, name, None)
+        with pytest.raises(ModuleNotFoundError, match=rf"is not installed; pip install .haptical\[{extra}\]"):
+            call()
+
+
 def test_a_long_table_is_shown_in_part():
     table = haptical.Columns(name=[f"row {row}" for row in range(2000)], value=np.arange(2000.0))
     shown = table._repr_html_()

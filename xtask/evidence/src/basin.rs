@@ -231,7 +231,10 @@ fn device(
     let fit = |starts: usize| {
         let channels = [Channel::Cable { index: 0 }];
         let weights = Weights::stated(nominal, &channels);
-        let options = Options { starts, ..options };
+        let options = Options {
+            starts,
+            ..options.clone()
+        };
         fit_kinematics(nominal, &recording, &channels, &weights, &options)
     };
     let ended = |fit: &ParameterFit| -> Result<Ended> {

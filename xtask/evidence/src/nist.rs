@@ -118,7 +118,7 @@ fn verdicts(output: &mut Output, title: &str, scores: &[Score], bar: usize) {
 fn patience(output: &mut Output, problems: &[Certified], settings: &Settings) -> Result<()> {
     let patient = Settings {
         max_iterations: PATIENCE,
-        ..*settings
+        ..settings.clone()
     };
     for problem in problems {
         let hasty = Score::new(problem, 0, settings)?;

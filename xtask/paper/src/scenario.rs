@@ -97,7 +97,7 @@ impl Scenario {
             zeroed_at_home: true,
             weighting: Weighting::Stated,
             held_out: HeldOut::None,
-            search: self.search,
+            search: self.search.clone(),
             ..Options::default()
         }
     }

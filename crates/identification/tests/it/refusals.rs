@@ -62,42 +62,42 @@ fn settings_have_ranges() {
             "cost_tolerance",
             Settings {
                 cost_tolerance: -1.0,
-                ..good
+                ..good.clone()
             },
         ),
         (
             "step_tolerance",
             Settings {
                 step_tolerance: f64::NAN,
-                ..good
+                ..good.clone()
             },
         ),
         (
             "rank_tolerance",
             Settings {
                 rank_tolerance: 1.0,
-                ..good
+                ..good.clone()
             },
         ),
         (
             "max_iterations",
             Settings {
                 max_iterations: 0,
-                ..good
+                ..good.clone()
             },
         ),
         (
             "initial_damping",
             Settings {
                 initial_damping: 0.0,
-                ..good
+                ..good.clone()
             },
         ),
         (
             "initial_damping",
             Settings {
                 initial_damping: f64::INFINITY,
-                ..good
+                ..good.clone()
             },
         ),
     ] {

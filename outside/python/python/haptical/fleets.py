@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import pathlib
 import sys
 import threading
 import time
@@ -63,6 +64,11 @@ def fleet(
 
     # a keyword that is none is the caller's mistake, not one of every log
     inspect.signature(getattr(haptical, call)).bind(device, None, **options)
+    if out is not None:
+        # said before the work, not after it
+        Fleet(log=[]).to_arrow()
+        if not pathlib.Path(out).resolve().parent.is_dir():
+            raise FileNotFoundError(f"out is {out}; its folder is not there")
     stopped = threading.Event()
     own = None if executor is not None else ThreadPoolExecutor(max_workers=workers)
     submit = _submit(executor if own is None else own)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["columns"]
+__all__ = ["columns", "missing_package"]
 
 
 def columns(log: Any) -> Any:
@@ -36,6 +36,11 @@ def columns(log: Any) -> Any:
         return dict(log)
     # the module says what it is, and what is wanted
     return log
+
+
+def missing_package(missing: ModuleNotFoundError, extra: str) -> ModuleNotFoundError:
+    """The error with what to install."""
+    return ModuleNotFoundError(f'{missing.name} is not installed; pip install "haptical[{extra}]"', name=missing.name)
 
 
 def _cells(column: Any) -> Any:

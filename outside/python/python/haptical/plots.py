@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from .frames import missing_package
+
 __all__ = ["correction", "diagnosis", "identification", "plan", "replay"]
 
 #: One colour for before and one for after, in every figure.
@@ -15,8 +17,10 @@ _SHOWN = {"m": ("mm", 1e3), "rad": ("mrad", 1e3)}
 
 def _figure(rows: int = 1, columns: int = 1, **options: Any) -> Any:
     """A figure and its axes; closed for pyplot, so that a notebook shows it once."""
-    import matplotlib.pyplot as pyplot
-
+    try:
+        import matplotlib.pyplot as pyplot
+    except ModuleNotFoundError as missing:
+        raise missing_package(missing, "plots") from None
     figure, axes = pyplot.subplots(rows, columns, squeeze=False, layout="constrained", **options)
     pyplot.close(figure)
     return figure, axes

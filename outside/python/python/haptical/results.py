@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as _np
 
 from ._haptical import Device
+from .frames import missing_package as _missing
 
 if TYPE_CHECKING:
     import os
@@ -60,19 +61,26 @@ class Columns(Record):
 
     def to_pandas(self) -> Any:
         """As a pandas.DataFrame; an interval is two columns, `ci95_low` and `ci95_high`."""
-        import pandas
-
+        try:
+            import pandas
+        except ModuleNotFoundError as missing:
+            raise _missing(missing, "frames") from None
         return pandas.DataFrame(self._flat())
 
     def to_polars(self) -> Any:
         """As a polars.DataFrame; an interval is two columns, `ci95_low` and `ci95_high`."""
-        import polars
-
+        try:
+            import polars
+        except ModuleNotFoundError as missing:
+            raise _missing(missing, "frames") from None
         return polars.DataFrame(self._flat(), strict=False)
 
     def to_arrow(self) -> Any:
         """As a pyarrow.Table; an interval is two columns, `ci95_low` and `ci95_high`."""
-        import pyarrow
+        try:
+            import pyarrow
+        except ModuleNotFoundError as missing:
+            raise _missing(missing, "frames") from None
 
         def array(column: Any) -> Any:
             # a column without any text is one of texts all the same
@@ -355,9 +363,10 @@ class Fleet(Columns):
 
     def write_parquet(self, path: "str | os.PathLike[str]") -> None:
         """Write the table as Parquet; needs pyarrow."""
+        table = self.to_arrow()
         import pyarrow.parquet
 
-        pyarrow.parquet.write_table(self.to_arrow(), path)
+        pyarrow.parquet.write_table(table, path)
 
 
 def _by_columns(rows: list[Any]) -> Columns:

@@ -266,7 +266,7 @@ pub(crate) fn methods(
                 truth: true_device(&scenario.nominal, paper, scale)?,
                 search: Search {
                     method,
-                    ..scenario.search
+                    ..scenario.search.clone()
                 },
                 ..scenario.clone()
             };

@@ -77,7 +77,7 @@ impl<'d> Task<'d> {
     fn solve_in_lanes(&self, problem: &DeviceProblem<'_>, start: &[f64]) -> Result<Fit> {
         let settings = Settings {
             method: Method::GaussNewton,
-            ..self.settings
+            ..self.settings.clone()
         };
         let reduced = ReducedProblem::new(problem);
         Ok(solve(&reduced, start, &self.free, &settings)?)
@@ -145,7 +145,7 @@ fn step_two(task: &Task<'_>) -> Result<Search> {
     let options = Options {
         method: CalibrationMethod::TwoStep,
         weighting: Weighting::Stated,
-        search: task.settings,
+        search: task.settings.clone(),
         ..Options::default()
     };
     timed(
