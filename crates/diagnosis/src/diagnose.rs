@@ -119,7 +119,12 @@ fn diagnose_all(
     }
     let at = options.model.unwrap_or(&device).clone();
     if options.model.is_some() {
-        own_sizes(&mut device, &at, recording, options.loss);
+        own_sizes(
+            &mut device,
+            &at,
+            recording,
+            (options.loss, &options.interrupt),
+        );
     }
     let recording = attached_at(&mut device, &at, recording)?;
     let second = options.validation;

@@ -3,6 +3,7 @@
 use haptical_calibration::LossChoice;
 use haptical_effects::device::{attached_at, effects_of, is_law, settle};
 use haptical_effects::{Shape, correction};
+use haptical_identification::Interrupt;
 use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::engine::base::Base;
@@ -10,7 +11,12 @@ use crate::thresholds::earlier_model::{SIZE_FITS, SIZE_SETTLED};
 
 /// Lets a fit find the sizes of a device's own effects anew, and gives them those that the recording shows, where it shows any:
 /// a play that has grown is found with the columns of its new width. `at`: the device whose geometry says where the effects are.
-pub(crate) fn own_sizes(device: &mut Device, at: &Device, recording: &Recording, loss: LossChoice) {
+pub(crate) fn own_sizes(
+    device: &mut Device,
+    at: &Device,
+    recording: &Recording,
+    (loss, interrupt): (LossChoice, &Interrupt),
+) {
     let Ok(own) = effects_of(device) else {
         // the caller attaches them, and says what is wrong
         return;
@@ -24,7 +30,7 @@ pub(crate) fn own_sizes(device: &mut Device, at: &Device, recording: &Recording,
         device.effects[own.index].fit |= is_sized;
     }
     for _ in 0..SIZE_FITS {
-        let Some(found) = fitted(device, at, recording, loss) else {
+        let Some(found) = fitted(device, at, recording, (loss, interrupt)) else {
             return;
         };
         let mut pairs = device.effects.iter().zip(&found);
@@ -44,14 +50,14 @@ fn fitted(
     device: &Device,
     at: &Device,
     recording: &Recording,
-    loss: LossChoice,
+    (loss, interrupt): (LossChoice, &Interrupt),
 ) -> Option<Vec<DeviceEffect>> {
     let mut there = device.clone();
     let with = attached_at(&mut there, at, recording).ok()?;
     if there.effects.iter().all(|own| own.fitted.is_empty()) {
         return None;
     }
-    let base = Base::fit(&there, &with, loss).ok()?;
+    let base = Base::fit(&there, &with, loss, interrupt).ok()?;
     let mut found = base.device;
     if base.unfinished.is_some() {
         return None;
