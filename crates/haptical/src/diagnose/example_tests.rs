@@ -163,6 +163,7 @@ pub(crate) fn named() -> Diagnosis {
                 ci95: [243.0, 273.0],
             },
         )]),
+        earlier: BTreeMap::new(),
         plausible: true,
         implausible: false,
         class_probability: 0.98,
