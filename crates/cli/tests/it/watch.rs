@@ -125,7 +125,7 @@ fn a_play_that_has_grown_is_named_with_its_new_width() {
         assert_eq!(cause["effect"], "backlash", "{cause}");
         let answer = cause["answer"].as_str().unwrap();
         assert!(
-            answer.contains("more than the 1.8 mrad of the earlier model"),
+            answer.contains("more than the 1.80 mrad of the earlier model"),
             "{answer}"
         );
         let gap = std::fs::read_to_string(folder.path().join("alarm/gap.json")).unwrap();
