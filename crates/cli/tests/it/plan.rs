@@ -31,9 +31,28 @@ fn without_out_a_table_is_printed_and_nothing_written() {
         said.contains("parameter") && said.contains("cable,pose"),
         "{said}"
     );
-    assert!(said.contains("nothing that was tried tells"), "{said}");
-    assert!(said.contains("would tell"), "{said}");
+    assert!(said.contains("pose would tell d0 (sd "), "{said}");
     assert_eq!(names_in(sandbox.folder.path()), before);
+}
+
+#[test]
+fn a_robot_description_s_rows_are_named_and_redundancy_is_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |arguments: &[&str]| {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(arguments)
+            .output();
+        let output = output.unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    run(&["init", "arm", "--example", "urdf-arm"]);
+    let said = run(&["plan", "--device", "arm/arm6.urdf", "--rig", "arm/rig.toml"]);
+    assert!(said.contains("0 the base, 1 `shoulder_pan`,"), "{said}");
+    let rigs = said.matches("readings a pose").count();
+    let redundant = said.matches("nothing that was tried tells d0,").count();
+    assert_eq!((rigs, redundant), (2, 2), "{said}");
 }
 
 #[test]

@@ -31,7 +31,7 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
         }
     }
     if !plan.rows.is_empty() {
-        writeln!(text, "{}", labelled("", &plan.rows, 0))?;
+        write!(text, "{}", labelled("", &plan.rows, 0))?;
     }
     // a table of this many columns in each row is never refused
     let table = table(plan).map_err(|_| std::fmt::Error)?;
