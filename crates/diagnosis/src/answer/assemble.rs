@@ -69,12 +69,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     let adequacy = &findings.adequacy;
     let place = match &located {
         Some(located) => Some(located.answer.clone()),
-        None => in_torques(&findings.force)
-            .filter(|_| verdict != Verdict::NoGap)
-            .map(|place| Place {
-                region: format!("{}: positions show no gap", place.region),
-                ..place
-            }),
+        None => place_in_torques(&findings, verdict),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
     let gap = Gap::new(verdict, located_in, channels(&findings));
@@ -152,6 +147,15 @@ fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
             }
         }
     }
+}
+
+/// The place of a gap that torques alone show.
+fn place_in_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<Place> {
+    let place = in_torques(&findings.force).filter(|_| verdict != Verdict::NoGap)?;
+    Some(Place {
+        region: format!("{}: positions show no gap", place.region),
+        ..place
+    })
 }
 
 /// The place of a gap of positions.
