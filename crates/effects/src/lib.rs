@@ -4,6 +4,7 @@
 
 pub mod base_model;
 pub mod cable;
+mod clock;
 mod context;
 pub mod correction;
 pub mod device;
@@ -26,6 +27,7 @@ mod tests;
 pub mod transmission;
 mod unit;
 
+pub use clock::{Ahead, OtherClock};
 pub use context::{
     CableGeometry, Context, Line, Stream, Touches, joint_origin_m, runs_of, streams,
 };

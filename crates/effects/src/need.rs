@@ -3,8 +3,8 @@
 use haptical_calibration::Channel;
 use haptical_model::Recording;
 
+use crate::clock::OtherClock;
 use crate::context::{Context, Stream};
-use crate::motor_encoder::OtherClock;
 
 /// A column, a number of the device file, or a property of the recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

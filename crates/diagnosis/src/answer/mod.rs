@@ -18,7 +18,7 @@ pub(crate) mod unseen;
 
 use std::collections::BTreeMap;
 
-use haptical_effects::motor_encoder::Ahead;
+use haptical_effects::Ahead;
 use haptical_model::Device;
 use serde::Serialize;
 

@@ -14,8 +14,8 @@ use crate::answer::ParameterAnswer;
 use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
-use crate::judge::absorbed::earlier_value;
 use crate::judge::displaced::{Displaced, displaced};
+use crate::judge::earlier_value::earlier_value;
 use crate::judge::resized::{Resized, resized};
 use crate::judge::tool;
 use crate::thresholds::earlier_model::{

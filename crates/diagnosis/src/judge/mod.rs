@@ -5,6 +5,7 @@ pub(crate) mod adequacy;
 pub(crate) mod dependence;
 pub(crate) mod displaced;
 pub(crate) mod earlier;
+pub(crate) mod earlier_value;
 pub(crate) mod findings;
 pub(crate) mod resized;
 pub(crate) mod rivals;

@@ -1,10 +1,11 @@
 //! An external encoder is sampled late.
 
+use crate::clock::OtherClock;
 use crate::laws::Delay;
 use crate::{Hook, LogFault, Need, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
-    name: "external-encoder-latency",
+    name: OtherClock::ExternalEncoders.latency(),
     meaning: "an external encoder is sampled later or earlier than the motor encoders",
     inspect: "the time stamps of its channel",
     adds: "theta(t - d) - theta(t)",

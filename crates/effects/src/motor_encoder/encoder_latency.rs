@@ -1,13 +1,13 @@
 //! All motor encoders are sampled late: everything else is ahead of them. Encoders that are ahead are as often a sensor that is
 //! late: where one kind of sensor is all that they are compared with, the two are one (docs/diagnosis.md, Laws of the catalogue).
 
+use crate::clock::{ENCODER_LATENCY, OtherClock};
 use crate::context::Context;
 use crate::laws::{Delay, moved, slope};
-use crate::motor_encoder::OtherClock;
 use crate::{Effect, Hook, LogFault, Need, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
-    name: "encoder-latency",
+    name: ENCODER_LATENCY,
     meaning: "all motor encoders are sampled later or earlier than the rest",
     inspect: "the time stamps of the motor encoders, and of the sensors that they are compared with",
     adds: "theta(t + d) - theta(t), all joints",

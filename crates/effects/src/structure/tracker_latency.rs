@@ -1,12 +1,12 @@
 //! The tracker is sampled late: what it reads is where the handle was.
 
+use crate::clock::OtherClock;
 use crate::context::Context;
 use crate::laws::{Delay, moved, slope};
-use crate::motor_encoder::OtherClock;
 use crate::{Effect, Hook, LogFault, Need, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
-    name: "tracker-latency",
+    name: OtherClock::Tracker.latency(),
     meaning: "the tracker is sampled later or earlier than the joints",
     inspect: "the time stamps of the tracker",
     adds: "pose(t - d) - pose(t)",

@@ -19,7 +19,7 @@ use haptical_calibration::{
     Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
     force_direction, without_copies,
 };
-use haptical_effects::motor_encoder::{Ahead, OtherClock};
+use haptical_effects::{Ahead, OtherClock};
 use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
 
 pub use self::dynamics::{

@@ -6,7 +6,7 @@ use haptical_calibration::Channel;
 use haptical_data::{LogColumn, LogEdits};
 use haptical_diagnosis::{CauseAnswer, Diagnosis, StepAnswer, outlying_readings};
 use haptical_effects::device::{attached, bare};
-use haptical_effects::motor_encoder::{Ahead, OtherClock};
+use haptical_effects::{Ahead, OtherClock};
 use haptical_effects::{Hook, runs_of};
 use haptical_model::{DeviceEffect, Recording};
 

@@ -3,8 +3,8 @@
 
 use haptical_calibration::Channel;
 
-use crate::motor_encoder::encoder_latency::SPEC;
-use crate::{cable, external_encoder, structure};
+/// Name of the effect of motor encoders that are late.
+pub(crate) const ENCODER_LATENCY: &str = "encoder-latency";
 
 /// A kind of sensor with a clock that may be another one than that of the motor encoders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,11 +48,11 @@ impl OtherClock {
     }
 
     /// Name of the effect that it is late by.
-    pub fn latency(self) -> &'static str {
+    pub const fn latency(self) -> &'static str {
         match self {
-            Self::Tracker => structure::tracker_latency::SPEC.name,
-            Self::Cables => cable::latency::SPEC.name,
-            Self::ExternalEncoders => external_encoder::latency::SPEC.name,
+            Self::Tracker => "tracker-latency",
+            Self::Cables => "cable-latency",
+            Self::ExternalEncoders => "external-encoder-latency",
         }
     }
 
@@ -79,7 +79,7 @@ impl Ahead {
     /// that are late.
     ///
     /// ```
-    /// use haptical_effects::motor_encoder::Ahead;
+    /// use haptical_effects::Ahead;
     /// let twins = ["tracker-latency".to_owned()];
     /// let ahead = Ahead::of("encoder-latency", Some(-0.014), &twins).ok_or("not ahead")?;
     /// assert!(ahead.words().contains("the tracker is late by 14 ms"));
@@ -89,7 +89,7 @@ impl Ahead {
     pub fn of(effect: &str, delay_s: Option<f64>, confusable_with: &[String]) -> Option<Self> {
         let by_s = -delay_s.filter(|delay_s| *delay_s < 0.0)?;
         let clocks = || confusable_with.iter();
-        (effect == SPEC.name).then(|| Self {
+        (effect == ENCODER_LATENCY).then(|| Self {
             by_s,
             of: clocks().find_map(|name| OtherClock::of_latency(name)),
         })
