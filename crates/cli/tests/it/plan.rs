@@ -31,7 +31,7 @@ fn without_out_a_table_is_printed_and_nothing_written() {
         said.contains("parameter") && said.contains("cable,pose"),
         "{said}"
     );
-    assert!(said.contains("pose would tell d0 (sd "), "{said}");
+    assert!(said.contains("out1 would tell offset1 (sd "), "{said}");
     assert_eq!(names_in(sandbox.folder.path()), before);
 }
 
