@@ -119,12 +119,8 @@ fn diagnose_all(
     }
     let at = options.model.unwrap_or(&device).clone();
     if options.model.is_some() {
-        own_sizes(
-            &mut device,
-            &at,
-            recording,
-            (options.loss, &options.interrupt),
-        );
+        let how = (options.loss, &options.interrupt);
+        own_sizes(&mut device, &at, recording, how);
     }
     let recording = attached_at(&mut device, &at, recording)?;
     let second = options.validation;
