@@ -87,7 +87,7 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
     let recording = log.recording.as_ref();
     let mut seen_from_base = device.model.clone();
     if is_corrected_path(recording) && seen_from_base.tracker.is_some() {
-        seen_from_base.forget_tracker_place();
+        seen_from_base.track_handle_in_base();
         warnings.push(
             "the log is a path that was corrected: its poses are the handle's in the frame of the base, not the tracker's".to_owned(),
         );

@@ -18,6 +18,7 @@ pub use device::{UrdfDevice, device_from_mjcf, device_from_urdf, read_urdf_text}
 pub use error::UrdfError;
 pub use write::added_joints::NewJoints;
 pub use write::corrected::{CorrectedUrdf, corrected_urdf};
+pub use write::effects::AHEAD as ENCODERS_AHEAD;
 pub use write::kinematics_yaml::kinematics_yaml;
 pub use write::loaders::{Loader, loader_notes};
 pub use write::mjcf::new_mjcf;

@@ -1,8 +1,7 @@
 //! The answer, part by part, from what was found.
 
 use haptical_calibration::implausible_deviations;
-use haptical_effects::Ahead;
-use haptical_effects::Stream;
+use haptical_effects::{Ahead, Stream};
 
 use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;

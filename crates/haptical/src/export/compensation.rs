@@ -8,6 +8,7 @@ use haptical_effects::{Context, Hook, joint_origin_m};
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
 use haptical_runtime::{Effect, Over, Side, Turnover};
+use haptical_urdf::ENCODERS_AHEAD;
 
 use crate::error::Error as Failure;
 
@@ -36,8 +37,6 @@ impl LeftOut {
 const NOT_READ: &str = "it shows on a sensor that a control loop does not read";
 const EVENT: &str = "it is an event of one recording, which homing takes away";
 const UNKNOWN: &str = "its numbers are not known yet: identify the device first";
-const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm, and good encoders would be shifted: usually the other \
-                     sensor of the log (the tracker) is late, so check its time stamps";
 const NO_AXIS: &str = "its joint slides or moves several rows";
 const NO_GRAVITY: &str = "the device file has no [gravity]";
 
@@ -206,7 +205,7 @@ impl Place<'_> {
                 joint,
                 delay_s: law.amplitude(0),
             },
-            "encoder-latency" if law.amplitude(0) < 0.0 => return Err(AHEAD),
+            "encoder-latency" if law.amplitude(0) < 0.0 => return Err(ENCODERS_AHEAD),
             "encoder-latency" => Effect::EncoderLatency {
                 delay_s: law.amplitude(0),
             },

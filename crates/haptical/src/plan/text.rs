@@ -138,8 +138,8 @@ fn brief(rig: &RigIdentifiability) -> Vec<String> {
     );
     if !rest.is_empty() {
         lines.push(format!(
-            "nothing that was tried tells {}: they act like others or not at all, and keep their values (each with its \
-             reason in plan.html)",
+            "nothing that was tried tells {}: they act like others or not at all, and keep their values (--out writes \
+             plan.html, which has each one's reason)",
             rest.join(", ")
         ));
     }

@@ -206,9 +206,7 @@ fn file(model: &Model, rig: &Rig, kept: &[&str]) -> Result<Option<String>, Error
         return Ok(None);
     }
     let mut bare = model.clone();
-    let around = &mut bare.surroundings;
-    (around.tracker_base, around.tracker_tool) = (None, None);
-    around.run_bases.clear();
+    bare.forget_tracker_places();
     let text = bare.to_new_toml().map_err(Error::internal)?;
     let mut document: DocumentMut = text.parse().map_err(Error::internal)?;
     document.retain(|key, _| kept.contains(&key));

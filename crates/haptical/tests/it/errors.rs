@@ -25,6 +25,20 @@ fn a_cell_that_is_no_number_is_named_by_line_and_column() {
 }
 
 #[test]
+fn a_table_of_another_maker_is_sent_to_import_and_a_log_with_a_fault_is_not() {
+    for foreign in ["t;q1\n0;0,1\n0;0,2\n", "time,q1\n0,0.1\n1,0.2\n"] {
+        let refused = log_of(foreign).unwrap_err();
+        let next = refused.next_step();
+        assert!(
+            next.contains("haptical import --guess ") && next.contains("log.csv"),
+            "{next}"
+        );
+    }
+    let refused = log_of("theta1_rad,out1_rad\n0.1,0.1\n0.2,abc\n").unwrap_err();
+    assert!(!refused.next_step().contains("import"), "{refused}");
+}
+
+#[test]
 fn a_file_that_is_not_there_is_not_found() {
     for refused in [
         Device::load("no-such.toml").unwrap_err(),

@@ -81,12 +81,17 @@ impl Tool {
 }
 
 impl Device {
-    /// Leaves out where the tracker stands and what it sees: poses are then the handle's in frame (-1).
-    pub fn forget_tracker_place(&mut self) {
+    /// Takes what a tracker reads for the handle's poses in frame (-1).
+    pub fn track_handle_in_base(&mut self) {
         if let Some(tracker) = &mut self.tracker {
             (tracker.base_known, tracker.tool_known) = (true, true);
             tracker.base_per_run = false;
         }
+        self.forget_tracker_places();
+    }
+
+    /// Leaves out where a tracker stands, run by run too, and what it sees.
+    pub fn forget_tracker_places(&mut self) {
         let around = &mut self.surroundings;
         (around.tracker_base, around.tracker_tool) = (None, None);
         around.run_bases.clear();

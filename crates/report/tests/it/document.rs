@@ -182,6 +182,17 @@ fn a_notice_has_the_colour_of_its_tone_and_a_fold_is_closed() {
 }
 
 #[test]
+fn names_between_backticks_are_set_apart_and_a_single_one_stays() {
+    let said = |text: &str| page(vec![Block::Paragraph(text.to_owned())]);
+    let named = said("set `a<b` in `c`");
+    assert!(
+        named.contains("<p>set <code>a&lt;b</code> in <code>c</code></p>"),
+        "{named}"
+    );
+    assert!(said("a ` alone").contains("<p>a ` alone</p>"));
+}
+
+#[test]
 fn a_link_leads_to_a_file_of_the_folder_and_nowhere_else() {
     let link = |file: &str| {
         let text = "<what>".to_owned();

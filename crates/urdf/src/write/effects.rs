@@ -10,7 +10,7 @@ const LATEST_S: f64 = 1.0;
 const RIGID: f64 = 1e9;
 
 /// Why motor encoders that are ahead of the other sensors are in no description.
-pub(crate) const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm; usually the other sensor of the log \
+pub const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm; usually the other sensor of the log \
      (the tracker) is late, so check its time stamps";
 
 /// A motion of its own along a joint's axis, between its motor and its link.

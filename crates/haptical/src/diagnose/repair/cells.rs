@@ -6,8 +6,7 @@ use haptical_calibration::Channel;
 use haptical_data::{LogColumn, LogEdits};
 use haptical_diagnosis::{CauseAnswer, Diagnosis, StepAnswer, outlying_readings};
 use haptical_effects::device::{attached, bare};
-use haptical_effects::{Ahead, OtherClock};
-use haptical_effects::{Hook, runs_of};
+use haptical_effects::{Ahead, Hook, OtherClock, runs_of};
 use haptical_model::{DeviceEffect, Recording};
 
 use super::resample::on_time;
@@ -188,8 +187,9 @@ impl<'r> Repairing<'r> {
             runs.flat_map(|run| on_time(time_s, readings, run, delay_s))
                 .collect()
         };
-        let turned = turned_alike(&self.recording, &self.runs);
-        let turned = turned.map(|parts| unit(parts.map(|part| over_runs(&part))));
+        let turns = columns.contains(&LogColumn::Orientation(0));
+        let turned = turns.then(|| turned_alike(&self.recording, &self.runs));
+        let turned = (turned.flatten()).map(|parts| unit(parts.map(|part| over_runs(&part))));
         let mut edits = LogEdits::default();
         for column in columns {
             let Some(readings) = column.readings(&self.recording) else {

@@ -8,8 +8,7 @@ use std::collections::BTreeMap;
 
 use haptical_data::{LogEdits, LogShape, edit_log, read_log_from, write_log_to};
 use haptical_diagnosis::{CauseAnswer, Diagnosis, Verdict};
-use haptical_effects::Ahead;
-use haptical_effects::{LogFault, spec};
+use haptical_effects::{Ahead, LogFault, spec};
 use haptical_model::{Device as Model, Recording};
 use serde::Serialize;
 
