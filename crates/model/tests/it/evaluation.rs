@@ -8,7 +8,7 @@ use haptical_model::{
 };
 use proptest::prelude::*;
 
-use crate::support::{CASES, all_parameters, device_and_readings};
+use crate::support::{CASES, all_parameters, bends_near, device_and_readings};
 
 /// Step of the central differences.
 const STEP: f64 = 1e-6;
@@ -88,10 +88,7 @@ proptest! {
                 other[joint] += step;
                 moved(&device, &other)
             };
-            // at an end of its range a polynomial has a bend
-            if let TransmissionError::Chebyshev { range_rad, .. } = &device.joints[joint].transmission_error
-                && range_rad.iter().any(|end| (reading - end).abs() < 2.0 * STEP)
-            {
+            if bends_near(&device, joint, *reading, 2.0 * STEP) {
                 continue;
             }
             let ((plus, outputs_plus), (minus, outputs_minus)) = (shifted(STEP), shifted(-STEP));

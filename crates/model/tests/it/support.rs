@@ -21,6 +21,17 @@ pub(crate) fn all_parameters(device: &Device) -> Vec<ParameterId> {
         .collect()
 }
 
+/// Whether a range of a joint's series ends within `step` of a reading: the series goes on as its tangent, so a difference across the
+/// end is no derivative.
+pub(crate) fn bends_near(device: &Device, joint: usize, reading: f64, step: f64) -> bool {
+    match &device.joints[joint].transmission_error {
+        TransmissionError::Chebyshev { range_rad, .. } => {
+            range_rad.iter().any(|end| (reading - end).abs() < step)
+        }
+        _ => false,
+    }
+}
+
 fn link() -> impl Strategy<Value = Link> {
     (
         -0.4..0.4,
