@@ -14,6 +14,8 @@ const STEPS: usize = 60;
 const SETTLED: f64 = 1e-9;
 /// What the rounding of its numbers may take off the least eigenvalue of a body, many times over.
 const ROUNDING: f64 = 1e-11;
+/// The same of a second moment, which is a difference of inertias, as a share of them.
+const DIFFERENCE: f64 = 1e-14;
 
 /// What a number is to the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -236,7 +238,9 @@ impl Search<'_> {
 
 /// Whether ten numbers are a body's, with room for their rounding: its pseudo-inertia, scaled to a unit diagonal, is positive definite.
 fn is_body(parameters: [f64; PARAMETERS]) -> bool {
-    let pseudo = Inertia::from_parameters(parameters).pseudo_inertia();
+    let mut pseudo = Inertia::from_parameters(parameters).pseudo_inertia();
+    let moments = pseudo[(0, 0)] + pseudo[(1, 1)] + pseudo[(2, 2)];
+    (0..3).for_each(|axis| pseudo[(axis, axis)] -= DIFFERENCE * moments);
     let scale = pseudo.diagonal().map(f64::sqrt);
     let scaled = Matrix4::from_fn(|a, b| {
         let own = pseudo[(a, b)] / (scale[a] * scale[b]);
