@@ -1,8 +1,8 @@
 //! A signal's rows by frequency: the discrete cosine transform in a few bands.
 
-use nalgebra::{DMatrix, DVector};
-use rustdct::DctPlanner;
+use nalgebra::DMatrix;
 
+use super::cosines::Cosines;
 use super::problem::Signal;
 use super::rows::{Rows, along};
 
@@ -43,13 +43,9 @@ impl SignalBands {
             false => vec![0, count],
         };
         if is_long {
-            let transform = DctPlanner::new().plan_dct2(count);
-            let scale = (2.0 / count as f64).sqrt();
+            let mut transform = Cosines::new(count);
             for mut column in table.column_iter_mut() {
-                let mut values: Vec<f64> = column.iter().copied().collect();
-                transform.process_dct2(&mut values);
-                column.copy_from(&(DVector::from_vec(values) * scale));
-                column[0] *= std::f64::consts::FRAC_1_SQRT_2;
+                transform.apply(column.as_mut_slice());
             }
         }
         let of_band = |pair: &[usize]| {

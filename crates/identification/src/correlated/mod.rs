@@ -3,6 +3,7 @@
 //! Source: docs/equations.md, Noise with memory. Every step has a condition in docs/evidence that fails without it.
 
 mod bands;
+mod cosines;
 mod fitted;
 mod held;
 mod nnls;
