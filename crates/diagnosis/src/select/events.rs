@@ -1,5 +1,7 @@
 //! Steps: the instants at which they explain most (docs/diagnosis.md, "Events").
 
+use std::collections::BTreeMap;
+
 use haptical_effects::{Context, Effect, Signal};
 use haptical_linalg::Direction;
 
@@ -17,67 +19,114 @@ pub(crate) fn event_score(
     effect: &dyn Effect,
     index: usize,
 ) -> Option<Score> {
-    best_instant(&Rest::new(system), context, effect, index)
+    let instants = Instants::new(system, context, effect);
+    instants.best(&Rest::new(system), context, index)
 }
 
-fn best_instant(
-    rest: &Rest<'_>,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    index: usize,
-) -> Option<Score> {
-    let system = rest.system;
-    let mut best: Option<Score> = None;
-    for run in context.runs.iter().filter(|run| run.len() > 1) {
-        let margin = margin_rows(context, run);
-        let signal = effect.derivative(context, &[0.0], run.start as f64);
-        let column = system.column(signal.first()?);
-        // entries of all streams, latest first
-        let mut entries: Vec<(usize, usize, f64)> = Vec::new();
-        for (stream, values) in &column.parts {
-            let first = system.layout.range(*stream).start;
-            for (block, &value) in values.iter().enumerate() {
-                let row = system.layout.row(*stream, block);
-                if run.contains(&row) {
-                    entries.push((row, first + block, value));
+/// The instants at which an event may be, from the end of each run backwards: a step at one changes its entry and those before it.
+struct Instants {
+    runs: Vec<Vec<Entry>>,
+}
+
+/// One value of the signal that steps at the start of its run.
+struct Entry {
+    row: usize,
+    place: usize,
+    value: f64,
+    /// Square of the signal so far, and what of it lies along the system's directions.
+    own: f64,
+    explained: f64,
+    /// Whether a step may be at this row, whose last entry it is.
+    is_instant: bool,
+}
+
+impl Instants {
+    fn new(system: &System, context: &Context<'_>, effect: &dyn Effect) -> Self {
+        let runs = context.runs.iter().filter(|run| run.len() > 1);
+        let runs = runs.filter_map(|run| {
+            let signal = effect.derivative(context, &[0.0], run.start as f64);
+            let column = system.column(signal.first()?);
+            let mut entries: Vec<Entry> = Vec::new();
+            for (stream, values) in &column.parts {
+                let first = system.layout.range(*stream).start;
+                for (block, &value) in values.iter().enumerate() {
+                    let row = system.layout.row(*stream, block);
+                    if run.contains(&row) {
+                        entries.push(Entry {
+                            row,
+                            place: first + block,
+                            value,
+                            own: 0.0,
+                            explained: 0.0,
+                            is_instant: false,
+                        });
+                    }
+                }
+            }
+            entries.sort_unstable_by(|a, b| b.row.cmp(&a.row).then(a.place.cmp(&b.place)));
+            let margin = margin_rows(context, run);
+            let mut taken = vec![0.0; system.basis.len()];
+            let mut own = 0.0;
+            for position in 0..entries.len() {
+                let next = entries.get(position + 1).map(|next| next.row);
+                let Entry {
+                    row, place, value, ..
+                } = entries[position];
+                own += value * value;
+                for (sum, direction) in taken.iter_mut().zip(&system.basis) {
+                    *sum += value * direction.entry(place);
+                }
+                let is_inside = row >= run.start + margin && row + margin < run.end;
+                entries[position].is_instant = is_inside && next != Some(row);
+                if entries[position].is_instant {
+                    entries[position].own = own;
+                    entries[position].explained = dot(&taken, &taken);
+                }
+            }
+            Some(entries)
+        });
+        Self {
+            runs: runs.collect(),
+        }
+    }
+
+    /// The one at which a step explains most of what is left.
+    fn best(&self, rest: &Rest<'_>, context: &Context<'_>, index: usize) -> Option<Score> {
+        let mut best: Option<Score> = None;
+        let mut taken = vec![0.0; rest.further.len()];
+        for entries in &self.runs {
+            taken.fill(0.0);
+            let mut along = 0.0;
+            for entry in entries {
+                along += entry.value * rest.residual[entry.place];
+                for (sum, direction) in taken.iter_mut().zip(&rest.further) {
+                    *sum += entry.value * direction.entry(entry.place);
+                }
+                if !entry.is_instant || rest.is_taken(context, entry.row) {
+                    continue;
+                }
+                let own = entry.own;
+                let left = own - entry.explained - dot(&taken, &taken);
+                if left <= LEAST_LEFT * own || left <= 0.0 {
+                    continue;
+                }
+                let score = along * along / left;
+                if best.as_ref().is_none_or(|best| score > best.score) {
+                    best = Some(Score {
+                        effect: index,
+                        shape: entry.row as f64,
+                        score,
+                        rank: 1,
+                        amplitudes: vec![along / left],
+                        times: vec![entry.row as f64],
+                        retained: (left / own).sqrt(),
+                        unit_amplitude: 1.0 / left.sqrt(),
+                    });
                 }
             }
         }
-        entries.sort_unstable_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-        let directions: Vec<&Direction> = rest.directions().collect();
-        let mut taken = vec![0.0; directions.len()];
-        let (mut along, mut own) = (0.0, 0.0);
-        for (position, &(row, place, value)) in entries.iter().enumerate() {
-            along += value * rest.residual[place];
-            own += value * value;
-            for (sum, direction) in taken.iter_mut().zip(&directions) {
-                *sum += value * direction.entry(place);
-            }
-            let last_of_row = entries.get(position + 1).is_none_or(|next| next.0 != row);
-            let inside = row >= run.start + margin && row + margin < run.end;
-            if !last_of_row || !inside || rest.is_taken(context, row) {
-                continue;
-            }
-            let left = own - dot(&taken, &taken);
-            if left <= LEAST_LEFT * own || left <= 0.0 {
-                continue;
-            }
-            let score = along * along / left;
-            if best.as_ref().is_none_or(|best| score > best.score) {
-                best = Some(Score {
-                    effect: index,
-                    shape: row as f64,
-                    score,
-                    rank: 1,
-                    amplitudes: vec![along / left],
-                    times: vec![row as f64],
-                    retained: (left / own).sqrt(),
-                    unit_amplitude: 1.0 / left.sqrt(),
-                });
-            }
-        }
+        best
     }
-    best
 }
 
 /// Rows at either end of a run within which a step is one with the zero that the base model
@@ -104,10 +153,11 @@ pub(crate) fn with_more_steps(
     first: Score,
 ) -> Score {
     let one = first.score;
+    let instants = Instants::new(system, context, effect);
+    let mut steps = Steps::new(system, context, effect);
     let mut times = first.times.clone();
     while times.len() < MOST_STEPS_OF_AN_EVENT {
-        let rest = Rest::with_steps(system, context, effect, &times, usize::MAX);
-        match best_instant(&rest, context, effect, first.effect) {
+        match instants.best(&steps.taken(&times, usize::MAX), context, first.effect) {
             Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
                 times.push(next.shape);
             }
@@ -116,8 +166,8 @@ pub(crate) fn with_more_steps(
         for _ in 0..SWEEPS {
             let before = times.clone();
             for index in 0..times.len() {
-                let rest = Rest::with_steps(system, context, effect, &times, index);
-                if let Some(best) = best_instant(&rest, context, effect, first.effect) {
+                let rest = steps.taken(&times, index);
+                if let Some(best) = instants.best(&rest, context, first.effect) {
                     times[index] = best.shape;
                 }
             }
@@ -148,8 +198,9 @@ pub(crate) fn sharpen(
     mut event: Score,
 ) -> Score {
     let reach = (system.layout.size + 1).min(12);
+    let mut steps = Steps::new(system, context, effect);
     for index in 0..event.times.len() {
-        let rest = Rest::with_steps(system, context, effect, &event.times, index);
+        let rest = steps.taken(&event.times, index);
         let row = event.times[index] as usize;
         let mut best: Option<(f64, f64, f64)> = None;
         for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
@@ -167,6 +218,54 @@ pub(crate) fn sharpen(
         }
     }
     event
+}
+
+/// The steps of an event, each across the system's directions: computed once, however often the others move.
+struct Steps<'s> {
+    system: &'s System,
+    context: &'s Context<'s>,
+    effect: &'s dyn Effect,
+    known: BTreeMap<usize, Vec<Vec<f64>>>,
+}
+
+impl<'s> Steps<'s> {
+    fn new(system: &'s System, context: &'s Context<'s>, effect: &'s dyn Effect) -> Self {
+        Self {
+            system,
+            context,
+            effect,
+            known: BTreeMap::new(),
+        }
+    }
+
+    /// What is left of the system with all steps but one projected out.
+    fn taken(&mut self, times: &[f64], but: usize) -> Rest<'s> {
+        let mut rest = Rest::new(self.system);
+        for (index, &time) in times.iter().enumerate() {
+            if index != but {
+                let row = time as usize;
+                rest.steps.push(row);
+                for own in self.across(row) {
+                    rest.take(own.clone());
+                }
+            }
+        }
+        rest
+    }
+
+    fn across(&mut self, row: usize) -> &[Vec<f64>] {
+        let (system, context, effect) = (self.system, self.context, self.effect);
+        self.known.entry(row).or_insert_with(|| {
+            let signals = effect.derivative(context, &[0.0], row as f64);
+            let dense = signals
+                .iter()
+                .map(|signal| system.dense(&system.column(signal)));
+            dense
+                .filter_map(|dense| across(dense, ALWAYS, || system.basis.iter()))
+                .map(|across| across.direction)
+                .collect()
+        })
+    }
 }
 
 /// Residual of a system with further directions projected out.
@@ -188,26 +287,6 @@ impl<'s> Rest<'s> {
         }
     }
 
-    /// With all steps of an event but one projected out.
-    fn with_steps(
-        system: &'s System,
-        context: &Context<'_>,
-        effect: &dyn Effect,
-        times: &[f64],
-        but: usize,
-    ) -> Self {
-        let mut rest = Self::new(system);
-        for (index, &time) in times.iter().enumerate() {
-            if index != but {
-                rest.steps.push(time as usize);
-                for signal in effect.derivative(context, &[0.0], time) {
-                    rest.take(&signal);
-                }
-            }
-        }
-        rest
-    }
-
     /// Whether another step is so near that the two would be one, or take each other back.
     fn is_taken(&self, context: &Context<'_>, row: usize) -> bool {
         let Some(time_s) = &context.recording.time_s else {
@@ -221,9 +300,9 @@ impl<'s> Rest<'s> {
         self.system.basis.iter().chain(&self.further)
     }
 
-    fn take(&mut self, signal: &Signal) {
-        let dense = self.system.dense(&self.system.column(signal));
-        if let Some(across) = across(dense, ALWAYS, || self.directions()) {
+    /// Projects out a vector that lies across the system's directions already.
+    fn take(&mut self, own: Vec<f64>) {
+        if let Some(across) = across(own, ALWAYS, || self.further.iter()) {
             take_off(&mut self.residual, &across.direction);
             self.further.push(Direction::new(across.direction));
         }
