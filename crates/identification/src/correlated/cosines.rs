@@ -69,7 +69,10 @@ mod tests {
                 });
                 let scale = if mode == 0 { 1.0 } else { 2.0 } / count as f64;
                 let sum = scale.sqrt() * terms.sum::<f64>();
-                assert!((found - sum).abs() < 1e-13, "{count}, {mode}: {found} for {sum}");
+                assert!(
+                    (found - sum).abs() < 1e-13,
+                    "{count}, {mode}: {found} for {sum}"
+                );
             }
         }
     }
