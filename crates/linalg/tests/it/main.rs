@@ -5,6 +5,7 @@
     reason = "clippy.toml allows them in test functions; helpers of tests are meant too"
 )]
 
+mod apart;
 mod covariance_and_damping;
 mod extremes;
 mod faer_traps;
