@@ -86,6 +86,9 @@ pub(crate) mod noise {
     /// Variance at the fastest quarter over that at the slowest from which noise depends on speed. Chance: ten standard
     /// deviations with ninety segments each.
     pub(crate) const DEPENDS_ON_SPEED: f64 = 1.6;
+    /// Mean square at the slowest quarter over that at the fastest up to which the slowest stands still: its readings repeat to
+    /// the count and show no noise, of any size.
+    pub(crate) const STANDS_STILL: f64 = 1e-6;
     /// Ratio to the stated noise from which noise is reported. Choice.
     pub(crate) const LOUD: f64 = 1.3;
     /// Growth of noise from slow to fast motion from which it is reported. Choice.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::segments::{leave_undisturbed, segment_basis, segment_moments};
-use crate::thresholds::noise::{DEPENDS_ON_SPEED, SEGMENT_ROWS, SPEED_CLASSES};
+use crate::thresholds::noise::{DEPENDS_ON_SPEED, SEGMENT_ROWS, SPEED_CLASSES, STANDS_STILL};
 
 /// Scale of the noise at every row by the speed there, with mean square 1, and the ratio of the deviation
 /// at the fastest quarter to that at the slowest; none where it does not depend on speed.
@@ -41,7 +41,7 @@ pub(crate) fn speed_scale(
         })
         .collect();
     let (slow, fast) = (parts[0].1, parts[SPEED_CLASSES - 1].1);
-    if slow <= 0.0 || fast < DEPENDS_ON_SPEED * slow {
+    if slow <= STANDS_STILL * fast || fast < DEPENDS_ON_SPEED * slow {
         return None;
     }
     let deviation = |speed: f64| {

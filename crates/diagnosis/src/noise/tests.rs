@@ -105,6 +105,16 @@ fn noise_that_grows_with_speed_is_scaled() {
     assert!(speed_scale(&normal(6000, 6), &speed, &one_run(6000)).is_none());
 }
 
+/// Readings that repeat while the device rests differ by rounding alone, which is no noise to compare with.
+#[test]
+fn noise_that_a_rest_does_not_show_does_not_grow_with_speed() {
+    let speed: Vec<f64> = (0..6000).map(|k| f64::from(k / 2000)).collect();
+    let values: Vec<f64> = (normal(6000, 5).iter().zip(&speed))
+        .map(|(value, speed)| if *speed == 0.0 { 1e-17 * value } else { *value })
+        .collect();
+    assert!(speed_scale(&values, &speed, &one_run(6000)).is_none());
+}
+
 #[test]
 fn single_disturbed_rows_are_outliers_and_a_jump_is_not() {
     let mut values = normal(1000, 3);
