@@ -485,7 +485,7 @@ impl Watch {
     /// The rows so far are the reference.
     ///
     /// # Errors
-    /// They are too few, or their noise remembers longer than they last.
+    /// They are too few, or do not show that their noise has no memory as long as they last.
     pub fn end_reference(&mut self) -> Result<Vec<WatchEvent>, Error> {
         let mut events = Vec::new();
         if self.model.is_none() && self.setup_rows > 0 {

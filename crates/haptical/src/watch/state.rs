@@ -179,7 +179,7 @@ impl Watch {
                 self.rows
             )),
             false => Some(format!(
-                "the noise of {} rows remembers longer than they last, so they are no reference",
+                "{} rows do not show that their noise has no memory as long as they last, so they are no reference: record longer",
                 self.rows
             )),
         }

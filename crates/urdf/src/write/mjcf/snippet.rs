@@ -85,7 +85,7 @@ pub(crate) fn comment(
 /// What a command says of an effect that is in the comment.
 pub(crate) fn said(effect: &str) -> String {
     format!(
-        "`{effect}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python to add it"
+        "`{effect}` is not in the model, because MuJoCo has no means for it: the comment at the file's end has Python for it, or the place for its law"
     )
 }
 
