@@ -1,5 +1,5 @@
 //! Numbers that say how good a calibration is: improvements, position and orientation errors,
-//! intervals and tests, as pure functions on slices.
+//! intervals, tests and frequencies, as pure functions on slices.
 //!
 //! Nothing here reads files, knows a device or keeps state. Every function either returns finite
 //! numbers or an error that names the argument at fault.
@@ -9,6 +9,7 @@ pub mod budget;
 mod correlation;
 mod coverage;
 mod error;
+mod fourier;
 mod improvement;
 mod inference;
 mod pose;
@@ -19,6 +20,7 @@ pub use bootstrap::Bootstrap;
 pub use correlation::{correlation, spearman};
 pub use coverage::{binomial_two_sided_p, holm_adjusted};
 pub use error::MetricsError;
+pub use fourier::{Complex, Fourier};
 pub use improvement::{
     RmsImprovement, gap_reduction_percent, parameter_improvement_percent, rms,
     rms_improvement_percent,

@@ -1,6 +1,8 @@
 //! Power by frequency of a series that may have gaps: the median of windowed segments (Welch 1967), which a jump or a
 //! dent in one of them does not move.
 
+use haptical_metrics::Fourier;
+
 use crate::thresholds::lines::{FILLED, LONGEST_ROWS, PAUSE, SEGMENTS, SHORTEST_ROWS};
 
 /// Power of a series at multiples of `bin_hz`.
@@ -35,6 +37,7 @@ impl Spectrum {
         let window: Vec<f64> = (0..length)
             .map(|slot| 0.5 - 0.5 * (std::f64::consts::TAU * slot as f64 / length as f64).cos())
             .collect();
+        let mut fourier = Fourier::new(length);
         let segments: Vec<Vec<f64>> = pieces
             .iter()
             .flat_map(|piece| {
@@ -42,7 +45,7 @@ impl Spectrum {
                 Some(starts.map(|start| &piece[start..start + length]))
             })
             .flatten()
-            .filter_map(|segment| power(segment, &window))
+            .filter_map(|segment| power(segment, &window, &mut fourier))
             .collect();
         let count = segments.len();
         if count == 0 {
@@ -87,79 +90,27 @@ fn pieces(time_s: &[f64], values: &[f64], step_s: f64) -> Vec<Piece> {
 }
 
 /// Power of a segment without its mean, over the sum of the squares of its window; none of one with too many gaps.
-fn power(segment: &[f64], window: &[f64]) -> Option<Vec<f64>> {
+fn power(segment: &[f64], window: &[f64], fourier: &mut Fourier) -> Option<Vec<f64>> {
     let known = segment.iter().filter(|value| value.is_finite());
     let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     if count < FILLED * segment.len() as f64 {
         return None;
     }
     let mean = sum / count;
-    let mut squares = 0.0;
-    let mut terms: Vec<[f64; 2]> = Vec::with_capacity(segment.len());
-    for (value, window) in segment.iter().zip(window) {
-        if value.is_finite() {
-            squares += window * window;
-            terms.push([window * (value - mean), 0.0]);
-        } else {
-            terms.push([0.0, 0.0]);
-        }
-    }
-    transform(&mut terms);
-    let half = terms[..segment.len() / 2].iter();
-    Some(half.map(|[re, im]| (re * re + im * im) / squares).collect())
-}
-
-/// Discrete Fourier transform of a power of two of complex numbers (Cooley & Tukey 1965).
-fn transform(terms: &mut [[f64; 2]]) {
-    let count = terms.len();
-    let shift = usize::BITS - count.trailing_zeros();
-    for index in 0..count {
-        let mirrored = index.reverse_bits().wrapping_shr(shift);
-        if index < mirrored {
-            terms.swap(index, mirrored);
-        }
-    }
-    let mut half = 1;
-    while half < count {
-        let turns: Vec<(f64, f64)> = (0..half)
-            .map(|k| (-std::f64::consts::PI * k as f64 / half as f64).sin_cos())
-            .collect();
-        for start in (0..count).step_by(2 * half) {
-            for (k, (sin, cos)) in turns.iter().enumerate() {
-                let (low, high) = (start + k, start + k + half);
-                let [re, im] = terms[high];
-                let turned = [re * cos - im * sin, re * sin + im * cos];
-                let first = terms[low];
-                terms[low] = [first[0] + turned[0], first[1] + turned[1]];
-                terms[high] = [first[0] - turned[0], first[1] - turned[1]];
-            }
-        }
-        half *= 2;
-    }
+    let pairs = || segment.iter().zip(window);
+    let known = pairs().filter(|(value, _)| value.is_finite());
+    let squares: f64 = known.map(|(_, window)| window * window).sum();
+    let terms = pairs().map(|(value, window)| match value.is_finite() {
+        true => window * (value - mean),
+        false => 0.0,
+    });
+    let half = fourier.transform(terms)[..segment.len() / 2].iter();
+    Some(half.map(|term| term.norm_sqr() / squares).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_transform_is_the_sum() {
-        let values: Vec<[f64; 2]> = (0..16)
-            .map(|k| [(1.3 * f64::from(k)).sin(), 0.1 * f64::from(k * k % 7)])
-            .collect();
-        let mut found = values.clone();
-        transform(&mut found);
-        for (bin, found) in found.iter().enumerate() {
-            let (mut re, mut im) = (0.0, 0.0);
-            for (k, value) in values.iter().enumerate() {
-                let turn = -std::f64::consts::TAU * (bin * k) as f64 / 16.0;
-                let (sin, cos) = turn.sin_cos();
-                re += value[0] * cos - value[1] * sin;
-                im += value[0] * sin + value[1] * cos;
-            }
-            assert!((re - found[0]).abs() < 1e-12 && (im - found[1]).abs() < 1e-12);
-        }
-    }
 
     #[test]
     fn an_oscillation_with_missing_readings_has_its_power_at_its_frequency() {

@@ -12,23 +12,17 @@ use crate::thresholds::steps::{
 };
 use crate::thresholds::steps::{LEAST_LEFT, MARGIN};
 
-/// The best instant of an event, searched at every block.
-pub(crate) fn event_score(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
+/// An event's instants. A step changes its row and all later ones, so sums over what it changes run from the end of each run
+/// backwards; those that no other step changes are made once.
+pub(crate) struct Instants<'s> {
+    system: &'s System,
+    context: &'s Context<'s>,
+    effect: &'s dyn Effect,
     index: usize,
-) -> Option<Score> {
-    let instants = Instants::new(system, context, effect);
-    instants.best(&Rest::new(system), context, index)
-}
-
-/// The instants at which an event may be, from the end of each run backwards: a step at one changes its entry and those before it.
-struct Instants {
     runs: Vec<Vec<Entry>>,
 }
 
-/// One value of the signal that steps at the start of its run.
+/// One value of the signal that steps at the start of its run, latest first.
 struct Entry {
     row: usize,
     place: usize,
@@ -40,8 +34,14 @@ struct Entry {
     is_instant: bool,
 }
 
-impl Instants {
-    fn new(system: &System, context: &Context<'_>, effect: &dyn Effect) -> Self {
+impl<'s> Instants<'s> {
+    /// Of the effect that has this index.
+    pub(crate) fn new(
+        system: &'s System,
+        context: &'s Context<'s>,
+        effect: &'s dyn Effect,
+        index: usize,
+    ) -> Self {
         let runs = context.runs.iter().filter(|run| run.len() > 1);
         let runs = runs.filter_map(|run| {
             let signal = effect.derivative(context, &[0.0], run.start as f64);
@@ -86,12 +86,21 @@ impl Instants {
             Some(entries)
         });
         Self {
+            system,
+            context,
+            effect,
+            index,
             runs: runs.collect(),
         }
     }
 
-    /// The one at which a step explains most of what is left.
-    fn best(&self, rest: &Rest<'_>, context: &Context<'_>, index: usize) -> Option<Score> {
+    /// The best instant of one step, searched at every block.
+    pub(crate) fn one_step(&self) -> Option<Score> {
+        self.best(&Rest::new(self.system))
+    }
+
+    /// The instant at which a step explains most of what is left.
+    fn best(&self, rest: &Rest<'_>) -> Option<Score> {
         let mut best: Option<Score> = None;
         let mut taken = vec![0.0; rest.further.len()];
         for entries in &self.runs {
@@ -102,7 +111,7 @@ impl Instants {
                 for (sum, direction) in taken.iter_mut().zip(&rest.further) {
                     *sum += entry.value * direction.entry(entry.place);
                 }
-                if !entry.is_instant || rest.is_taken(context, entry.row) {
+                if !entry.is_instant || rest.is_taken(self.context, entry.row) {
                     continue;
                 }
                 let own = entry.own;
@@ -113,7 +122,7 @@ impl Instants {
                 let score = along * along / left;
                 if best.as_ref().is_none_or(|best| score > best.score) {
                     best = Some(Score {
-                        effect: index,
+                        effect: self.index,
                         shape: entry.row as f64,
                         score,
                         rank: 1,
@@ -126,6 +135,45 @@ impl Instants {
             }
         }
         best
+    }
+
+    /// An event's further steps (counts are lost more than once): each at its best instant, after which
+    /// the others move to theirs. Three steps up look like a ramp whose middle is the best single one.
+    pub(crate) fn with_more_steps(&self, first: Score) -> Score {
+        let one = first.score;
+        let mut steps = Steps::new(self.system, self.context, self.effect);
+        let mut times = first.times.clone();
+        while times.len() < MOST_STEPS_OF_AN_EVENT {
+            match self.best(&steps.taken(&times, usize::MAX)) {
+                Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
+                    times.push(next.shape);
+                }
+                _ => break,
+            }
+            for _ in 0..SWEEPS {
+                let before = times.clone();
+                for index in 0..times.len() {
+                    if let Some(best) = self.best(&steps.taken(&times, index)) {
+                        times[index] = best.shape;
+                    }
+                }
+                if times == before {
+                    break;
+                }
+            }
+        }
+        if times.len() == 1 {
+            return first;
+        }
+        let signals: Vec<Signal> = times
+            .iter()
+            .flat_map(|&time| self.effect.derivative(self.context, &[0.0], time))
+            .collect();
+        let candidate = Candidate::of_signals(self.system, &signals, first.effect, times[0]);
+        Score {
+            times,
+            ..candidate.score(self.system)
+        }
     }
 }
 
@@ -142,52 +190,6 @@ fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
     };
     let rest = run.clone().find(moves).map_or(0, |row| row - run.start);
     rest + run.len().div_ceil(MARGIN)
-}
-
-/// An event's further steps (counts are lost more than once): each at its best instant, after which
-/// the others move to theirs. Three steps up look like a ramp whose middle is the best single one.
-pub(crate) fn with_more_steps(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    first: Score,
-) -> Score {
-    let one = first.score;
-    let instants = Instants::new(system, context, effect);
-    let mut steps = Steps::new(system, context, effect);
-    let mut times = first.times.clone();
-    while times.len() < MOST_STEPS_OF_AN_EVENT {
-        match instants.best(&steps.taken(&times, usize::MAX), context, first.effect) {
-            Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
-                times.push(next.shape);
-            }
-            _ => break,
-        }
-        for _ in 0..SWEEPS {
-            let before = times.clone();
-            for index in 0..times.len() {
-                let rest = steps.taken(&times, index);
-                if let Some(best) = instants.best(&rest, context, first.effect) {
-                    times[index] = best.shape;
-                }
-            }
-            if times == before {
-                break;
-            }
-        }
-    }
-    if times.len() == 1 {
-        return first;
-    }
-    let signals: Vec<Signal> = times
-        .iter()
-        .flat_map(|&time| effect.derivative(context, &[0.0], time))
-        .collect();
-    let candidate = Candidate::of_signals(system, &signals, first.effect, times[0]);
-    Score {
-        times,
-        ..candidate.score(system)
-    }
 }
 
 /// Moves each instant of an event to the row, within a block's reach, that explains most.

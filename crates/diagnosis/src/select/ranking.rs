@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::Selector;
 use crate::engine::model::{Cause, Model};
 use crate::engine::system::System;
-use crate::select::events::{event_score, with_more_steps};
+use crate::select::events::Instants;
 use crate::select::scan::Score;
 use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
 use crate::thresholds::steps::MORE_STEPS_SHARE;
@@ -34,11 +34,12 @@ impl Selector<'_> {
                 if effect.spec().shape != Shape::Event {
                     return None;
                 }
-                let score = event_score(system, context, effect, index)?;
+                let instants = Instants::new(system, context, effect, index);
+                let score = instants.one_step()?;
                 let several =
                     score.score > WORTH_MORE_STEPS && score.score > MORE_STEPS_SHARE * largest;
                 Some(if several {
-                    with_more_steps(system, context, effect, score)
+                    instants.with_more_steps(score)
                 } else {
                     score
                 })

@@ -1,23 +1,18 @@
 //! The orthonormal discrete cosine transform (type 2) of any length.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use std::sync::Arc;
 
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use haptical_metrics::{Complex, Fourier};
 
 /// y_k = c_k sum_n x_n cos(pi (n + 1/2) k / N), c_0 = sqrt(1/N), else sqrt(2/N): by one Fourier transform of the entries with
 /// even places, then those with odd places backwards (Makhoul 1980, "A fast cosine transform in one and two dimensions").
 pub(super) struct Cosines {
-    transform: Arc<dyn Fft<f64>>,
+    fourier: Fourier,
     turns: Vec<Complex<f64>>,
-    buffer: Vec<Complex<f64>>,
-    scratch: Vec<Complex<f64>>,
 }
 
 impl Cosines {
     pub(super) fn new(count: usize) -> Self {
-        let transform = FftPlanner::new().plan_fft_forward(count);
         let scale = (2.0 / count as f64).sqrt();
         let mut turns: Vec<Complex<f64>> = (0..count)
             .map(|mode| Complex::from_polar(scale, -0.5 * PI * mode as f64 / count as f64))
@@ -26,23 +21,17 @@ impl Cosines {
             *first *= FRAC_1_SQRT_2;
         }
         Self {
-            buffer: vec![Complex::default(); count],
-            scratch: vec![Complex::default(); transform.get_inplace_scratch_len()],
+            fourier: Fourier::new(count),
             turns,
-            transform,
         }
     }
 
     /// Transforms as many values as it was made for.
     pub(super) fn apply(&mut self, values: &mut [f64]) {
-        let there = values.iter().step_by(2);
-        let back = values.iter().skip(1).step_by(2).rev();
-        for (entry, &value) in self.buffer.iter_mut().zip(there.chain(back)) {
-            *entry = Complex::from(value);
-        }
-        self.transform
-            .process_with_scratch(&mut self.buffer, &mut self.scratch);
-        for (value, (entry, turn)) in values.iter_mut().zip(self.buffer.iter().zip(&self.turns)) {
+        let even = values.iter().step_by(2);
+        let odd = values.iter().skip(1).step_by(2).rev();
+        let found = self.fourier.transform(even.chain(odd).copied());
+        for (value, (entry, turn)) in values.iter_mut().zip(found.iter().zip(&self.turns)) {
             *value = entry.re * turn.re - entry.im * turn.im;
         }
     }

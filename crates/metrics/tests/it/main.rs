@@ -9,6 +9,7 @@ mod bootstrap;
 mod budget;
 mod coverage;
 mod edges;
+mod fourier;
 mod improvement;
 mod inference;
 mod pose;

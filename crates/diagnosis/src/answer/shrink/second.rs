@@ -15,7 +15,7 @@ use crate::engine::model::Cause;
 use crate::engine::{Engine, Prepared};
 use crate::noise::cleaning::without_readings;
 use crate::select::Selection;
-use crate::select::events::{event_score, with_more_steps};
+use crate::select::events::Instants;
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::steps::STEP_SCORE;
 
@@ -264,8 +264,8 @@ fn in_second(second: &Engine<'_>, effects: &[Box<dyn Effect>], cause: &Cause) ->
     if cause.times.is_empty() {
         return Some(cause.clone());
     }
-    let score = event_score(&second.system, &second.context, effect, cause.effect)?;
-    let found = with_more_steps(&second.system, &second.context, effect, score);
+    let instants = Instants::new(&second.system, &second.context, effect, cause.effect);
+    let found = instants.with_more_steps(instants.one_step()?);
     (found.score > STEP_SCORE).then(|| Cause::from(&found))
 }
 
