@@ -96,7 +96,7 @@ impl ChannelGap {
     }
 
     /// Nothing is said of a gap in it.
-    fn without_gap(mut self) -> Self {
+    pub(crate) fn without_gap(mut self) -> Self {
         self.has_gap = false;
         self.reduction_percent = None;
         self.reduction_ci95 = None;

@@ -31,7 +31,7 @@ pub(super) fn weighs(base: &Base) -> bool {
 }
 
 /// Whether the base model leaves more of an external encoder or of the cable than successive rows
-/// differ by.
+/// differ by, and than the sensor's counts hide of it: of a slow motion most rows repeat.
 fn positions_show_a_gap(context: &Context<'_>) -> bool {
     let recording = context.recording;
     context.streams.iter().any(|stream| {
@@ -53,6 +53,9 @@ fn positions_show_a_gap(context: &Context<'_>) -> bool {
         let usable = rest.iter().filter(|value| value.is_finite());
         let count = usable.clone().count().max(1) as f64;
         let rms = (usable.map(|value| value * value).sum::<f64>() / count).sqrt();
-        noise::difference_sd(&rest, &context.runs).is_some_and(|sd| rms > POSITION_GAP * sd)
+        // the standard deviation of rounding to whole counts
+        let rounding = noise::rounding::own_count(context, stream) / 12.0_f64.sqrt();
+        noise::difference_sd(&rest, &context.runs)
+            .is_some_and(|sd| rms > POSITION_GAP * sd.hypot(rounding))
     })
 }

@@ -126,7 +126,8 @@ impl<'f> Findings<'f> {
                 unseen.correct(floor);
             }
         }
-        if !findings.selection.causes().is_empty() || !findings.is_quiet() {
+        let has_own_effects = !engine.context.recording.added.is_empty();
+        if has_own_effects || !findings.selection.causes().is_empty() || !findings.is_quiet() {
             let wrong_nm = torque_nm(&findings.selection);
             findings.force = findings.force.beside_wrong_angles(wrong_nm);
         }

@@ -1,14 +1,16 @@
 //! Torques caused by a gap of positions: effects on torques that are no larger are not reported.
 
 use haptical_calibration::Channel;
-use haptical_effects::Hook;
+use haptical_effects::{Context, Hook};
+use nalgebra::Vector3;
 
 use crate::engine::Engine;
 use crate::engine::model::Cause;
 use crate::select::Selection;
 
-/// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the
-/// angle, the largest that a gap or a cause shows.
+/// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the angle, the largest
+/// that a gap or a cause shows, or by which an effect of the device itself moves what is seen: the chain of the torques is
+/// that of the joints without it.
 pub(crate) fn torque_nm(selection: &Selection<'_>) -> f64 {
     let context = &selection.engine().context;
     let torques = context.torque_nm.iter().flatten();
@@ -16,15 +18,30 @@ pub(crate) fn torque_nm(selection: &Selection<'_>) -> f64 {
     let gaps = (0..context.streams.len()).map(|stream| gap_rad(selection.engine(), stream));
     let causes = selection.causes().iter();
     let causes = causes.map(|cause| cause_rad(selection, cause));
-    torque_nm * gaps.chain(causes).fold(0.0, f64::max)
+    let own = context.recording.added.iter();
+    let own = own.map(|added| rms(&added.readings) / arm_m(context, &added.channel));
+    torque_nm * gaps.chain(causes).chain(own).fold(0.0, f64::max)
+}
+
+/// What a channel shows of an angle of 1 rad, about: the length of a cable or the handle's distance from frame (-1) \[m\].
+fn arm_m(context: &Context<'_>, channel: &str) -> f64 {
+    let arm_m = match (channel, &context.cable) {
+        ("position", _) => {
+            let squares = context.position.iter().map(Vector3::norm_squared);
+            (squares.sum::<f64>() / context.rows().max(1) as f64).sqrt()
+        }
+        (name, Some(cable)) if name.starts_with("cable") => rms(&cable.length_m),
+        _ => 1.0,
+    };
+    arm_m.max(1e-3)
 }
 
 /// The base model's gap in a stream, a cable's over its length.
 fn gap_rad(engine: &Engine<'_>, stream: usize) -> f64 {
     let context = &engine.context;
     let gap = rms(&engine.start.residual[stream]).powi(2) - engine.floor[stream].powi(2);
-    let arm_m = match (context.streams[stream].channel, &context.cable) {
-        (Channel::Cable { .. }, Some(cable)) => rms(&cable.length_m).max(1e-3),
+    let arm_m = match context.streams[stream].channel {
+        channel @ Channel::Cable { .. } => arm_m(context, &channel.name()),
         _ => 1.0,
     };
     gap.max(0.0).sqrt() / arm_m

@@ -47,12 +47,11 @@ pub struct MotionSimulation<'d> {
 /// | `joint` | motor-side reading theta, of which a hand-led play or friction is part |
 /// | `output` | theta + error(theta) and what effects add, roughness of the drums, noise |
 /// | `cable_m` | distance from anchor to handle along the cable's way |
-/// | `torque_nm` | drive torque on the link that holds weights and hand at rest, joint side |
+/// | `torque_nm` | drive torque on the link that holds weights and hand and moves the links, joint side |
 /// | `force_n` | force of the hand on the handle, in the handle's frame |
 /// | `temperature_degc` | if the settings have one |
 ///
-/// Inertia is left out: torques are those of the posture at rest. A device without links has no
-/// cables, torques and forces; joints have an `output` as in [`crate::simulate`]. Late channels show
+/// What a file does not weigh has neither weight nor inertia. A device without links has no cables, torques and forces; joints have an `output` as in [`crate::simulate`]. Late channels show
 /// the motion of an earlier time. The hand keeps `minimum_distance_m` (0.03 m unless
 /// [`Encoders::Same`] says otherwise) clear of cables' exits. Source: docs/equations.md, Motion
 /// simulation.

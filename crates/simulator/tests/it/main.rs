@@ -12,6 +12,7 @@ mod golden;
 mod hand;
 mod hand_guided;
 mod haptic7;
+mod inertia;
 mod motion;
 mod noise;
 mod poses;

@@ -88,6 +88,8 @@ impl ForceAnswer {
             self.findings.clear();
             self.warnings.clear();
             self.significant = false;
+            let channels = self.channels.into_iter();
+            self.channels = channels.map(ChannelGap::without_gap).collect();
         }
         self
     }

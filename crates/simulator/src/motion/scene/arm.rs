@@ -1,4 +1,4 @@
-//! The chain at rest under weights and the hand's force: drive torques, and what gives way.
+//! The chain under weights, its own inertia and the hand's force: drive torques, and what gives way.
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::kinematics::{Chain, Convention, Link, Motion as RowMotion, Pose, Twist};
@@ -57,7 +57,7 @@ pub(crate) struct Arm {
     pub(crate) outputs: Vec<f64>,
     /// Angles of the links, behind whatever gives.
     pub(crate) angles: Vec<f64>,
-    /// Drive torques that hold weights and hand.
+    /// Drive torques that hold weights and hand, and move the links.
     pub(crate) torques_nm: Vec<f64>,
     /// Handle in frame (-1).
     pub(crate) pose: Pose,
@@ -139,14 +139,14 @@ impl Arm {
         }
     }
 
-    /// Moves to outputs that the drives would give without load, and finds where springs, weights
-    /// and the hand's force (on the handle, in the handle's frame) balance; false where a spring is too
-    /// weak for its load.
+    /// Moves to outputs that the drives would give without load, and finds where springs, weights, the torques that move the
+    /// links and the hand's force (on the handle, in the handle's frame) balance; false where a spring is too weak for its load.
     ///
-    /// Drive torques by virtual work: tau_j = -sum_b m_b g . dr_b/dq_j - F . dP/dq_j.
+    /// Drive torques by virtual work: tau_j = i_j - sum_b m_b g . dr_b/dq_j - F . dP/dq_j, i_j those of the motion.
     pub(crate) fn settle(
         &mut self,
         unloaded: &[f64],
+        inertial_nm: &[f64],
         force_n: &Vector3<f64>,
     ) -> Result<bool, ModelError> {
         let gives = self.drum_give.iter().chain(&self.joint_give);
@@ -160,7 +160,7 @@ impl Arm {
             if !self.has_links {
                 return Ok(true);
             }
-            let change = self.load(force_n)?;
+            let change = self.load(inertial_nm, force_n)?;
             if is_rigid || change <= BALANCE {
                 return Ok(true);
             }
@@ -172,7 +172,7 @@ impl Arm {
     }
 
     /// Pose, torques and turn of the base at the angles; how much the two changed.
-    fn load(&mut self, force_n: &Vector3<f64>) -> Result<f64, ModelError> {
+    fn load(&mut self, inertial_nm: &[f64], force_n: &Vector3<f64>) -> Result<f64, ModelError> {
         self.tilt_axes();
         let back_rad = -self.base_turn_rad;
         let gravity_mps2 = turned(&self.gravity_mps2, &back_rad);
@@ -182,9 +182,10 @@ impl Arm {
         let force_n = pose.rotation * force_n;
         pose.position_m += force_n * self.tool_give;
         let mut moment_nm = (pose.position_m - self.base_origin_m).cross(&force_n);
-        for (load, column) in self.loads_nm.iter_mut().zip(&self.jacobian) {
+        let loads = self.loads_nm.iter_mut().zip(inertial_nm);
+        for ((load, inertial_nm), column) in loads.zip(&self.jacobian) {
             // the tool gives along the force, which changes no lever of it
-            *load = -column.linear.dot(&force_n);
+            *load = inertial_nm - column.linear.dot(&force_n);
         }
         for body in &self.bodies {
             let rows = body.links.len();

@@ -4,6 +4,7 @@ pub(crate) mod arm;
 pub(crate) mod cable_path;
 pub(crate) mod drive;
 pub(crate) mod history;
+mod inertia;
 
 use haptical_model::kinematics::distance_m;
 use haptical_model::kinematics::nalgebra::Vector3;
@@ -13,6 +14,7 @@ use crate::effect::Effect;
 use crate::motion::scene::arm::Arm;
 use crate::motion::scene::cable_path::CablePath;
 use crate::motion::scene::drive::{Drive, Instant};
+use crate::motion::scene::inertia::Inertias;
 use crate::motion::settings::Temperature;
 use crate::waves::Waves;
 use crate::{Motion, SimulatorError};
@@ -27,6 +29,7 @@ pub(crate) struct Scene<'d> {
     pub(crate) delay_s: f64,
     pub(crate) drives: Vec<Drive<'d>>,
     pub(crate) arm: Arm,
+    inertias: Inertias,
     paths: Vec<CablePath>,
     unloaded: Vec<f64>,
     pub(crate) force_n: Vector3<f64>,
@@ -43,8 +46,9 @@ impl<'d> Scene<'d> {
         delay_s: f64,
     ) -> Result<Self, SimulatorError> {
         let drives = device.joints.iter().enumerate();
-        let arm = Arm::new(device, effects);
-        let arm = arm.map_err(|source| SimulatorError::Row { row: 0, source })?;
+        let refuse = |source| SimulatorError::Row { row: 0, source };
+        let arm = Arm::new(device, effects).map_err(refuse)?;
+        let inertias = Inertias::new(device).map_err(refuse)?;
         let cables: &[_] = if device.has_links() {
             &device.cables
         } else {
@@ -68,6 +72,7 @@ impl<'d> Scene<'d> {
                 .map(|(index, joint)| Drive::new(joint, index, effects))
                 .collect(),
             arm,
+            inertias,
             cables_m: vec![0.0; paths.len()],
             paths,
             unloaded: vec![0.0; device.joints.len()],
@@ -98,9 +103,11 @@ impl<'d> Scene<'d> {
                 .move_to(wanted.position, wanted.velocity, at)
                 .map_err(model)?;
             self.unloaded[joint] = drive.unloaded;
+            self.inertias.move_joint(joint, drive.unloaded, &wanted);
         }
+        let inertial_nm = self.inertias.torques_nm().map_err(model)?;
         self.force_n = Vector3::from(hand.each_ref().map(|axis| axis.value(time_s)));
-        let settled = self.arm.settle(&self.unloaded, &self.force_n);
+        let settled = self.arm.settle(&self.unloaded, inertial_nm, &self.force_n);
         if !settled.map_err(model)? {
             return Err(SimulatorError::NoBalance { row });
         }
