@@ -11,8 +11,7 @@ pub(crate) const VERSION: &str = "1.0";
 
 /// Chance and evidence: what is more than noise, and which names the data tell apart.
 pub(crate) mod chance {
-    /// Probability that chance gives any effect of the catalogue its score, below which an effect is more than chance. Choice:
-    /// 3 false alarms in 1000 logs.
+    /// Probability of an effect's score by chance, below which it is more than chance. Choice: 3 false alarms in 1000 logs.
     pub(crate) const FAMILY_WISE_P: f64 = 0.003;
     /// Standard deviations of the windows' slow energy above noise, over all channels, that are more than chance.
     pub(crate) const OMNIBUS_Z: f64 = 4.5;
@@ -256,6 +255,10 @@ pub(crate) mod steps {
 
 /// Rivals: effects that could be in a cause's place.
 pub(crate) mod rivals {
+    /// Share of what causes explain from which springs under assumed weights may be in their place.
+    pub(crate) const SAG_SHARE: f64 = 0.5;
+    /// Probability of such a cause at most, where nothing tells the loads.
+    pub(crate) const UNTOLD_PROBABILITY: f64 = 0.5;
     /// Structured energy below which a wrong effect imitates a gap as well as the right one.
     pub(crate) const WEAK: f64 = 100.0;
     /// Exchanges of causes at most. Cost.
@@ -399,8 +402,7 @@ pub(crate) mod earlier_model {
     pub(crate) const BEYOND_CHANCE: f64 = 16.0;
     /// Standard deviations over blocks of unseen rows from which a difference makes them better. Choice.
     pub(crate) const CONFIRMED_SD: f64 = 2.0;
-    /// Share of the difference that another tool alone must explain to be its name: what is left is what an earlier fit did
-    /// not fix.
+    /// Share of the difference that another tool alone must explain: what is left is what an earlier fit did not fix.
     pub(crate) const NEARLY_ALL: f64 = 0.97;
     /// Plausible deviations from which a link's number is believed to be wrong rather than changed. Choice.
     pub(crate) const WRONG_RATHER_THAN_CHANGED: f64 = 4.0;
@@ -413,8 +415,7 @@ pub(crate) mod earlier_model {
     pub(crate) const SEGMENTS: usize = 8;
     /// How much more, or less, often. Choice.
     pub(crate) const OFTEN: f64 = 10.0;
-    /// Standard deviations of that within which a number of an earlier model was bent. Choice: what it stands for is not known
-    /// well.
+    /// Standard deviations of that within which a number of an earlier model was bent. Choice: it is not known well.
     pub(crate) const BEND_SCATTERS: f64 = 4.0;
     /// Standard deviations from which a number has moved. Chance: one in 370, two fits' errors.
     pub(crate) const MOVED_SD: f64 = 4.2;
@@ -523,8 +524,7 @@ pub(crate) mod torque {
     pub(crate) const WINDOW_BLOCKS: usize = 4;
     /// Readings per parameter of the base model that are enough.
     pub(crate) const READINGS_PER_PARAMETER: usize = 8;
-    /// What the base model itself may be wrong by, over a torque's root mean square: postures are averaged over half
-    /// blocks.
+    /// What the base model itself may be wrong by, over a torque's root mean square: postures are means of half blocks.
     pub(crate) const MODEL_SD: f64 = 1e-3;
     /// Standard deviation of the hand's force where nothing is known of it \[N\].
     pub(crate) const UNKNOWN_FORCE_SD_N: f64 = 30.0;

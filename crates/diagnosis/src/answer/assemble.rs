@@ -17,6 +17,7 @@ use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Place, Provenance,
 use crate::judge::findings::Findings;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
+use crate::judge::untold_loads::{self, WEIGH};
 use crate::judge::verdict::{self, contradicted, verdict};
 use crate::judge::whiteness::Tested;
 use crate::moving::leaves_of_second;
@@ -31,6 +32,7 @@ use crate::thresholds::noise::LOUD;
 pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError> {
     let engine = findings.engine();
     let mut causes = position_causes(&findings);
+    let untold = untold_loads::hedge(&findings, &mut causes)?;
     let by_causes = verdict(&findings, &causes);
     let mut touches = Touched::new(engine, by_causes)?;
     let mut in_positions = touches.verdict(&findings, by_causes, !causes.is_empty());
@@ -81,7 +83,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     Ok(Diagnosis {
         verdict,
         gap,
-        next_experiment: next_experiment(&findings, verdict, &causes, located.as_ref()),
+        next_experiment: (untold.as_ref().map(|_| WEIGH.to_owned()))
+            .or_else(|| next_experiment(&findings, verdict, &causes, located.as_ref())),
         traces: traces(&findings, located.as_ref())?,
         unexplained_share: match verdict {
             _ if !has_position_gap => findings.force.unexplained_share,
@@ -109,7 +112,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             Verdict::NoGap | Verdict::Unknown => None,
         },
         plausibility: hints(engine, findings.inputs.nominal),
-        warnings: warnings(&findings, verdict, &causes, unstated),
+        warnings: warnings(&findings, verdict, &causes, [untold, unstated]),
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
@@ -188,7 +191,7 @@ fn warnings(
     findings: &Findings<'_>,
     verdict: Verdict,
     causes: &[CauseAnswer],
-    unstated: Option<String>,
+    first: [Option<String>; 2],
 ) -> Vec<String> {
     let engine = findings.engine();
     let mut warnings = findings.shrink.warnings.clone();
@@ -212,7 +215,7 @@ fn warnings(
             .map(Ahead::words),
     );
     warnings.extend(overruled(findings));
-    warnings.extend(unstated);
+    warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
     let fitted = engine.problem.device_with(&engine.start.model.values);

@@ -153,6 +153,7 @@ fn base_term(term: &BaseTerm, total: f64, shrink: &Shrink) -> CauseAnswer {
         confusable_with: term.confusable_with.clone(),
         parameters: term.parameters.clone(),
         earlier: term.earlier.clone(),
+        changed: term.changed.clone(),
         share: term.explained / total.max(1e-300),
         held_out: held_out(shrink, hook, term.joint),
         ..CauseAnswer::named(term.name, term.joint, probability)

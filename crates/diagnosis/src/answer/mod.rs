@@ -230,6 +230,9 @@ pub struct CauseAnswer {
     /// Of an effect that the earlier model has with another size: the numbers that it has.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub earlier: BTreeMap<String, f64>,
+    /// Of numbers of the base model that changed since the earlier model: what they are now, and what that has.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changed: Vec<MovedNumber>,
     /// False where a parameter lies beyond what a sound device can show.
     pub plausible: bool,
     /// The opposite, under the name that a script may look for.
@@ -263,7 +266,7 @@ pub struct AbsorbedAnswer {
     pub moved: Vec<MovedNumber>,
 }
 
-/// A number of the base model that moves once the causes are in the model.
+/// A number of the base model that moves once the causes are in the model, or that changed since an earlier one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MovedNumber {
     /// Name, as in identified.json.
@@ -272,7 +275,7 @@ pub struct MovedNumber {
     pub unit: String,
     /// Value of the earlier model.
     pub earlier: f64,
-    /// Value with the causes in the model.
+    /// Value now.
     #[serde(flatten)]
     pub value: ParameterAnswer,
 }
@@ -325,6 +328,7 @@ impl CauseAnswer {
             confusable_with: Vec::new(),
             parameters: BTreeMap::new(),
             earlier: BTreeMap::new(),
+            changed: Vec::new(),
             plausible: true,
             implausible: false,
             share: 0.0,

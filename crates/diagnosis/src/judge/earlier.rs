@@ -6,11 +6,12 @@ use std::collections::BTreeMap;
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
 use haptical_effects::structure::{JOINT_COMPLIANCE, TOOL_CHANGED};
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
+use haptical_model::kinematics::Parameter;
 use haptical_model::{
-    Device, ParameterId, SurroundingParameter, TransmissionError, TransmissionKind,
+    Device, JointType, ParameterId, SurroundingParameter, TransmissionError, TransmissionKind,
 };
 
-use crate::answer::ParameterAnswer;
+use crate::answer::{MovedNumber, ParameterAnswer};
 use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
@@ -40,6 +41,8 @@ pub(crate) struct BaseTerm {
     pub(crate) columns: Vec<usize>,
     /// Of an effect of the device: the numbers that the earlier model has.
     pub(crate) earlier: BTreeMap<String, f64>,
+    /// Of the base model: what its numbers changed by, those that did.
+    pub(crate) changed: Vec<MovedNumber>,
 }
 
 /// What a model differs in.
@@ -195,12 +198,53 @@ impl Earlier<'_, '_> {
             terms.retain(|term| !term.earlier.is_empty() || self.has_moved(term));
         }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+        self.say_changes(&mut terms, &others);
         Difference {
             terms,
             total,
             is_unnamed: false,
             deviations: self.deviations.clone(),
         }
+    }
+
+    /// What the numbers of the terms changed by if nothing else did, and of those the ones that did change; the intervals count
+    /// that `others` may differ too.
+    fn say_changes(&self, terms: &mut [BaseTerm], others: &[usize]) -> Option<()> {
+        let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
+            terms.iter().any(|term| term.name == own.0.effect.name())
+        };
+        let sensors = self.sensors.iter().filter(is_displaced);
+        let chosen: Vec<usize> = (self.places.iter())
+            .chain(terms.iter().flat_map(|term| &term.columns))
+            .chain(sensors.flat_map(|(_, columns)| columns))
+            .copied()
+            .collect();
+        let (values, covariance) = self.columns.solution(&chosen)?;
+        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
+        let (engine, device) = (self.engine, self.engine.context.device);
+        let mut index = self.places.len();
+        for term in terms {
+            let first = index;
+            index += term.columns.len();
+            if !term.earlier.is_empty() {
+                continue;
+            }
+            let numbers = term.columns.iter().zip(first..);
+            term.changed = numbers
+                .filter_map(|(&column, index)| {
+                    let (step, sd) = (values[index], covariance[(index, index)].sqrt());
+                    let parameter = engine.base.parameters[engine.base.free[column]];
+                    let earlier = earlier_value(parameter, self.model, device)?;
+                    (step.abs() > MOVED_SD * sd).then(|| MovedNumber {
+                        parameter: parameter.name(device),
+                        unit: parameter.unit(device).to_owned(),
+                        earlier,
+                        value: ParameterAnswer::normal(earlier + step, sd),
+                    })
+                })
+                .collect();
+        }
+        Some(())
     }
 
     /// Whether a number of a term differs from the earlier model's beyond chance; one that is no number of the base model does.
@@ -237,6 +281,7 @@ impl Earlier<'_, '_> {
             is_all: true,
             columns: Vec::new(),
             earlier: BTreeMap::new(),
+            changed: Vec::new(),
         })
     }
 
@@ -284,6 +329,7 @@ impl Earlier<'_, '_> {
             is_all: false,
             columns: Vec::new(),
             earlier: BTreeMap::new(),
+            changed: Vec::new(),
         })
     }
 
@@ -378,6 +424,7 @@ impl Earlier<'_, '_> {
             columns: group.columns.clone(),
             earlier: (group.resized.as_ref())
                 .map_or_else(BTreeMap::new, |resized| resized.earlier.clone()),
+            changed: Vec::new(),
         }
     }
 
@@ -458,7 +505,13 @@ fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
     let mut groups: Vec<Group> = own.collect();
     for (column, &position) in engine.base.free.iter().enumerate() {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
-            ParameterId::Link { row, .. } => (LINK_GEOMETRY.name, row.checked_sub(1), false),
+            ParameterId::Link { row, parameter } => {
+                let joint = row.checked_sub(1);
+                match joint.is_some_and(|joint| is_zero(device, joint, parameter)) {
+                    true => (JOINT_OFFSET.name, joint, false),
+                    false => (LINK_GEOMETRY.name, joint, false),
+                }
+            }
             ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
             // the place of a rig is no effect of the device, and an effect of its own size is no deviation from it
             ParameterId::Surrounding(_) | ParameterId::Effect { .. } => continue,
@@ -466,10 +519,10 @@ fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
                 (term_name(device, joint, index), Some(joint), true)
             }
         };
-        match groups
-            .iter_mut()
-            .find(|group| group.resized.is_none() && group.name == name && group.joint == joint)
-        {
+        match groups.iter_mut().find(|group| {
+            let is_place = group.joint == joint && group.in_drive == in_drive;
+            group.resized.is_none() && group.name == name && is_place
+        }) {
             Some(group) => group.columns.push(column),
             None => groups.push(Group {
                 name,
@@ -481,6 +534,15 @@ fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
         }
     }
     groups
+}
+
+/// Whether a number of a joint's own row is the joint's zero.
+fn is_zero(device: &Device, joint: usize, parameter: Parameter) -> bool {
+    let joint = device.joints.get(joint).map(|joint| joint.joint_type);
+    matches!(
+        (joint, parameter),
+        (Some(JointType::Revolute), Parameter::Theta) | (Some(JointType::Prismatic), Parameter::D)
+    )
 }
 
 fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {

@@ -13,6 +13,7 @@ pub(crate) mod too_coarse;
 pub(crate) mod tool;
 pub(crate) mod touched;
 pub(crate) mod unlisted;
+pub(crate) mod untold_loads;
 pub(crate) mod verdict;
 pub(crate) mod whiteness;
 pub(crate) mod wrong_angles;

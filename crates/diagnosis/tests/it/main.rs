@@ -30,3 +30,4 @@ mod settle;
 mod several;
 mod touches;
 mod touching;
+mod untold_loads;

@@ -1,6 +1,7 @@
 //! A tracker that someone moves between two runs, and one that nobody touches.
 
 use haptical_diagnosis::{Diagnosis, Options, Verdict, diagnose};
+use haptical_model::kinematics::Link;
 use haptical_model::kinematics::nalgebra::{
     Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3,
 };
@@ -223,7 +224,11 @@ fn a_tracker_that_stands_elsewhere_than_in_an_earlier_model_is_named() {
     assert_eq!(against(&still_there, &[]).verdict, Verdict::NoGap);
 }
 
-/// Two causes at once are two terms: the place of the tracker takes no link's part, nor links the place's.
+/// A number of a link.
+type Number = fn(&mut Link) -> &mut f64;
+
+/// Two causes at once are two terms: the place of the tracker takes no link's part, nor links the place's. A zero that moved is no
+/// link that was bent, and the answer says what changed since the model, not since the drawing.
 #[test]
 fn a_tracker_that_was_moved_beside_a_changed_link_is_named_with_it() {
     let one = Session {
@@ -231,36 +236,55 @@ fn a_tracker_that_was_moved_beside_a_changed_link_is_named_with_it() {
         rows_of_a_run: 2400,
         ..Session::default()
     };
-    let mut before = diagnosed(&recorded(&one, Isometry3::identity(), still)).device;
-    before.links[2].theta_rad += 8e-3;
+    let model = diagnosed(&recorded(&one, Isometry3::identity(), still)).device;
     let later = Session { seed: 9, ..one };
     let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
     let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
     let recording = recorded_from(&later, 0, Isometry3::new(shift, tilt), still);
-    let options = Options {
-        model: Some(&before),
-        ..Options::default()
-    };
-    let diagnosis = diagnose(&device(), &recording, &options).unwrap();
-    let summary = summary(&diagnosis);
-    assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
-    let names = diagnosis
-        .causes
-        .iter()
-        .map(|cause| (cause.effect.as_str(), cause.joint));
-    let mut names: Vec<_> = names.collect();
-    names.sort_unstable();
-    assert_eq!(
-        names,
-        [("link-geometry", Some(2)), ("tracker-moved", None)],
-        "{summary}"
-    );
-    let place = diagnosis.causes.iter().find(|cause| cause.joint.is_none());
-    for (name, truth) in [("shift_m", 2e-3), ("tilt_rad", 3e-3)] {
-        let answer = place.unwrap().parameters[name];
-        assert!(
-            (answer.value / truth - 1.0).abs() < 0.1,
-            "{name} {answer:?}"
+    let changes: [(&str, &str, Number); 2] = [
+        ("joint-offset", "theta2", |link| &mut link.theta_rad),
+        ("link-geometry", "alpha2", |link| &mut link.alpha_rad),
+    ];
+    for (effect, number, of) in changes {
+        let mut before = model.clone();
+        *of(&mut before.links[2]) += 8e-3;
+        let options = Options {
+            model: Some(&before),
+            ..Options::default()
+        };
+        let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+        let summary = summary(&diagnosis);
+        assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+        let names = diagnosis
+            .causes
+            .iter()
+            .map(|cause| (cause.effect.as_str(), cause.joint));
+        let mut names: Vec<_> = names.collect();
+        names.sort_unstable();
+        let expected = [(effect, Some(2)), ("tracker-moved", None)];
+        assert_eq!(names, expected, "{summary}");
+        let place = diagnosis.causes.iter().find(|cause| cause.joint.is_none());
+        for (name, truth) in [("shift_m", 2e-3), ("tilt_rad", 3e-3)] {
+            let answer = place.unwrap().parameters[name];
+            assert!(
+                (answer.value / truth - 1.0).abs() < 0.1,
+                "{name} {answer:?}"
+            );
+        }
+        let link = diagnosis.causes.iter().find(|cause| cause.effect == effect);
+        let changed = &link.unwrap().changed;
+        let [only] = changed.as_slice() else {
+            panic!("{changed:?}");
+        };
+        assert_eq!(
+            (only.parameter.as_str(), only.unit.as_str()),
+            (number, "rad")
         );
+        assert_eq!(only.earlier, *of(&mut before.links[2]));
+        // it was 8 mrad more
+        let step = only.value.value - only.earlier;
+        assert!((step + 8e-3).abs() < 4e-4, "{only:?}");
+        let ci95 = only.value.ci95.map(|end| end - only.earlier);
+        assert!(ci95[0] < -8e-3 && -8e-3 < ci95[1], "{only:?}");
     }
 }

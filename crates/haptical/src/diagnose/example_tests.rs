@@ -164,6 +164,7 @@ pub(crate) fn named() -> Diagnosis {
             },
         )]),
         earlier: BTreeMap::new(),
+        changed: Vec::new(),
         plausible: true,
         implausible: false,
         class_probability: 0.98,

@@ -1,6 +1,6 @@
 //! What to do next.
 
-use haptical_diagnosis::{Diagnosis, Verdict};
+use haptical_diagnosis::{CauseAnswer, Diagnosis, Verdict};
 
 use crate::diagnose::faults::faults;
 use crate::diagnose::words::{listed, main_channel, named_at};
@@ -53,6 +53,7 @@ fn by_hand(diagnosis: &Diagnosis) -> String {
         (Verdict::NoGap, _) => "nothing; the model is as good as these data can tell. What could \
                                 still hide is under \"what cannot be seen\""
             .to_owned(),
+        (Verdict::Named, Some(cause)) if !cause.changed.is_empty() => changed(cause),
         (Verdict::Named, Some(cause)) => match haptical_effects::spec(&cause.effect) {
             Some(spec) => format!(
                 "check {}; mend it, or put the effect into the model with the parameters found, \
@@ -75,6 +76,23 @@ fn by_hand(diagnosis: &Diagnosis) -> String {
             )
         }
     }
+}
+
+/// Of a device that is no longer that of the earlier model.
+fn changed(cause: &CauseAnswer) -> String {
+    let joint = cause
+        .joint
+        .map_or("a joint".to_owned(), |joint| format!("joint {joint}"));
+    let look = match cause.effect.as_str() {
+        "joint-offset" => {
+            format!("whether {joint} was homed anew, or its encoder or coupling slipped")
+        }
+        "link-geometry" => format!("whether a link at {joint} was bent, or mounted anew"),
+        _ => format!("what was changed at {joint}"),
+    };
+    format!(
+        "the device is no longer that of the earlier model: look {look}; then identify it again"
+    )
 }
 
 #[cfg(test)]

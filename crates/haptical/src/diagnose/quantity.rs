@@ -41,6 +41,17 @@ impl Quantity {
         }
     }
 
+    /// Of a number of the base model by its unit, `m`, `rad` or another one, with its size.
+    pub(crate) fn of_unit(unit: &str, size: f64) -> Self {
+        let (_, unit) = Unit::split(&format!("number_{unit}"));
+        let (unit, per_si) = for_people(unit, size);
+        Self {
+            words: String::new(),
+            unit,
+            per_si,
+        }
+    }
+
     /// Value, interval and unit: `258 [243, 273] N m/rad`; without an interval of no width.
     pub(crate) fn text(&self, value: f64, ci95: [f64; 2]) -> String {
         let digits = self.decimals(value, ci95);

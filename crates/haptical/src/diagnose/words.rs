@@ -425,13 +425,26 @@ fn moved_number(number: &MovedNumber) -> String {
 }
 
 /// The parameters of a cause: `stiffness 258 [243, 273] N m/rad`.
+///
+/// Of numbers that changed since an earlier model what they changed by: `theta3 changed by -3.00 mrad [-3.02, -2.98]`.
 pub(crate) fn parameters(cause: &CauseAnswer) -> String {
+    if !cause.changed.is_empty() {
+        let changes: Vec<String> = cause.changed.iter().map(changed_number).collect();
+        return format!("since the earlier model {}", listed(&changes));
+    }
     let texts = cause.parameters.iter().map(|(name, parameter)| {
         let quantity = Quantity::new(&cause.effect, name, parameter.value);
         let value = quantity.text(parameter.value, parameter.ci95);
         format!("{} {value}{}", quantity.words, earlier(cause, name))
     });
     texts.collect::<Vec<_>>().join(", ")
+}
+
+fn changed_number(number: &MovedNumber) -> String {
+    let step = number.value.value - number.earlier;
+    let ci95 = number.value.ci95.map(|end| end - number.earlier);
+    let size = Quantity::of_unit(&number.unit, step).text(step, ci95);
+    format!("{} changed by {size}", number.parameter)
 }
 
 /// What the earlier model has in the place of a number of an effect that it knows: `(1.4 mrad more than the 1.8 mrad of

@@ -1,0 +1,120 @@
+//! Springs under loads that nothing tells: without masses and torques they are not tested, and a sag then passes for
+//! an error of a drive or of an angle.
+
+use haptical_effects::{Context, Effect, Family, Need, Shape};
+use haptical_model::{Body, Device, RigidBodies};
+
+use crate::DiagnosisError;
+use crate::answer::CauseAnswer;
+use crate::judge::findings::Findings;
+use crate::select::scan::Candidate;
+use crate::thresholds::rivals::{SAG_SHARE, UNTOLD_PROBABILITY};
+
+/// What to do next where a sag may be in a cause's place.
+pub(crate) const WEIGH: &str = "write the masses of the links into the device file (`mass_kg` and `centre_of_mass_m`, or \
+    `<inertial>`) and diagnose again; or record the torques";
+
+/// Makes causes that follow the posture less sure where springs under assumed weights would explain as much; what to say.
+pub(crate) fn hedge(
+    findings: &Findings<'_>,
+    causes: &mut [CauseAnswer],
+) -> Result<Option<String>, DiagnosisError> {
+    // what changed since an earlier model is no matter of the loads
+    let is_term = |cause: &CauseAnswer| {
+        let mut terms = findings.base_terms.terms.iter();
+        terms.any(|term| term.name == cause.effect)
+    };
+    let is_doubtful = |cause: &CauseAnswer| is_of_posture(cause) && !is_term(cause);
+    if !causes.iter().any(is_doubtful) {
+        return Ok(None);
+    }
+    let Some(sag) = sag(findings)?.filter(|sag| sag.share >= SAG_SHARE) else {
+        return Ok(None);
+    };
+    for cause in causes.iter_mut().filter(|cause| is_doubtful(cause)) {
+        cause.probability = cause.probability.min(UNTOLD_PROBABILITY);
+        cause.class_probability = cause.class_probability.min(UNTOLD_PROBABILITY);
+        if !cause.confusable_with.iter().any(|name| name == sag.name) {
+            cause.confusable_with.push(sag.name.to_owned());
+        }
+    }
+    if !causes.first().is_some_and(is_doubtful) {
+        return Ok(None);
+    }
+    let much = match sag.share < 1.0 {
+        true => format!("{:.0} % of what the causes do", 100.0 * sag.share),
+        false => "more than the causes do".to_owned(),
+    };
+    Ok(Some(format!(
+        "what bends under its load was not tested: the device file has no masses (`mass_kg`, or `<inertial>`), the log no \
+         torques. With assumed masses {} explains {much}, and may be in their place",
+        sag.name
+    )))
+}
+
+/// Whether a cause is a function of the posture, as a sag is.
+fn is_of_posture(cause: &CauseAnswer) -> bool {
+    haptical_effects::spec(&cause.effect).is_some_and(|spec| {
+        matches!(
+            spec.family,
+            Family::Shape | Family::Coupling | Family::Wobble | Family::Tool | Family::Exit
+        )
+    })
+}
+
+/// Springs in all joints.
+struct Sag {
+    name: &'static str,
+    /// What they explain over what the causes do.
+    share: f64,
+}
+
+fn sag(findings: &Findings<'_>) -> Result<Option<Sag>, DiagnosisError> {
+    let selector = &findings.selection.selector;
+    let (engine, known) = (selector.engine, &selector.engine.context);
+    let is_told = known.torque_nm.iter().any(Option::is_some) || known.base_moment_nm.is_some();
+    let Some(weighed) = (!is_told).then(|| weighed(known.device)).flatten() else {
+        return Ok(None);
+    };
+    let context = Context::new(&weighed, known.recording, &known.streams)?;
+    let is_spring = |effect: &&dyn Effect| {
+        let spec = effect.spec();
+        spec.family == Family::Load
+            && spec.shape == Shape::NONE
+            && spec.needs.contains(&Need::Torque)
+            && effect.untestable(known).is_some()
+            && effect.untestable(&context).is_none()
+    };
+    let effects = selector.effects.iter().map(AsRef::as_ref);
+    let springs: Vec<&dyn Effect> = effects.filter(is_spring).collect();
+    let Some(name) = springs.first().map(|effect| effect.name()) else {
+        return Ok(None);
+    };
+    let springs = springs.iter().filter(|effect| effect.name() == name);
+    let signals: Vec<_> = springs
+        .flat_map(|effect| effect.derivative(&context, &[0.0], 0.0))
+        .collect();
+    let explained = Candidate::of_signals(&engine.system, &signals, 0, 0.0);
+    let explained = explained.score(&engine.system).score;
+    let by_causes = selector.cost(&engine.start) - selector.cost(&findings.selection.refit);
+    Ok((by_causes > 0.0).then(|| Sag {
+        name,
+        share: explained / by_causes,
+    }))
+}
+
+/// The device with the weights that written robot descriptions would have (assumption A150).
+fn weighed(device: &Device) -> Option<Device> {
+    let plausible = RigidBodies::plausible(device).ok()?;
+    let bodies = plausible.masses().iter().map(|row| {
+        Some(Body {
+            mass_kg: row.inertia.mass_kg,
+            centre_of_mass_m: row.inertia.centre_of_mass_m()?.into(),
+            inertia_kgm2: None,
+        })
+    });
+    let mut weighed = device.clone();
+    weighed.bodies = std::iter::once(None).chain(bodies).collect();
+    weighed.gravity_mps2 = Some((*plausible.gravity_mps2()).into());
+    Some(weighed)
+}
