@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical_data::{Cells, LogShape, log_from_columns, write_log_to};
+use haptical_model::Recording;
 use haptical_tables::{Applied, Mapping, TEXTS, Table, TableError, apply, guess, read_table};
 
 use super::{Imported, Target, shape_without_limits};
@@ -181,12 +182,32 @@ pub(super) fn imported(
     write_log_to(&mut log, &read.recording, &shape)?;
     let mut warnings = applied.warnings;
     warnings.extend(read.warnings);
+    warnings.extend(of_joints_alone(&read.recording));
     Ok(Imported {
         log,
         rows: read.recording.len(),
         joints: shape.joints.len(),
         beside: None,
         warnings,
+    })
+}
+
+/// A log that nothing can be calibrated with.
+fn of_joints_alone(recording: &Recording) -> Option<String> {
+    let has = |columns: &[Option<Vec<f64>>]| columns.iter().any(Option::is_some);
+    let has_own = recording.position_m.is_some()
+        || recording.orientation_wxyz.is_some()
+        || recording.contact.is_some()
+        || recording.plane.is_some();
+    let has_any = has_own
+        || has(&recording.output)
+        || has(&recording.cable_m)
+        || has(&recording.torque_nm)
+        || !recording.covariates.is_empty();
+    (!has_any).then(|| {
+        "the log has the joints and nothing that was measured besides, so that nothing can be calibrated with it: is a column left \
+         out in the mapping file?"
+            .to_owned()
     })
 }
 

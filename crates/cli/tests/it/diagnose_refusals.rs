@@ -217,3 +217,23 @@ fn a_log_does_not_validate_itself() {
         refused(&sandbox, &["--validate", name], 2, &wanted);
     }
 }
+
+#[test]
+fn a_second_log_without_readings_is_told_from_the_first() {
+    let sandbox = Sandbox::new();
+    let good = sandbox.log_text();
+    let mut cells = sandbox.cells();
+    let is_joint = |index: &usize| cells[0][*index].starts_with("theta");
+    let joints: Vec<usize> = (0..cells[0].len()).filter(is_joint).collect();
+    for row in &mut cells {
+        *row = joints.iter().map(|&index| row[index].clone()).collect();
+    }
+    sandbox.write_log(&cells);
+    std::fs::rename(sandbox.path("log.csv"), sandbox.path("log2.csv")).unwrap();
+    sandbox.write("log.csv", good);
+    let wanted = [
+        "the log of --validate has no reading of a sensor; that of --log has out1, ",
+        "where: log2.csv",
+    ];
+    refused(&sandbox, &["--validate", "log2.csv"], 2, &wanted);
+}

@@ -95,6 +95,30 @@ fn a_device_s_limits_are_looked_at() {
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
 
+/// A log of angles alone is one, but the next command would have nothing to compare them with.
+#[test]
+fn a_log_of_joints_alone_is_written_with_a_warning() {
+    let bench = Bench::new();
+    let joints = MAPPING.split("[[column]]").nth(1).unwrap();
+    std::fs::write(
+        bench.path().join("joints.toml"),
+        format!("[[column]]{joints}"),
+    )
+    .unwrap();
+    for (mapping, warns) in [("joints.toml", true), ("columns.toml", false)] {
+        let output = bench.import(&format!(
+            "--columns {mapping} table.csv --out log.csv --force"
+        ));
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let said = text(&output.stderr);
+        assert_eq!(
+            said.contains("nothing that was measured besides"),
+            warns,
+            "{said}"
+        );
+    }
+}
+
 #[test]
 fn what_cannot_be_imported_is_refused_and_nothing_is_written() {
     let bench = Bench::new();

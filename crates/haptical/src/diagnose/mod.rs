@@ -42,7 +42,7 @@ use crate::page::arm;
 
 pub use self::repair::{Repair, RepairChange, RepairCheck};
 pub(crate) use self::several::joined;
-use self::several::{LogRead, refuse_same_log};
+use self::several::{LogRead, refuse_same_log, refuse_without_readings};
 use self::summary::Room;
 
 /// Header of predictions.csv, in the order of [`Prediction`].
@@ -168,6 +168,7 @@ pub fn diagnose_as(
     if let Some(second) = validate {
         logs.iter()
             .try_for_each(|log| refuse_same_log(log, second))?;
+        refuse_without_readings(device, &recording, second)?;
     }
     let mut described = device.model.clone();
     if *joint_compliance {

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
+use haptical_calibration::channels;
 use haptical_model::{NotJoined, Recording};
 use serde::Serialize;
 
+use crate::device::Device;
 use crate::error::Error;
 use crate::log::Log;
 
@@ -100,5 +102,28 @@ pub(super) fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
         &second.source().path,
         "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
          back from the fit",
+    ))
+}
+
+/// A second log without any reading of what the first one shows is told from the first.
+pub(super) fn refuse_without_readings(
+    device: &Device,
+    first: &Recording,
+    second: &Log,
+) -> Result<(), Error> {
+    let shown = |log: &Recording| channels(&device.model, log);
+    let (Ok(known), Err(_)) = (shown(first), shown(&second.recording)) else {
+        return Ok(());
+    };
+    let mut names: Vec<String> = known.iter().map(|channel| channel.name()).collect();
+    names.dedup();
+    Err(Error::in_file(
+        "no-readings",
+        format!(
+            "the log of --validate has no reading of a sensor; that of --log has {}",
+            names.join(", ")
+        ),
+        &second.source().path,
+        "give --validate a recording with the same sensors, or leave it out: then blocks of the log are held back from the fit",
     ))
 }

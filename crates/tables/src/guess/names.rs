@@ -110,19 +110,37 @@ const ANGLE: [&str; 26] = [
     "jnt",
     "cali",
 ];
-const POSITION: [&str; 12] = [
+const POSITION: [&str; 30] = [
     "p",
     "pos",
     "position",
     "tcp",
     "ee",
+    "eef",
+    "end",
+    "effector",
+    "flange",
     "tool",
+    "tip",
+    "handle",
+    "hand",
+    "probe",
     "marker",
+    "tracker",
+    "tracked",
+    "laser",
+    "leica",
+    "smr",
+    "optitrack",
+    "vicon",
+    "mocap",
+    "camera",
     "t",
     "point",
     "xyz",
     "target",
     "reflector",
+    "coordinate",
 ];
 
 /// The words of a name in small letters, split at signs, between words in capitals and around digits; a unit at the end is left out.
@@ -288,17 +306,16 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     }
     let (last, front) = parts.split_last()?;
     let is_turn = front.iter().all(|word| {
-        matches!(
-            *word,
-            "q" | "quat"
-                | "quaternion"
-                | "orientation"
-                | "rot"
-                | "rotation"
-                | "pose"
-                | "tcp"
-                | "ee"
-        )
+        let turns = [
+            "q",
+            "quat",
+            "quaternion",
+            "orientation",
+            "rot",
+            "rotation",
+            "pose",
+        ];
+        turns.contains(word) || POSITION.contains(word)
     });
     let letter = |word: &str, stem: &str| {
         let rest = word.strip_prefix(stem)?;
@@ -323,9 +340,12 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
         .or_else(|| axis("p"))
         .or_else(|| axis("t"))
         .or_else(|| axis("pos"));
-    let is_place = front
-        .iter()
-        .all(|word| POSITION.contains(word) || *word == "pose");
+    // a name may have a capital within: `OptiTrack`
+    let whole = front.concat();
+    let is_place = POSITION.contains(&whole.as_str())
+        || front
+            .iter()
+            .all(|word| POSITION.contains(word) || *word == "pose");
     axis.filter(|_| is_place).map(Meaning::Position)
 }
 

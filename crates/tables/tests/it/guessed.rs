@@ -159,3 +159,35 @@ fn files_alike_are_runs_and_files_unlike_side_by_side() {
     let thrice = "x,y,z\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n";
     assert!(text(&[joints, thrice]).contains("match = \"repeat\""));
 }
+
+/// What sees the handle is a word before the axis, whichever instrument it is.
+#[test]
+fn a_place_is_known_by_the_instrument_that_reads_it() {
+    for word in [
+        "Tracker",
+        "Leica",
+        "SMR",
+        "OptiTrack",
+        "End-effector",
+        "flange",
+    ] {
+        let header: Vec<String> = ["X", "Y", "Z"]
+            .map(|axis| format!("{word} {axis} [mm]"))
+            .into();
+        let text = format!("q1,{}\n0.1,900,10,20\n0.2,910,11,21\n", header.join(","));
+        let wanted = [
+            ("theta1_rad", "q1", ""),
+            ("x_m", &header[0], "mm"),
+            ("y_m", &header[1], "mm"),
+            ("z_m", &header[2], "mm"),
+        ];
+        is(&text, &wanted);
+    }
+    let turns = "q1,tracker_qw,tracker_qx,tracker_qy,tracker_qz\n0.1,1,0,0,0\n0.2,1,0,0,0\n";
+    let text = guess(&[table(turns)], &[]);
+    let orientation = text.split("[orientation]").nth(1).unwrap();
+    assert!(
+        orientation.contains("\"tracker_qw\", \"tracker_qx\""),
+        "{text}"
+    );
+}
