@@ -83,13 +83,19 @@ impl IdentifyArguments {
     fn next(&self, paths: &[String]) -> String {
         let (device, log) = (self.device_options.typed(&self.device), word(&self.log));
         let hold = self.hold.typed();
-        let mut lines = format!("  haptical diagnose{device} --log {log}{hold} --out gap\n");
+        let beside = |name: &str| word(&self.out.with_file_name(name));
+        let gap = beside("gap");
+        let mut lines = format!("  haptical diagnose{device} --log {log}{hold} --out {gap}\n");
         let identified = paths.iter().find(|path| path.ends_with("identified.toml"));
         if let Some(identified) = identified {
             let identified = shell_word(identified);
             let format = match is_urdf(&self.device) {
-                true => format!("urdf --urdf {} --out calibrated.urdf", word(&self.device)),
-                false => "rust --out model.rs".to_owned(),
+                true => format!(
+                    "urdf --urdf {} --out {}",
+                    word(&self.device),
+                    beside("calibrated.urdf")
+                ),
+                false => format!("rust --out {}", beside("model.rs")),
             };
             lines += &format!("  haptical export --device {identified} --format {format}\n");
         }

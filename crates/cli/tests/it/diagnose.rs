@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use crate::moving_log::{ROWS, moving_log};
-use crate::{Sandbox, column, names_in, text};
+use crate::{Sandbox, column, haptical, names_in, text};
 
 fn gap_of(sandbox: &Sandbox) -> Value {
     let text = std::fs::read_to_string(sandbox.path("result/gap.json")).unwrap();
@@ -304,4 +304,62 @@ fn a_pipe_gets_no_control_characters() {
         let odd = text(stream).chars().find(|c| c.is_control() && *c != '\n');
         assert_eq!(odd, None);
     }
+}
+
+/// A zero that jumped is said as what changed since the model, with its unit, and not as all numbers of a link from the drawing.
+#[test]
+fn a_zero_that_jumped_since_the_model_is_said_as_a_change() {
+    let sandbox = Sandbox::new();
+    let run = |line: &str| {
+        let output = haptical()
+            .current_dir(sandbox.folder.path())
+            .args(line.split_whitespace())
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{line}: {}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    run("init arm --example urdf-arm");
+    let arm = "--device arm/arm6.urdf --rig arm/rig.toml";
+    run(&format!(
+        "identify {arm} --log arm/log.csv --out arm/before"
+    ));
+    let log = std::fs::read_to_string(sandbox.path("arm/log.csv")).unwrap();
+    let mut lines = log.lines();
+    let mut jumped = format!("{}\n", lines.next().unwrap());
+    for line in lines {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        let reading: f64 = cells[2].parse().unwrap();
+        cells[2] = format!("{:.6}", reading + 3e-3);
+        jumped += &format!("{}\n", cells.join(","));
+    }
+    sandbox.write("arm/jumped.csv", jumped);
+    let said = run(&format!(
+        "diagnose {arm} --model arm/before/identified.toml --log arm/jumped.csv --out arm/gap"
+    ));
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.starts_with("Named. joint-offset at joint 3"), "{said}");
+    let step_mrad = |page: &str| -> f64 {
+        let (_, after) = page
+            .split_once("since the earlier model theta3 changed by ")
+            .unwrap();
+        let (number, unit) = after.split_once(']').unwrap();
+        assert!(unit.starts_with(" mrad"), "{unit:.20}");
+        number.split(' ').next().unwrap().parse().unwrap()
+    };
+    assert!((step_mrad(&said) + 3.0).abs() < 0.1, "{said}");
+    assert!(
+        said.contains("look whether joint 3 was homed anew"),
+        "{said}"
+    );
+    let page = std::fs::read_to_string(sandbox.path("arm/gap/gap.html")).unwrap();
+    assert!((step_mrad(&page) + 3.0).abs() < 0.1);
+    let gap: Value =
+        serde_json::from_slice(&std::fs::read(sandbox.path("arm/gap/gap.json")).unwrap()).unwrap();
+    let changed = &gap["causes"][0]["changed"];
+    assert_eq!(changed.as_array().unwrap().len(), 1, "{changed}");
+    assert_eq!(
+        (&changed[0]["parameter"], &changed[0]["unit"]),
+        (&"theta3".into(), &"rad".into())
+    );
 }

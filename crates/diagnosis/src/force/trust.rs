@@ -32,7 +32,7 @@ pub(super) fn weighs(base: &Base) -> bool {
 
 /// Whether the base model leaves more of an external encoder or of the cable than successive rows
 /// differ by, and than the sensor's counts hide of it: of a slow motion most rows repeat.
-fn positions_show_a_gap(context: &Context<'_>) -> bool {
+pub(super) fn positions_show_a_gap(context: &Context<'_>) -> bool {
     let recording = context.recording;
     context.streams.iter().any(|stream| {
         let (read, model) = match stream.channel {

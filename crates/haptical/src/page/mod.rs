@@ -35,10 +35,25 @@ pub(crate) fn next(words: &str, commands: Vec<(String, String)>) -> Vec<Block> {
         label: "What to do next:".to_owned(),
         text: format!("{}.", words.trim_end_matches('.')),
     }];
+    let own = ["identified.toml", "gap.json", "corrected.toml"];
+    let of_page = own.into_iter().filter(|name| {
+        let mut words = commands.iter().flat_map(|(_, command)| command.split(' '));
+        words.any(|word| word == *name)
+    });
+    let of_page: Vec<&str> = of_page.collect();
     blocks.extend(
         commands
             .into_iter()
             .map(|(purpose, command)| Block::Command { purpose, command }),
     );
+    if !of_page.is_empty() {
+        blocks.push(Block::Paragraph(format!(
+            "Device and logs are named as where this run was started; {} in the folder of this page.",
+            match of_page.as_slice() {
+                [only] => format!("{only} is"),
+                several => format!("{} are", several.join(" and ")),
+            }
+        )));
+    }
     blocks
 }

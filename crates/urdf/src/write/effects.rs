@@ -9,6 +9,10 @@ const LATEST_S: f64 = 1.0;
 /// Stiffness from which a spring is rigid \[Nm/rad\], \[N/m\].
 const RIGID: f64 = 1e9;
 
+/// What a description without a device's effects is worth.
+pub(crate) const FITTED_BESIDE: &str = "lengths and offsets were fitted beside them: without them a plain fit (`haptical identify`), whose \
+     numbers make up for them, can be nearer to the arm";
+
 /// Why motor encoders that are ahead of the other sensors are in no description.
 pub const AHEAD: &str = "motor encoders that are ahead of all else are no property of an arm; usually the other sensor of the log \
      (the tracker) is late, so check its time stamps";

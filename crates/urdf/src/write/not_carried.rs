@@ -6,7 +6,7 @@ use haptical_model::{Device, DeviceEffect, Joint};
 
 use crate::numbers::{commented, rounded};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors};
-use crate::write::effects::{Effects, is_ahead};
+use crate::write::effects::{Effects, FITTED_BESIDE, is_ahead};
 
 /// Kinds of robot descriptions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -139,7 +139,7 @@ fn without_means(device: &Device, effects: &Effects<'_>) -> Vec<String> {
     let others = (!labels.is_empty()).then(|| {
         format!(
             "a URDF has no effects but friction of a joint's own row: {} are left out; the forms rust, c-header and json have \
-             them, an MJCF some",
+             them, an MJCF some; {FITTED_BESIDE}",
             labels.join(", ")
         )
     });

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use haptical_model::{Device, Joint, JointType, TransmissionError};
 
 use crate::numbers::{commented, escaped, rounded, written};
-use crate::write::effects::{AHEAD, has_own_row, is_ahead};
+use crate::write::effects::{AHEAD, FITTED_BESIDE, has_own_row, is_ahead};
 use crate::write::urdf::joint_names;
 
 /// Readings over which the line through a drive's error is drawn (assumption A213).
@@ -216,7 +216,7 @@ fn left_out(device: &Device) -> Option<String> {
     labels.extend(yields.map(|joint| format!("`joint-compliance@{}`", joint + 1)));
     (!labels.is_empty()).then(|| {
         format!(
-            "a SimpleTransmission has an offset and a reduction alone: {} are left out",
+            "a SimpleTransmission has an offset and a reduction alone: {} are left out; {FITTED_BESIDE}",
             labels.join(", ")
         )
     })

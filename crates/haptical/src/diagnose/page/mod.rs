@@ -11,7 +11,8 @@ use haptical_report::{Block, Document, Section, Table};
 
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, percent, place_sentence, verdict_mark, verdict_sentence,
+    absorbed_sentence, named_at, parameters, percent, place_sentence, verdict_mark,
+    verdict_sentence,
 };
 use crate::error::Error;
 use crate::files::{DEVICE_FLAGS, FIT_FLAGS, Record};
@@ -101,6 +102,14 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error>
         .joints
         .map(|names| format!("In the robot description {names}."));
     blocks.extend(joints.map(Block::Paragraph));
+    let changed = diagnosis
+        .causes
+        .iter()
+        .filter(|own| !own.changed.is_empty());
+    blocks.extend(changed.map(|cause| {
+        let place = named_at(&cause.effect, cause.joint);
+        Block::Paragraph(format!("{place}: {}.", parameters(cause)))
+    }));
     blocks.extend(figures::gap(diagnosis)?);
     let words = next_step(diagnosis, besides.repaired);
     blocks.extend(next(&words, commands(diagnosis, besides)));
