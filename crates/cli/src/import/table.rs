@@ -203,7 +203,7 @@ fn of_joints_alone(recording: &Recording) -> Option<String> {
         || has(&recording.output)
         || has(&recording.cable_m)
         || has(&recording.torque_nm)
-        || !recording.covariates.is_empty();
+        || (recording.covariates.iter()).any(|(name, _)| name.starts_with("command"));
     (!has_any).then(|| {
         "the log has the joints and nothing that was measured besides, so that nothing can be calibrated with it: is a column left \
          out in the mapping file?"

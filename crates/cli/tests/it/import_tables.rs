@@ -99,16 +99,16 @@ fn a_device_s_limits_are_looked_at() {
 #[test]
 fn a_log_of_joints_alone_is_written_with_a_warning() {
     let bench = Bench::new();
-    let joints = MAPPING.split("[[column]]").nth(1).unwrap();
-    std::fs::write(
-        bench.path().join("joints.toml"),
-        format!("[[column]]{joints}"),
-    )
-    .unwrap();
-    for (mapping, warns) in [("joints.toml", true), ("columns.toml", false)] {
-        let output = bench.import(&format!(
-            "--columns {mapping} table.csv --out log.csv --force"
-        ));
+    let joints = format!("[[column]]{}", MAPPING.split("[[column]]").nth(1).unwrap());
+    let beside = |name: &str| format!("{joints}[[column]]\nlog = '{name}'\nfrom = 'x'\n");
+    for (mapping, warns) in [
+        (joints.clone(), true),
+        (beside("velocity1_rad_per_s"), true),
+        (beside("command1_rad"), false),
+        (MAPPING.to_owned(), false),
+    ] {
+        std::fs::write(bench.path().join("own.toml"), mapping).unwrap();
+        let output = bench.import("--columns own.toml table.csv --out log.csv --force");
         assert!(output.status.success(), "{}", text(&output.stderr));
         let said = text(&output.stderr);
         assert_eq!(

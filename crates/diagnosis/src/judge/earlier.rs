@@ -41,7 +41,7 @@ pub(crate) struct BaseTerm {
     pub(crate) columns: Vec<usize>,
     /// Of an effect of the device: the numbers that the earlier model has.
     pub(crate) earlier: BTreeMap<String, f64>,
-    /// Of the base model: what its numbers changed by, those that did.
+    /// Of the base model: what its numbers changed by.
     pub(crate) changed: Vec<MovedNumber>,
 }
 
@@ -207,8 +207,8 @@ impl Earlier<'_, '_> {
         }
     }
 
-    /// What the numbers of the terms changed by if nothing else did, and of those the ones that did change; the intervals count
-    /// that `others` may differ too.
+    /// What the numbers of the terms changed by if nothing else did: of each term those that did beyond chance, or all; the
+    /// intervals count that `others` may differ too.
     fn say_changes(&self, terms: &mut [BaseTerm], others: &[usize]) -> Option<()> {
         let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
             terms.iter().any(|term| term.name == own.0.effect.name())
@@ -230,19 +230,22 @@ impl Earlier<'_, '_> {
                 continue;
             }
             let numbers = term.columns.iter().zip(first..);
-            term.changed = numbers
-                .filter_map(|(&column, index)| {
-                    let (step, sd) = (values[index], covariance[(index, index)].sqrt());
-                    let parameter = engine.base.parameters[engine.base.free[column]];
-                    let earlier = earlier_value(parameter, self.model, device)?;
-                    (step.abs() > MOVED_SD * sd).then(|| MovedNumber {
-                        parameter: parameter.name(device),
-                        unit: parameter.unit(device).to_owned(),
-                        earlier,
-                        value: ParameterAnswer::normal(earlier + step, sd),
-                    })
-                })
-                .collect();
+            let of_term = numbers.filter_map(|(&column, index)| {
+                let (step, sd) = (values[index], covariance[(index, index)].sqrt());
+                let parameter = engine.base.parameters[engine.base.free[column]];
+                let earlier = earlier_value(parameter, self.model, device)?;
+                let number = MovedNumber {
+                    parameter: parameter.name(device),
+                    unit: parameter.unit(device).to_owned(),
+                    earlier,
+                    value: ParameterAnswer::normal(earlier + step, sd),
+                };
+                Some((step.abs() > MOVED_SD * sd, number))
+            });
+            let (sure, unsure): (Vec<_>, Vec<_>) = of_term.partition(|(is_sure, _)| *is_sure);
+            // together they moved: which of them did may be open
+            let told = if sure.is_empty() { unsure } else { sure };
+            term.changed = told.into_iter().map(|(_, number)| number).collect();
         }
         Some(())
     }

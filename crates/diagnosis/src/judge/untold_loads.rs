@@ -2,7 +2,7 @@
 //! an error of a drive or of an angle.
 
 use haptical_effects::{Context, Effect, Family, Need, Shape};
-use haptical_model::{Body, Device, RigidBodies};
+use haptical_model::{Device, RigidBodies};
 
 use crate::DiagnosisError;
 use crate::answer::CauseAnswer;
@@ -106,15 +106,32 @@ fn sag(findings: &Findings<'_>) -> Result<Option<Sag>, DiagnosisError> {
 /// The device with the weights that written robot descriptions would have (assumption A150).
 fn weighed(device: &Device) -> Option<Device> {
     let plausible = RigidBodies::plausible(device).ok()?;
-    let bodies = plausible.masses().iter().map(|row| {
-        Some(Body {
-            mass_kg: row.inertia.mass_kg,
-            centre_of_mass_m: row.inertia.centre_of_mass_m()?.into(),
-            inertia_kgm2: None,
-        })
-    });
     let mut weighed = device.clone();
-    weighed.bodies = std::iter::once(None).chain(bodies).collect();
+    for row in plausible.masses() {
+        weighed.set_row_inertia(row.row, &row.inertia).ok()?;
+    }
     weighed.gravity_mps2 = Some((*plausible.gravity_mps2()).into());
     Some(weighed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A centre is given behind the row's theta, which an inertia does not know of.
+    #[test]
+    fn the_assumed_weights_are_where_a_description_has_them() {
+        let text = "[[link]]\na_m = 0.1\nalpha_rad = 0.3\nd_m = 0.0\n\
+             [[link]]\na_m = 0.4\nalpha_rad = -0.7\nd_m = 0.05\ntheta_offset_rad = 1.1\n\
+             [[link]]\na_m = 0.3\nalpha_rad = 0.2\nd_m = 0.1\ntheta_offset_rad = -0.6\n[[joint]]\n[[joint]]\n";
+        let device = Device::from_toml(text, "two.toml").unwrap().device;
+        let weighed = weighed(&device).unwrap();
+        let [wanted, found] = [&device, &weighed].map(|own| RigidBodies::plausible(own).unwrap());
+        assert_eq!(found.assumed(), []);
+        for (wanted, found) in wanted.masses().iter().zip(found.masses()) {
+            assert!(wanted.inertia.first_moment_kgm.norm() > 0.05);
+            let apart = wanted.inertia.first_moment_kgm - found.inertia.first_moment_kgm;
+            assert!(apart.norm() < 1e-12, "{wanted:?} {found:?}");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! What to do next.
 
 use haptical_diagnosis::{CauseAnswer, Diagnosis, Verdict};
+use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY};
 
 use crate::diagnose::faults::faults;
 use crate::diagnose::words::{listed, main_channel, named_at};
@@ -84,10 +85,12 @@ fn changed(cause: &CauseAnswer) -> String {
         .joint
         .map_or("a joint".to_owned(), |joint| format!("joint {joint}"));
     let look = match cause.effect.as_str() {
-        "joint-offset" => {
+        name if name == JOINT_OFFSET.name => {
             format!("whether {joint} was homed anew, or its encoder or coupling slipped")
         }
-        "link-geometry" => format!("whether a link at {joint} was bent, or mounted anew"),
+        name if name == LINK_GEOMETRY.name => {
+            format!("whether a link at {joint} was bent, or mounted anew")
+        }
         _ => format!("what was changed at {joint}"),
     };
     format!(
