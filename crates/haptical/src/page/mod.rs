@@ -48,7 +48,7 @@ pub(crate) fn next(words: &str, commands: Vec<(String, String)>) -> Vec<Block> {
     );
     if !of_page.is_empty() {
         blocks.push(Block::Paragraph(format!(
-            "Device and logs are named as where this run was started; {} in the folder of this page.",
+            "Paths of the device file and the logs begin where this run was started; {} in the folder of this page.",
             match of_page.as_slice() {
                 [only] => format!("{only} is"),
                 several => format!("{} are", several.join(" and ")),
