@@ -431,18 +431,20 @@ static inline void haptical_moment(const haptical_state *state, haptical_frame f
     }
 }
 
-/* Two unit vectors across a joint's axis that the link before it carries along; 0 where there are none. */
+/* Two unit vectors across a joint's axis that the link before it carries along: the first one across the axis before as
+   well; where the two are parallel, along the way from that axis to this one. 0 where there are none. */
 static inline int haptical_across(const haptical_state *state, const haptical_effect *effect, double first[3],
                                   double second[3])
 {
     const double *axis = state->jacobian_angular[effect->joint];
     double before[3] = {0.0, 0.0, 0.0};
     double length;
+    int slides = 0;
     if (effect->joint_before >= 0) {
         const double *angular = state->jacobian_angular[effect->joint_before];
-        const double *linear = state->jacobian_linear[effect->joint_before];
+        slides = haptical_dot(angular, angular) < 0.5;
         for (int i = 0; i < 3; ++i) {
-            before[i] = haptical_dot(angular, angular) < 0.5 ? linear[i] : angular[i];
+            before[i] = slides ? state->jacobian_linear[effect->joint_before][i] : angular[i];
         }
     } else {
         before[fabs(axis[0]) < 0.9 ? 0 : 1] = 1.0;
@@ -454,7 +456,27 @@ static inline int haptical_across(const haptical_state *state, const haptical_ef
     haptical_add_cross(first, axis, before);
     length = sqrt(haptical_dot(first, first));
     if (!(length > 0.05)) {
-        return 0;
+        /* the axis's point nearest to the handle is at angular x linear from it */
+        double from[3] = {0.0, 0.0, 0.0}, along;
+        if (slides || effect->joint_before < 0) {
+            return 0;
+        }
+        for (int i = 0; i < 3; ++i) {
+            first[i] = 0.0;
+        }
+        haptical_add_cross(first, axis, state->jacobian_linear[effect->joint]);
+        haptical_add_cross(from, before, state->jacobian_linear[effect->joint_before]);
+        for (int i = 0; i < 3; ++i) {
+            first[i] -= from[i];
+        }
+        along = haptical_dot(first, axis);
+        for (int i = 0; i < 3; ++i) {
+            first[i] -= along * axis[i];
+        }
+        length = sqrt(haptical_dot(first, first));
+        if (!(length > 1e-3)) {
+            return 0;
+        }
     }
     for (int i = 0; i < 3; ++i) {
         first[i] /= length;

@@ -51,6 +51,7 @@ fn the_committed_modules_are_what_the_command_writes() {
         "coupled",
         "effects",
         "every_effect",
+        "parallel_axes",
     ] {
         let (Some(device), Some(module)) = (
             fixture(&format!("{name}.toml")),
@@ -67,17 +68,21 @@ fn the_committed_modules_are_what_the_command_writes() {
 }
 
 #[test]
-fn the_committed_header_is_what_the_command_writes() {
-    // it is compiled and compared with the module in the runtime's tests
-    let (Some(device), Some(header)) = (fixture("every_effect.toml"), fixture("every_effect.h"))
-    else {
-        return;
-    };
-    let committed = std::fs::read_to_string(header).unwrap();
-    assert!(
-        exported(&device, "c-header") == committed,
-        "export every_effect.h again"
-    );
+fn the_committed_headers_are_what_the_command_writes() {
+    // they are compiled and compared with the modules in the runtime's tests
+    for name in ["every_effect", "parallel_axes"] {
+        let (Some(device), Some(header)) = (
+            fixture(&format!("{name}.toml")),
+            fixture(&format!("{name}.h")),
+        ) else {
+            return;
+        };
+        let committed = std::fs::read_to_string(header).unwrap();
+        assert!(
+            exported(&device, "c-header") == committed,
+            "export {name}.h again"
+        );
+    }
 }
 
 #[test]

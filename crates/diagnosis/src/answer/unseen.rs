@@ -43,7 +43,7 @@ pub(crate) fn unseen(findings: &Findings<'_>) -> (Vec<Detectable>, Vec<Invisible
             invisible.push(Invisible {
                 effect: effect.name().to_owned(),
                 joint: effect.joint().map(|joint| joint + 1),
-                why: why(effect, score.retained),
+                why: why(effect, &score, &candidate),
                 would_bias: biases.largest(engine, &candidate),
             });
         }
@@ -84,9 +84,11 @@ fn merge(mut all: Vec<Detectable>) -> Vec<Detectable> {
     kept
 }
 
-fn why(effect: &dyn Effect, retained: f64) -> String {
+fn why(effect: &dyn Effect, score: &Score, candidate: &Candidate) -> String {
+    let retained = score.retained;
     match effect.spec().absorbed_by {
         Absorbed::ByLengths => "indistinguishable from scaling every length".to_owned(),
+        _ if candidate.is_nothing() => "nothing that was measured depends on it".to_owned(),
         _ => format!(
             "the base model's own parameters imitate {:.2} % of it",
             100.0 * (1.0 - retained * retained).max(0.0).sqrt()

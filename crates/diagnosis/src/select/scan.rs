@@ -129,6 +129,11 @@ impl Candidate {
         }
     }
 
+    /// Whether no reading depends on it.
+    pub(crate) fn is_nothing(&self) -> bool {
+        self.own.iter().all(|product| *product == 0.0)
+    }
+
     /// The score with nothing but the base model projected out, whatever was taken up since.
     pub(crate) fn score_at_base(&self, system: &System) -> Score {
         let mut candidate = self.clone();

@@ -4,6 +4,7 @@ mod absent;
 mod compare;
 mod laws;
 mod names;
+mod parallel_axes;
 mod rig;
 mod runs;
 mod statics;

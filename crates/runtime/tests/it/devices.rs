@@ -223,7 +223,8 @@ fn any_link() -> impl Strategy<Value = Link> {
     let angle = || -3.2..3.2_f64;
     (
         -0.5..0.5_f64,
-        angle(),
+        // parallel axes as well
+        prop_oneof![3 => angle(), 1 => Just(0.0)],
         -0.5..0.5_f64,
         angle(),
         prop_oneof![Just(0.0), -0.1..0.1_f64],

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use haptical_runtime::{CompensatedState, Effect, Inputs};
+use haptical_runtime::{CompensatedModel, CompensatedState, Effect, Inputs};
 
 use crate::devices::fixture;
 use crate::effect_lists::{compensated, runtime_effects};
@@ -19,6 +19,11 @@ pub(crate) mod effects {
 #[allow(dead_code, reason = "not all of a module is used here")]
 pub(crate) mod every_effect {
     include!("../fixtures/every_effect.rs");
+}
+/// An axis that wobbles behind one that is parallel to it.
+#[allow(dead_code, reason = "not all of a module is used here")]
+pub(crate) mod parallel_axes {
+    include!("../fixtures/parallel_axes.rs");
 }
 
 /// Numbers are of the size of 1; both sides round some hundred times.
@@ -143,7 +148,7 @@ fn the_exported_effects_are_those_of_the_file() {
 /// Prints each number of a step in the order of [`numbers`], then the readings that give the outputs.
 const PROGRAM: &str = r#"
 #include <stdio.h>
-#include "every_effect.h"
+#include "HEADER"
 
 static void print(const double *numbers, int count)
 {
@@ -248,14 +253,14 @@ int main(void)
 "#;
 
 /// Lines of the compiled program; nothing, and a message, where there is no compiler.
-fn printed(flags: &[&str], input: &str) -> Option<Vec<String>> {
+fn printed(header: &str, flags: &[&str], input: &str) -> Option<Vec<String>> {
     if Command::new("gcc").arg("--version").output().is_err() {
         println!("skipped: there is no gcc to compile the header with");
         return None;
     }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("effects{}", flags.len()));
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{header}{}", flags.len()));
     std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("program.c"), PROGRAM).unwrap();
+    std::fs::write(folder.join("program.c"), PROGRAM.replace("HEADER", header)).unwrap();
     let built = Command::new("gcc")
         .current_dir(&folder)
         .args([
@@ -315,79 +320,88 @@ fn line(inputs: &Inputs<3>) -> String {
 
 #[test]
 fn the_header_with_effects_gives_the_same_numbers() {
-    const ROWS: usize = 600;
-    let input: String = (0..ROWS).map(|row| line(&inputs(row))).collect();
     let checked = [
         "-g",
         "-fsanitize=address,undefined",
         "-fno-sanitize-recover=all",
     ];
-    for flags in [&["-O2"][..], &checked[..]] {
-        let Some(lines) = printed(flags, &input) else {
-            return;
-        };
-        assert_eq!(lines.len(), ROWS);
-        let model = &every_effect::COMPENSATED;
-        let mut state = model.start();
-        let mut largest = 0.0_f64;
-        let (mut inverted, mut posed) = (0, 0);
-        for (row, line) in lines.iter().enumerate() {
-            let inputs = inputs::<3>(row);
-            let before = state;
-            let here = model.forward(&inputs, &mut state).unwrap();
-            let found: Vec<f64> = line
-                .split_whitespace()
-                .map(|word| word.parse().unwrap())
-                .collect();
-            let expected = numbers(&here);
-            assert!(found.len() >= expected.len() + 5, "{line}");
-            for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                largest = largest.max(near(
-                    *found,
-                    *expected,
-                    &format!("row {row}, number {index}"),
-                ));
-            }
-            // a play that a hand drives jumps: it has values that no reading gives, here as there
-            let there = &found[expected.len()..];
-            match model.inverse(&here.state.outputs, &inputs, &before) {
-                Ok(readings) => {
-                    assert_eq!(there[0], 0.0, "row {row}");
-                    for (found, expected) in there[1..4].iter().zip(readings) {
-                        assert!(
-                            (found - expected).abs() < 1e-9,
-                            "row {row}: {found} {expected}"
-                        );
-                    }
-                    inverted += 1;
-                }
-                Err(_) => assert_eq!(there[0], 8.0, "row {row}"),
-            }
-            let beside = Inputs {
-                readings: inputs.readings.map(|reading| reading - 0.05),
-                ..inputs
-            };
-            match model.inverse_pose(&here.state.pose, &beside, &before) {
-                Ok(readings) => {
-                    assert_eq!(there[4], 0.0, "row {row}");
-                    for (found, expected) in there[5..8].iter().zip(readings) {
-                        assert!(
-                            (found - expected).abs() < 1e-9,
-                            "row {row}: {found} {expected}"
-                        );
-                    }
-                    assert!(there[8] < 1e-10, "row {row}: {} is left", there[8]);
-                    posed += 1;
-                }
-                Err(_) => assert_eq!(there[4], 8.0, "row {row}"),
-            }
+    let (every, parallel) = (&every_effect::COMPENSATED, &parallel_axes::COMPENSATED);
+    assert_same_numbers("every_effect.h", every, &["-O2"]);
+    assert_same_numbers("every_effect.h", every, &checked);
+    assert_same_numbers("parallel_axes.h", parallel, &checked);
+}
+
+/// A header, compiled with some flags, against the module of the same device.
+fn assert_same_numbers<const EFFECTS: usize>(
+    header: &str,
+    model: &CompensatedModel<3, 3, EFFECTS>,
+    flags: &[&str],
+) {
+    const ROWS: usize = 600;
+    let input: String = (0..ROWS).map(|row| line(&inputs(row))).collect();
+    let Some(lines) = printed(header, flags, &input) else {
+        return;
+    };
+    assert_eq!(lines.len(), ROWS);
+    let mut state = model.start();
+    let mut largest = 0.0_f64;
+    let (mut inverted, mut posed) = (0, 0);
+    for (row, line) in lines.iter().enumerate() {
+        let inputs = inputs::<3>(row);
+        let before = state;
+        let here = model.forward(&inputs, &mut state).unwrap();
+        let found: Vec<f64> = line
+            .split_whitespace()
+            .map(|word| word.parse().unwrap())
+            .collect();
+        let expected = numbers(&here);
+        assert!(found.len() >= expected.len() + 5, "{line}");
+        for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            largest = largest.max(near(
+                *found,
+                *expected,
+                &format!("row {row}, number {index}"),
+            ));
         }
-        println!(
-            "largest difference of C and Rust: {largest:e}, {inverted} of {ROWS} rows inverted, {posed} poses"
-        );
-        assert!(inverted > ROWS * 9 / 10, "{inverted}");
-        assert!(posed > ROWS * 8 / 10, "{posed}");
+        // a play that a hand drives jumps: it has values that no reading gives, here as there
+        let there = &found[expected.len()..];
+        match model.inverse(&here.state.outputs, &inputs, &before) {
+            Ok(readings) => {
+                assert_eq!(there[0], 0.0, "row {row}");
+                for (found, expected) in there[1..4].iter().zip(readings) {
+                    assert!(
+                        (found - expected).abs() < 1e-9,
+                        "row {row}: {found} {expected}"
+                    );
+                }
+                inverted += 1;
+            }
+            Err(_) => assert_eq!(there[0], 8.0, "row {row}"),
+        }
+        let beside = Inputs {
+            readings: inputs.readings.map(|reading| reading - 0.05),
+            ..inputs
+        };
+        match model.inverse_pose(&here.state.pose, &beside, &before) {
+            Ok(readings) => {
+                assert_eq!(there[4], 0.0, "row {row}");
+                for (found, expected) in there[5..8].iter().zip(readings) {
+                    assert!(
+                        (found - expected).abs() < 1e-9,
+                        "row {row}: {found} {expected}"
+                    );
+                }
+                assert!(there[8] < 1e-10, "row {row}: {} is left", there[8]);
+                posed += 1;
+            }
+            Err(_) => assert_eq!(there[4], 8.0, "row {row}"),
+        }
     }
+    println!(
+        "largest difference of C and Rust: {largest:e}, {inverted} of {ROWS} rows inverted, {posed} poses"
+    );
+    assert!(inverted > ROWS * 9 / 10, "{inverted}");
+    assert!(posed > ROWS * 8 / 10, "{posed}");
 }
 
 #[test]
@@ -426,7 +440,7 @@ fn the_header_with_effects_refuses_what_the_runtime_refuses() {
         ),
     ];
     let input: String = cases.iter().map(|(inputs, _)| line(inputs)).collect();
-    let Some(lines) = printed(&["-O2", "-g"], &input) else {
+    let Some(lines) = printed("every_effect.h", &["-O2", "-g"], &input) else {
         return;
     };
     for ((inputs, expected), line) in cases.iter().zip(&lines) {
