@@ -26,9 +26,12 @@ pub struct Change {
 
 /// Standard deviation of a shift beforehand, in those of a block.
 const SHIFT_SD: f64 = 10.0;
+/// How many parts of the first block a step is tried to begin at.
+const PARTS: usize = 4;
 
 /// Probabilities of every first block, given that there is one: uniform beforehand, each feature shifted by a normal draw of its
-/// own, at once or on a ramp (Smith 1975, with the shift integrated out).
+/// own, at once or on a ramp (Smith 1975, with the shift integrated out). What comes at once comes within its first block, so
+/// that this one may show a part of it.
 ///
 /// `features` holds the features of block 0, of block 1, ...; each is standard normal before the change, NaN is no reading.
 /// `level` is the probability of the interval. None without blocks.
@@ -52,7 +55,8 @@ pub fn change<'b>(
     let mut weights: Vec<[f64; 2]> = Vec::with_capacity(blocks);
     for (back, block) in features.rev().enumerate() {
         let length = back as f64 + 1.0;
-        let mut own = [0.0; 2];
+        let mut ramps = 0.0;
+        let mut steps = [0.0; PARTS];
         for (sums, value) in sums.iter_mut().zip(block) {
             // counted from the newest block on: sum of the values, of values times age, number of values
             if value.is_finite() {
@@ -61,16 +65,22 @@ pub fn change<'b>(
                 sums[1] += age * value;
                 sums[2] += 1.0;
             }
-            let step = (sums[0], sums[2]);
-            let ramp = (
+            let first = if value.is_finite() { *value } else { 0.0 };
+            for (step, part) in steps.iter_mut().zip(1..) {
+                let part = f64::from(part) / PARTS as f64;
+                let lost = if value.is_finite() {
+                    1.0 - part * part
+                } else {
+                    0.0
+                };
+                *step += log_evidence(sums[0] - (1.0 - part) * first, sums[2] - lost);
+            }
+            ramps += log_evidence(
                 sums[0] - sums[1] / length,
                 (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length) * sums[2] / length,
             );
-            for (weight, (product, square)) in own.iter_mut().zip([step, ramp]) {
-                *weight += log_evidence(product, square);
-            }
         }
-        weights.push(own);
+        weights.push([log_mean(steps), ramps]);
     }
     weights.reverse();
     let largest = weights.iter().flatten().copied().fold(f64::MIN, f64::max);
@@ -104,6 +114,13 @@ pub fn change<'b>(
             may_be_older: interval[0] == 0,
         }
     })
+}
+
+/// Logarithm of the mean of numbers of which these are the logarithms.
+fn log_mean(logarithms: [f64; PARTS]) -> f64 {
+    let largest = logarithms.iter().copied().fold(f64::MIN, f64::max);
+    let sum: f64 = logarithms.iter().map(|own| (own - largest).exp()).sum();
+    largest + (sum / PARTS as f64).ln()
 }
 
 /// Logarithm of the evidence for a shift `b ~ N(0, SHIFT_SD^2)` times a shape with `product = sum s z` and `square = sum s^2`,

@@ -31,11 +31,13 @@ def since(z):
     for first in range(count):
         part = z[first:]
         length = len(part)
-        for which, shape in enumerate([np.ones(length), np.arange(1, length + 1) / length]):
-            for column in part.T:
-                # log N(column; 0, I + PRIOR s s') - log N(column; 0, I)
-                square, product = shape @ shape, shape @ column
-                logs[first, which] += -0.5 * np.log1p(PRIOR * square) + 0.5 * PRIOR * product**2 / (1 + PRIOR * square)
+        def evidence(shape):
+            # log N(column; 0, I + PRIOR s s') - log N(column; 0, I)
+            square, products = shape @ shape, shape @ part
+            return sum(-0.5 * np.log1p(PRIOR * square) + 0.5 * PRIOR * products**2 / (1 + PRIOR * square))
+        # a step begins within its first block
+        steps = [evidence(np.r_[begun, np.ones(length - 1)]) for begun in [0.25, 0.5, 0.75, 1]]
+        logs[first] = special.logsumexp(steps) - np.log(4), evidence(np.arange(1, length + 1) / length)
     weights = np.exp(logs - special.logsumexp(logs))
     by_block = weights.sum(1).cumsum()
     return [int(np.argmax(by_block >= share)) for share in [0.025, 0.5, 0.975]], float(weights[:, 0].sum())

@@ -8,7 +8,7 @@ type Known = (&'static [u8], &'static str, &'static str);
 
 const TO_IMPORT: &str = "its columns must be named: `haptical import --guess FILE` proposes how, then `haptical import --columns` writes the log";
 
-const KNOWN: [Known; 11] = [
+const KNOWN: [Known; 14] = [
     (
         b"#ROSBAG V",
         "a ROS 1 bag",
@@ -47,6 +47,24 @@ const KNOWN: [Known; 11] = [
         b"ULog\x01",
         "a log of PX4 (ULog)",
         "convert it: ulog2csv FILE (pip install pyulog), and give its topic to `haptical import --guess`",
+    ),
+    (
+        b"TDSm",
+        "a recording of LabVIEW (TDMS)",
+        "save its channels in Python, nptdms.TdmsFile.read(\"FILE\").as_dataframe().to_csv(\"log.csv\"), and give log.csv to \
+         `haptical import --guess`",
+    ),
+    (
+        b"MDF     ",
+        "a measurement of ASAM (MDF)",
+        "save its channels in Python, asammdf.MDF(\"FILE\").to_dataframe().to_csv(\"log.csv\"), and give log.csv to `haptical import \
+         --guess`",
+    ),
+    (
+        b"\x02P",
+        "a recording of markers (C3D)",
+        "save the markers' places in Python, ezc3d.c3d(\"FILE\")[\"data\"][\"points\"], with numpy.savez, and give them to `haptical \
+         import --guess`",
     ),
     (
         b"[{",

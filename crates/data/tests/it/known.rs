@@ -6,7 +6,7 @@ use crate::support::single;
 
 #[test]
 fn what_is_known_is_named_with_the_way_out() {
-    let cases: [(&[u8], &str, &str); 11] = [
+    let cases: [(&[u8], &str, &str); 14] = [
         (b"#ROSBAG V2.0\n", "ROS 1 bag", "rosbags-convert"),
         (b"\x89HDF\r\n\x1a\n\0\0", "HDF5", "numpy.savez"),
         (b"MATLAB 7.3 MAT-file", "version 7.3", "'-v7'"),
@@ -23,6 +23,9 @@ fn what_is_known_is_named_with_the_way_out() {
         (b"PK\x03\x04\x14\0", ".xlsx", "haptical import --guess"),
         (b"\xd0\xcf\x11\xe0\xa1\xb1", ".xls)", "save it as .xlsx"),
         (b"ARROW1\0\0", "Feather", "to_parquet"),
+        (b"TDSm\x0e\0", "TDMS", "nptdms"),
+        (b"MDF     4.10", "MDF", "asammdf"),
+        (b"\x02P\0\0", "C3D", "ezc3d"),
         (b"ULog\x01\x12\x35\x01", "PX4", "ulog2csv"),
         (b"\x80\x04\x95\x10", "pickle", "CSV or Parquet"),
         (b"[{\"a\": 1}]", "JSON list", "jq -c"),

@@ -66,6 +66,23 @@ impl Array {
         }
     }
 
+    /// Whether it is matrices one behind the other, as MATLAB keeps them.
+    fn is_matrices(&self) -> bool {
+        match self.shape[..] {
+            [3, 3 | 4, last] | [4, 4, last] => last != 3 && last != 4,
+            _ => false,
+        }
+    }
+
+    /// Whether its last axis is likelier the row than its first one: matrices, and fewer rows than columns where the file has as
+    /// many rows as this one columns.
+    fn has_rows_last(&self, counts: &[usize]) -> bool {
+        match self.shape[..] {
+            [first, last] => first < last && counts.contains(&last),
+            _ => self.is_matrices(),
+        }
+    }
+
     fn columns(&self) -> Vec<Column> {
         let elements: usize = self.shape.iter().skip(1).product();
         let of = |element: usize| {
@@ -83,7 +100,26 @@ impl Array {
     }
 }
 
-/// The columns of a file's arrays. A row of MATLAB (1 x n) is a column; with `transpose` the last axis is the row.
+/// How many rows a file's arrays may have: their first axes; the last one of matrices, and that of all where they share no other.
+fn row_counts(arrays: &[Array]) -> Vec<usize> {
+    let shared = |axis: fn(&Array) -> Option<&usize>| {
+        let mut all = arrays.iter().map(axis);
+        let first = all.next().flatten().copied();
+        first.filter(|first| all.all(|own| own == Some(first)))
+    };
+    let last = match shared(|array| array.shape.first()) {
+        Some(_) => None,
+        None => shared(|array| array.shape.last()),
+    };
+    let own = arrays.iter().filter_map(|array| match array.is_matrices() {
+        true => array.shape.last().copied(),
+        false => array.shape.first().copied(),
+    });
+    own.chain(last).collect()
+}
+
+/// The columns of a file's arrays. A row of MATLAB (1 x n) is a column; with `transpose` the last axis is the row, without a word on
+/// it where that is likelier.
 pub(crate) fn to_table(
     arrays: Vec<Array>,
     name: &str,
@@ -94,8 +130,21 @@ pub(crate) fn to_table(
         is_named: true,
         ..Table::default()
     };
+    let counts = row_counts(&arrays);
     for array in arrays {
-        let array = match reading.transpose.unwrap_or(false) {
+        let is_turned = match reading.transpose {
+            Some(turned) => turned,
+            None => array.has_rows_last(&counts),
+        };
+        if is_turned && reading.transpose.is_none() {
+            let shape: Vec<String> = array.shape.iter().map(usize::to_string).collect();
+            table.notes.push(format!(
+                "array `{}` is {}: its last axis is taken for the row; `transpose = false` takes the first one",
+                array.name,
+                shape.join(" x ")
+            ));
+        }
+        let array = match is_turned {
             true => array.with_last_axis_first(),
             false => array,
         };
@@ -142,6 +191,16 @@ mod tests {
             array.columns()[3].cells.numbers().unwrap(),
             [at(0, 1, 1), at(1, 1, 1)]
         );
+        assert!(!array.has_rows_last(&[2]));
+        let of = |shape: [usize; 2]| Array {
+            name: String::new(),
+            shape: shape.to_vec(),
+            values: vec![0.0; shape[0] * shape[1]],
+        };
+        // joints and places with a posture in each column; joints, and one row of limits
+        assert_eq!(row_counts(&[of([6, 40]), of([3, 40])]), [6, 3, 40]);
+        assert_eq!(row_counts(&[of([60, 6]), of([6, 1])]), [60, 6]);
+        assert!(of([6, 40]).has_rows_last(&[6, 3, 40]) && !of([60, 6]).has_rows_last(&[60, 6]));
         let turned = array.with_last_axis_first();
         assert_eq!(turned.shape, [2, 2, 3]);
         // row k, elements i, j

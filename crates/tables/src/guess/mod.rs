@@ -1,5 +1,6 @@
 //! A mapping file proposed from what the files look like, with the reason for each line: a person reads and edits it.
 
+mod groups;
 mod layout;
 mod names;
 mod units;
@@ -65,6 +66,7 @@ pub fn guess(tables: &[Table], joints: &[Joint]) -> String {
         }
     }
     names::renumber(&mut found);
+    names::slides(&mut found, joints);
     let mut dropped = names::incomplete(&mut found);
     unknown.append(&mut dropped);
     units::scales(&mut found, run);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Joint, Proposal};
+use super::{Joint, Proposal, groups};
 use crate::mapping::{TEXTS, Unit, dimension_of};
 use crate::table::{Cells, Table};
 
@@ -82,7 +82,7 @@ const COMMAND: [&str; 11] = [
     "action",
     "goal",
 ];
-const ANGLE: [&str; 26] = [
+const ANGLE: [&str; 28] = [
     "q",
     "j",
     "joint",
@@ -106,11 +106,13 @@ const ANGLE: [&str; 26] = [
     "meas",
     "measured",
     "state",
+    "states",
     "jointpos",
     "jnt",
+    "rax",
     "cali",
 ];
-const POSITION: [&str; 30] = [
+const POSITION: [&str; 32] = [
     "p",
     "pos",
     "position",
@@ -141,10 +143,12 @@ const POSITION: [&str; 30] = [
     "target",
     "reflector",
     "coordinate",
+    "trans",
+    "translation",
 ];
 
 /// The words of a name in small letters, split at signs, between words in capitals and around digits; a unit at the end is left out.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let bare = match name.find(['[', '(']) {
         // an element of a list keeps its number: `q[2]`
         Some(open)
@@ -183,8 +187,12 @@ fn words(name: &str) -> Vec<String> {
     found
 }
 
-/// The unit at the end of a name, after a sign: `q1_deg`.
+/// The unit at the end of a name, after a sign: `q1_deg`, `q_deg[1]`.
 pub(super) fn unit_at_end(name: &str) -> Option<&str> {
+    let name = match name.rsplit_once('[') {
+        Some((list, number)) if number.ends_with(']') => list,
+        _ => name,
+    };
     let (_, last) = name.rsplit_once(['_', ' ', '.', '/'])?;
     (last.len() > 1 && Unit::parse(last).is_some()).then_some(last)
 }
@@ -211,9 +219,10 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
         .iter()
         .map(|column| column.name.as_str())
         .collect();
-    let columns = table.columns.iter();
+    let lists = groups::of(table);
+    let columns = table.columns.iter().enumerate();
     columns
-        .map(|column| {
+        .map(|(place, column)| {
             if let Some(joint) = of_device(&column.name, joints) {
                 let (name, slides) = &joints[joint];
                 let kind = kind_of(&words(&column.name)).unwrap_or(OfJoint::Angle);
@@ -226,6 +235,9 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
                     Some(Meaning::Joint(kind, joint + 1)),
                     format!("the device's joint {} is `{name}`", joint + 1),
                 );
+            }
+            if let Some((meaning, why)) = lists.get(&place) {
+                return (Some(meaning.clone()), why.clone());
             }
             match by_name(&column.name, &all) {
                 Some(meaning) => {
@@ -262,7 +274,7 @@ fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
         .map(|(_, place)| place)
 }
 
-fn kind_of(words: &[String]) -> Option<OfJoint> {
+pub(super) fn kind_of(words: &[String]) -> Option<OfJoint> {
     let has = |list: &[&str]| words.iter().any(|word| list.contains(&word.as_str()));
     let kinds = [
         (&TORQUE[..], OfJoint::Torque),
@@ -303,6 +315,9 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
                 .map(Meaning::Angle);
         }
         _ => {}
+    }
+    if let Some(meaning) = of_a_maker(&joined, all) {
+        return Some(meaning);
     }
     let (last, front) = parts.split_last()?;
     let is_turn = front.iter().all(|word| {
@@ -349,6 +364,21 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     axis.filter(|_| is_place).map(Meaning::Position)
 }
 
+/// The angles of makers that name them by single letters, beside X, Y and Z: KUKA turns by A about z, then by B about the new y
+/// and by C about the new x; Fanuc by W, P and R about the fixed x, y and z. Both are roll, pitch and yaw.
+fn of_a_maker(name: &str, all: &[&str]) -> Option<Meaning> {
+    let has = |names: [&str; 3]| {
+        names
+            .iter()
+            .all(|name| all.iter().any(|own| words(own).join("") == *name))
+    };
+    [["c", "b", "a"], ["w", "p", "r"]]
+        .into_iter()
+        .filter(|letters| has(*letters) && has(["x", "y", "z"]))
+        .find_map(|letters| letters.iter().position(|letter| *letter == name))
+        .map(Meaning::Angle)
+}
+
 /// The number and the kind of a joint's column: `q1`, `joint_2_pos`, `tau[3]`, `CaliJointAngles[1]`.
 fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)> {
     let numbers: Vec<usize> = parts.iter().filter_map(|word| word.parse().ok()).collect();
@@ -363,7 +393,7 @@ fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)
     if stem.is_empty() || number > 64 {
         return None;
     }
-    // three elements of what may be a place are a place, sixteen a matrix
+    // three elements of what may be a place are a place
     let elements = all
         .iter()
         .filter(|own| own.split('[').next() == name.split('[').next())
@@ -372,18 +402,28 @@ fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)
     let is_place = stem
         .iter()
         .all(|word| POSITION.contains(&word.as_str()) || word == "cali" || word == "test");
-    if is_list && ((elements == 3 && is_place) || elements == 9 || elements == 16) {
+    if is_list && elements == 3 && is_place {
         return None;
     }
     let kind = kind_of(&stem);
     let others = [&TORQUE[..], &VELOCITY, &COMMAND, &ANGLE].concat();
-    let known = stem.iter().all(|word| {
-        others.contains(&word.as_str()) || matches!(word.as_str(), "test" | "cali" | "array")
+    let is_known = |words: &[String]| {
+        !words.is_empty()
+            && words.iter().all(|word| {
+                others.contains(&word.as_str())
+                    || matches!(word.as_str(), "test" | "cali" | "array")
+            })
+    };
+    // of a field within others the last name says it: `data.robot.q_deg[1]`
+    let last = words(name.rsplit(['.', '/']).next().unwrap_or_default());
+    let last = last.into_iter().filter(|word| {
+        word.parse::<usize>().is_err() && (word.len() == 1 || Unit::parse(word).is_none())
     });
+    let known = is_known(&stem) || is_known(&last.collect::<Vec<_>>());
     known.then_some((number, kind.unwrap_or(OfJoint::Angle)))
 }
 
-/// An element of a list that is a place or a matrix.
+/// An element of a list that is a place.
 fn element(parts: &[&str], all: &[&str]) -> Option<Meaning> {
     let (last, front) = parts.split_last()?;
     let number = last.parse::<usize>().ok()?.checked_sub(1)?;
@@ -397,8 +437,6 @@ fn element(parts: &[&str], all: &[&str]) -> Option<Meaning> {
     });
     match elements.count() {
         3 if number < 3 => Some(Meaning::Position(number)),
-        9 => Some(Meaning::Matrix(number)),
-        16 => Some(Meaning::Pose(number)),
         _ => None,
     }
 }
@@ -473,6 +511,19 @@ pub(super) fn renumber(found: &mut [Proposal]) {
     }
 }
 
+/// What is numbered as a joint that slides is a length.
+pub(super) fn slides(found: &mut [Proposal], joints: &[Joint]) {
+    for own in found {
+        if let Meaning::Joint(kind @ OfJoint::Angle, number) = &mut own.meaning
+            && joints
+                .get(number.wrapping_sub(1))
+                .is_some_and(|(_, slides)| *slides)
+        {
+            *kind = OfJoint::Slide;
+        }
+    }
+}
+
 /// Takes out what is not whole: two parts of a position, three of a quaternion. Returns them with the reason.
 pub(super) fn incomplete(found: &mut Vec<Proposal>) -> Vec<(usize, usize, String)> {
     let group = |meaning: &Meaning| match meaning {
@@ -497,10 +548,12 @@ pub(super) fn incomplete(found: &mut Vec<Proposal>) -> Vec<(usize, usize, String
             .count();
         // of several orientations the first is taken
         let is_turn = kind > 0;
-        let is_first = !is_turn || *taken_turn.get_or_insert(kind) == kind || count != wanted;
-        let keep = count == wanted && is_first;
+        // a pose may have three rows
+        let is_whole = count == wanted || (wanted == 16 && count == 12);
+        let is_first = !is_turn || !is_whole || *taken_turn.get_or_insert(kind) == kind;
+        let keep = is_whole && is_first;
         if !keep {
-            let why = match count == wanted {
+            let why = match is_whole {
                 true => "another orientation is taken already".to_owned(),
                 false => format!("it may be a part of {wanted}, of which {count} are there"),
             };

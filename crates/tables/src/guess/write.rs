@@ -184,10 +184,10 @@ fn orientation(run: &[Table], mut parts: Vec<&Proposal>, text: &mut String) {
     let from: Vec<String> = parts.iter().map(|own| quoted(&source(run, own))).collect();
     let by_size = first.why.rsplit("; ").next().unwrap_or_default();
     let (kind, further, why) = match &first.meaning {
-        Meaning::Quaternion(_) => ("quaternion", "order = \"wxyz\"   # `from` lists w first\n".to_owned(), "by their names".to_owned()),
+        Meaning::Quaternion(_) => ("quaternion", "order = \"wxyz\"   # `from` lists w first\n".to_owned(), first.why.clone()),
         Meaning::Angle(_) => (
             "euler",
-            "order = \"xyz\"\naxes = \"extrinsic\"   # roll, pitch, yaw about fixed axes, as ROS has it: CHECK\n".to_owned(),
+            "order = \"xyz\"\naxes = \"extrinsic\"   # roll, pitch, yaw about fixed axes, as ROS, KUKA (C, B, A) and Fanuc (W, P, R) have it: CHECK\n".to_owned(),
             format!("by their names; {by_size}"),
         ),
         Meaning::Vector(_) => (
@@ -195,8 +195,8 @@ fn orientation(run: &[Table], mut parts: Vec<&Proposal>, text: &mut String) {
             "# UNSURE: rx, ry, rz are a rotation vector on arms of Universal Robots; of others Euler angles, such as\n# kind = \"euler\", order = \"xyz\", axes = \"extrinsic\"\n".to_owned(),
             format!("by their names; {by_size}"),
         ),
-        Meaning::Matrix(_) => ("matrix", "layout = \"row\"   # a transposed one is a rotation too: CHECK\n".to_owned(), "nine elements".to_owned()),
-        _ => ("pose", pose(run, &parts), "sixteen elements".to_owned()),
+        Meaning::Matrix(_) => ("matrix", "layout = \"row\"   # a transposed one is a rotation too: CHECK\n".to_owned(), first.why.clone()),
+        _ => ("pose", pose(run, &parts), first.why.clone()),
     };
     text.push_str(&format!(
         "\n# {}\n[orientation]\nkind = \"{kind}\"\nfrom = [{}]\n{}",

@@ -43,7 +43,7 @@ pub struct Reading {
     pub units_row: Option<bool>,
     /// Sheet of a spreadsheet; without it the first.
     pub sheet: Option<String>,
-    /// Whether an array's last axis is the row.
+    /// Whether an array's last axis is the row; without it as its shape suggests.
     pub transpose: Option<bool>,
 }
 

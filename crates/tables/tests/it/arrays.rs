@@ -90,6 +90,31 @@ fn the_first_axis_is_the_row_unless_said() {
     assert_eq!(numbers(&turned)[1], ("array[2]", &[3.0, 4.0, 5.0][..]));
 }
 
+/// Matrices one behind the other, as MATLAB keeps them: the last axis is the row, and it is said.
+#[test]
+fn the_last_axis_of_matrices_is_the_row() {
+    let data: Vec<u8> = (0..80)
+        .flat_map(|number| f64::from(number).to_le_bytes())
+        .collect();
+    let header = "{'descr': '<f8', 'fortran_order': True, 'shape': (4, 4, 5), }";
+    let table = |reading: Reading| table_from_bytes(npy(header, &data), "array", &reading).unwrap();
+    let turned = table(Reading::default());
+    // element 2 is row 1, column 2: 4 numbers on in the order of Fortran
+    let expected = [4.0, 20.0, 36.0, 52.0, 68.0];
+    assert_eq!(numbers(&turned)[1], ("array[2]", &expected[..]));
+    assert!(
+        turned.notes[0].contains("4 x 4 x 5: its last axis"),
+        "{:?}",
+        turned.notes
+    );
+    let kept = table(Reading {
+        transpose: Some(false),
+        ..Reading::default()
+    });
+    assert_eq!(kept.columns.len(), 20);
+    assert!(kept.notes.is_empty());
+}
+
 #[test]
 fn what_is_no_array_of_numbers_is_refused() {
     let header = |kind: &str, shape: &str| {

@@ -10,6 +10,7 @@
 mod arrays;
 mod guessed;
 mod hostile;
+mod makers;
 mod mapped;
 mod matched;
 mod same_rows;
