@@ -8,6 +8,7 @@ mod detector;
 mod error;
 mod monitor;
 mod reference;
+mod unclipped;
 
 pub use change::{Change, Shape, change};
 pub use detector::{Detector, RATES};

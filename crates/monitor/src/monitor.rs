@@ -3,10 +3,11 @@
 use std::collections::VecDeque;
 
 use crate::block::{BASE_ROWS, Blocks, Sums};
-use crate::change::{Change, change};
+use crate::change::{Change, Shape, change};
 use crate::detector::Detector;
 use crate::error::MonitorError;
 use crate::reference::{LEAST_BLOCKS, Reference};
+use crate::unclipped::Unclipped;
 
 /// Most blocks that are kept to say since when.
 pub const RING_BLOCKS: usize = 4096;
@@ -119,6 +120,8 @@ pub struct Monitor {
     /// Standardised features, `[mean, size]` of each component, NaN for none.
     ring: VecDeque<f64>,
     marks: VecDeque<Mark>,
+    unclipped: Unclipped,
+    last_time: f64,
     alarmed: bool,
     clipped: u64,
     blocks_judged: u64,
@@ -170,6 +173,8 @@ impl Monitor {
             judged: vec![None; components],
             ring: VecDeque::with_capacity(2 * components * RING_BLOCKS),
             marks: VecDeque::with_capacity(RING_BLOCKS),
+            unclipped: Unclipped::new(components, FARTHEST),
+            last_time: f64::NAN,
             alarmed: false,
             clipped: 0,
             blocks_judged: 0,
@@ -268,9 +273,14 @@ impl Monitor {
 
     fn scale(&mut self, row: &[f64]) {
         let own = self.centres.iter().zip(&self.scales);
-        for ((scaled, value), (centre, scale)) in self.scaled.iter_mut().zip(row).zip(own) {
+        let is_judged = self.reference.is_some();
+        let scaled = self.scaled.iter_mut().zip(row).zip(own).enumerate();
+        for (component, ((scaled, value), (centre, scale))) in scaled {
             let all = (value - centre) / scale;
             self.clipped += u64::from(all.abs() > FARTHEST);
+            if is_judged {
+                self.unclipped.push(component, all);
+            }
             // NaN stays
             *scaled = all.clamp(-FARTHEST, FARTHEST);
         }
@@ -290,6 +300,7 @@ impl Monitor {
             return Ok(None);
         };
         self.detector = Some(Detector::new(&found));
+        self.unclipped.reserve(found.block_rows);
         self.reference = Some(found);
         self.reference_end = self.rows;
         self.blocks = Blocks::new(0);
@@ -297,6 +308,7 @@ impl Monitor {
     }
 
     fn judge(&mut self, time: f64) -> Option<Event> {
+        self.last_time = time;
         let (Some(reference), Some(detector)) = (&self.reference, &mut self.detector) else {
             return None;
         };
@@ -317,6 +329,7 @@ impl Monitor {
             return None;
         }
         self.open_rows = 0;
+        self.unclipped.close_block();
         let width = 2 * self.open.len();
         if self.ring.len() == width * RING_BLOCKS {
             self.ring.drain(..width);
@@ -353,8 +366,9 @@ impl Monitor {
         })
     }
 
-    /// Since when the features are others, with the time that was given with its first row; none before a block was judged.
-    /// The interval holds the change in 95 % of changes.
+    /// Since when the features are others, with the time that was given with its first row, and the number of that row; none
+    /// before a block was judged. The interval holds the change in 95 % of changes; where it ends with the last block, it ends with the
+    /// last row.
     pub fn change(&self) -> Option<(Change, [f64; 3], u64)> {
         let width = 2 * self.scales.len();
         let flat: Vec<f64> = self.ring.iter().copied().collect();
@@ -369,10 +383,26 @@ impl Monitor {
         let times = [
             time(found.interval[0].saturating_sub(1))?,
             time(found.first)?,
-            time(found.interval[1] + 1)?,
+            match self.marks.get(found.interval[1] + 1) {
+                Some(mark) => mark.time,
+                None => self.last_time,
+            },
         ];
         let row = self.marks.get(found.first)?.row;
         Some((found, times, row))
+    }
+
+    /// The first block of the ring that is another in every row of it, and its first row, which may not be there yet: a change
+    /// comes within its first block.
+    pub fn whole_since(&self, change: &Change) -> (usize, u64) {
+        let last = self.blocks_kept().saturating_sub(1);
+        let next = (change.first + 1).min(last);
+        let sure = match change.shape {
+            Shape::Step => change.interval[1] + 1,
+            Shape::Ramp => change.first,
+        };
+        let row = self.marks.get(sure).map_or(self.rows + 1, |mark| mark.row);
+        (next, row)
     }
 
     /// What moved since a block of the ring, components with most of the evidence first.
@@ -394,19 +424,42 @@ impl Monitor {
                 (rms(of_size.mean), rms(of_size.mean + size * of_size.sd));
             // what scatters more says less of its mean
             let grown = (rms_since / rms_before.max(f64::MIN_POSITIVE)).clamp(1.0, FARTHEST);
-            found.push(Shift {
+            let half_width =
+                grown * 1.96 * scale * of_mean.sd * of_mean.widened / count.max(1.0).sqrt();
+            let shift = Shift {
                 component,
                 mean_before: centre + scale * of_mean.mean,
                 mean_since: centre + scale * (of_mean.mean + mean * of_mean.sd),
-                half_width: grown * 1.96 * scale * of_mean.sd * of_mean.widened
-                    / count.max(1.0).sqrt(),
+                half_width,
                 rms_before,
                 rms_since,
                 share: detector.of(component) / all,
-            });
+            };
+            let mut shift = match self.unclipped.beyond(component, since) {
+                None => shift,
+                Some(beyond) => Shift {
+                    mean_since: centre + scale * beyond.mean,
+                    half_width: half_width.max(1.96 * scale * beyond.sd * of_mean.widened),
+                    rms_since: rms_since.max(scale * beyond.rms),
+                    ..shift
+                },
+            };
+            // one block, in which the change may have come at any row: its farthest reading may be what all are from now on
+            let only =
+                (since + 1 == self.blocks_kept()).then(|| self.unclipped.extreme(component, since));
+            if let Some(extreme) = only.flatten() {
+                let far = (centre + scale * extreme - shift.mean_since).abs();
+                shift.half_width = shift.half_width.max(far);
+            }
+            found.push(shift);
         }
         found.sort_by(|a, b| b.share.total_cmp(&a.share));
         found
+    }
+
+    /// Blocks of the ring.
+    fn blocks_kept(&self) -> usize {
+        self.ring.len() / (2 * self.scales.len()).max(1)
     }
 
     /// Mean of a standardised feature from a block of the ring on, and of how many.
@@ -432,9 +485,17 @@ impl Monitor {
         let since = (self.ring.len() / width).saturating_sub(blocks);
         let (mean, count) = self.ring_mean(2 * component, since);
         let scale = self.scales[component];
-        (count > 0.0).then(|| ComponentState {
-            shift: scale * features[0].sd * mean,
-            half_width: 1.96 * scale * features[0].sd * features[0].widened / count.sqrt(),
+        let half_width = 1.96 * scale * features[0].sd * features[0].widened / count.sqrt();
+        let (shift, half_width) = match self.unclipped.beyond(component, since) {
+            None => (scale * features[0].sd * mean, half_width),
+            Some(beyond) => (
+                scale * (beyond.mean - features[0].mean),
+                half_width.max(1.96 * scale * beyond.sd * features[0].widened),
+            ),
+        };
+        (count > 0.0).then_some(ComponentState {
+            shift,
+            half_width,
             scale,
         })
     }
@@ -505,7 +566,8 @@ impl Monitor {
     /// Numbers held, of whatever kind: it does not grow with the rows.
     pub fn numbers_held(&self) -> usize {
         let blocks = (self.blocks.len() + 1) * self.scales.len() * 3;
-        self.settled.capacity() + self.ring.capacity() + 2 * self.marks.capacity() + blocks
+        let kept = self.settled.capacity() + self.ring.capacity() + 2 * self.marks.capacity();
+        kept + self.unclipped.numbers_held() + blocks
     }
 }
 
@@ -519,7 +581,8 @@ fn centre_and_spread(mut values: Vec<f64>) -> (f64, f64) {
     (centre, NORMAL_PER_MAD * median(&mut far))
 }
 
-fn median(values: &mut [f64]) -> f64 {
+/// The middle one of numbers, of which there is one at least.
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }

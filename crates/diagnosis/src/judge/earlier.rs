@@ -82,8 +82,14 @@ impl Difference {
     }
 }
 
-/// Compares residuals of an earlier model with the base model refitted to the recording.
-pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f64>]) -> Difference {
+/// Compares residuals of an earlier model with the base model refitted to the recording. `causes` are whitened columns of the
+/// effects that the refitted model lacks: what they explain is no change of the base model, which took up a part of them.
+pub(crate) fn difference(
+    engine: &Engine<'_>,
+    model: &Device,
+    residual: &[Vec<f64>],
+    causes: &[Vec<f64>],
+) -> Difference {
     let free = engine.free();
     let count = free.columns();
     if count == 0 {
@@ -103,6 +109,9 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
         sensors.push((all.len()..all.len() + sensor.columns.len()).collect());
         all.extend(sensor.columns.iter().map(Vec::as_slice));
     }
+    let mut nuisances = places(engine);
+    nuisances.extend(all.len()..all.len() + causes.len());
+    all.extend(causes.iter().map(Vec::as_slice));
     let columns = Columns::new(&all, &target);
     let deviations = columns.deviations(count);
     let resized = resized(engine, model, &deviations);
@@ -110,7 +119,7 @@ pub(crate) fn difference(engine: &Engine<'_>, model: &Device, residual: &[Vec<f6
         engine,
         model,
         deviations,
-        places: places(engine),
+        nuisances,
         tool: (count..count + tool.len()).collect(),
         sensors: displaced.iter().zip(sensors).collect(),
         groups: groups(engine, resized),
@@ -127,8 +136,8 @@ struct Earlier<'e, 'a> {
     columns: Columns,
     /// Of the free columns' coefficients.
     deviations: Vec<f64>,
-    /// Columns of what was touched: where it is says nothing of the device.
-    places: Vec<usize>,
+    /// Columns of what was touched, whose place says nothing of the device, and of the effects that the base model lacks.
+    nuisances: Vec<usize>,
     /// Columns of another tool.
     tool: Vec<usize>,
     /// Sensors at another place, with their columns.
@@ -139,15 +148,15 @@ struct Earlier<'e, 'a> {
 }
 
 impl Earlier<'_, '_> {
-    /// Squared residual that columns explain, the places of what was touched free.
+    /// Squared residual that columns explain, the nuisances free.
     fn explained(&self, chosen: &[usize]) -> f64 {
-        let with: Vec<usize> = self.places.iter().chain(chosen).copied().collect();
-        self.columns.explained(&with) - self.columns.explained(&self.places)
+        let with: Vec<usize> = self.nuisances.iter().chain(chosen).copied().collect();
+        self.columns.explained(&with) - self.columns.explained(&self.nuisances)
     }
 
     fn difference(&self) -> Difference {
         let others: Vec<usize> = (0..self.count)
-            .filter(|column| !self.places.contains(column))
+            .filter(|column| !self.nuisances.contains(column))
             .collect();
         let total = self.explained(&others);
         let tool = self.other_tool(total, &others);
@@ -214,7 +223,7 @@ impl Earlier<'_, '_> {
             terms.iter().any(|term| term.name == own.0.effect.name())
         };
         let sensors = self.sensors.iter().filter(is_displaced);
-        let chosen: Vec<usize> = (self.places.iter())
+        let chosen: Vec<usize> = (self.nuisances.iter())
             .chain(terms.iter().flat_map(|term| &term.columns))
             .chain(sensors.flat_map(|(_, columns)| columns))
             .copied()
@@ -222,7 +231,7 @@ impl Earlier<'_, '_> {
         let (values, covariance) = self.columns.solution(&chosen)?;
         let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
         let (engine, device) = (self.engine, self.engine.context.device);
-        let mut index = self.places.len();
+        let mut index = self.nuisances.len();
         for term in terms {
             let first = index;
             index += term.columns.len();
@@ -270,7 +279,7 @@ impl Earlier<'_, '_> {
         if self.tool.is_empty() || explained < NEARLY_ALL * total || explained < chance(3) {
             return None;
         }
-        let shift = tool::shift(&self.columns, &self.places, &self.tool, others)?;
+        let shift = tool::shift(&self.columns, &self.nuisances, &self.tool, others)?;
         // the last link carries the tool: its own numbers are another word for it
         let last = self.engine.context.device.joints.len().checked_sub(1);
         let is_other = |group: &Group| group.joint != last || group.in_drive;
@@ -311,12 +320,12 @@ impl Earlier<'_, '_> {
         explained: f64,
         others: &[usize],
     ) -> Option<BaseTerm> {
-        let chosen: Vec<usize> = (self.places.iter().chain(columns).chain(with))
+        let chosen: Vec<usize> = (self.nuisances.iter().chain(columns).chain(with))
             .copied()
             .collect();
         let (values, covariance) = self.columns.solution(&chosen)?;
         let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
-        let first = self.places.len();
+        let first = self.nuisances.len();
         let own = covariance.view((first, first), (columns.len(), columns.len()));
         Some(BaseTerm {
             name: sensor.effect.name(),
@@ -350,7 +359,12 @@ impl Earlier<'_, '_> {
 
     /// Whether a group that explains the difference does so by changes that a sound device can show.
     fn is_believable(&self, group: &Group) -> bool {
-        let chosen: Vec<usize> = self.places.iter().chain(&group.columns).copied().collect();
+        let chosen: Vec<usize> = self
+            .nuisances
+            .iter()
+            .chain(&group.columns)
+            .copied()
+            .collect();
         let Some((values, _)) = self.columns.solution(&chosen) else {
             return false;
         };
@@ -358,7 +372,7 @@ impl Earlier<'_, '_> {
             return true;
         }
         let device = self.engine.context.device;
-        let changes = group.columns.iter().zip(&values[self.places.len()..]);
+        let changes = group.columns.iter().zip(&values[self.nuisances.len()..]);
         let mut sizes = changes.map(|(&column, change)| {
             let parameter = self.engine.base.parameters[self.engine.base.free[column]];
             change.abs() / parameter.plausible_size(device).max(1e-300)

@@ -77,7 +77,8 @@ impl<'f> Findings<'f> {
         let mut absorbed = None;
         if let Some(model) = inputs.earlier {
             let residual = model_residual(model, inputs.recording, engine)?;
-            base_terms = difference(engine, &model.device, &residual);
+            let causes = selection.columns_of_causes();
+            base_terms = difference(engine, &model.device, &residual, &causes);
             base_terms = base_terms.without(&inputs.options.without);
             earlier = Some(residual);
         }

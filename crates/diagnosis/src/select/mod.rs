@@ -20,6 +20,7 @@ use haptical_effects::{Effect, Family};
 use crate::DiagnosisError;
 use crate::engine::Engine;
 use crate::engine::model::{Cause, Refit};
+use crate::engine::part::dense;
 use crate::engine::system::{SlowEnergy, System};
 use crate::select::scan::{Candidate, Score, candidates};
 use crate::thresholds::chance::MOST_CAUSES;
@@ -242,6 +243,17 @@ impl<'e> Selection<'e> {
 
     pub(crate) fn causes(&self) -> &[Cause] {
         &self.refit.model.causes
+    }
+
+    /// Whitened columns of the causes' amplitudes.
+    pub(crate) fn columns_of_causes(&self) -> Vec<Vec<f64>> {
+        let engine = self.engine();
+        let causes = self.causes().iter();
+        let signals =
+            causes.flat_map(|cause| cause.derivative(self.selector.effects, &engine.context));
+        signals
+            .map(|signal| dense(&engine.whole, &signal))
+            .collect()
     }
 
     /// The effect of a cause.

@@ -457,7 +457,7 @@ impl Watch {
         let since = self
             .alarm
             .as_ref()
-            .map(|alarm| self.rows - alarm.row.min(self.rows));
+            .map(|alarm| self.rows - alarm.sure_row.min(self.rows));
         since.unwrap_or_default()
     }
 
@@ -471,7 +471,7 @@ impl Watch {
         let Some(alarm) = &self.alarm else {
             return Ok(None);
         };
-        let since = self.kept.since(alarm.row);
+        let since = self.kept.since(alarm.sure_row);
         let found = cause(&self.device, since, self.options.out.as_deref())?;
         self.cause = Some(found.clone());
         Ok(Some(found))

@@ -69,6 +69,8 @@ pub struct WatchAlarm {
     pub may_be_older: bool,
     /// Number of that row, and its file and line.
     pub row: u64,
+    /// Number of the first row that is another for sure: a cause is sought from there on.
+    pub sure_row: u64,
     /// File.
     pub file: String,
     /// Line, about.
@@ -229,7 +231,8 @@ impl Watch {
             Some((first, file, line)) => (file.clone(), line + (row - first).saturating_sub(1)),
             None => (self.file.clone(), 0),
         };
-        let shifts = monitor.shifts(change.first);
+        let (first_whole, sure_row) = monitor.whole_since(&change);
+        let shifts = monitor.shifts(first_whole);
         let channels = shifts.into_iter().take(NAMED).map(|own| {
             let shift = own.mean_since - own.mean_before;
             WatchChannel {
@@ -250,6 +253,7 @@ impl Watch {
             since_ci95_s: [from, to.max(since)],
             may_be_older: change.may_be_older,
             row,
+            sure_row,
             file,
             line,
             shape: match change.shape {

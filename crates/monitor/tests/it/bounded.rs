@@ -36,5 +36,6 @@ fn a_reference_that_never_settles_stays_bounded() {
         most = most.max(monitor.numbers_held());
     }
     assert_eq!(monitor.phase(), Phase::Reference);
-    assert!(most < 40_000, "{most}");
+    // 4096 blocks with two features, a mark of two numbers, and a median with two more
+    assert!(most < 53_000, "{most}");
 }

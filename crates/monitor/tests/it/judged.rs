@@ -92,6 +92,58 @@ fn the_change_is_placed_and_its_shape_told() {
     }
 }
 
+/// Readings count as 8 standard deviations at most; how far they moved is told all the same, also by how much in a pose or another.
+#[test]
+fn a_large_shift_is_told_with_its_size() {
+    for (size, swing) in [(50.0, 0.0), (-300.0, 0.0), (20.0, 30.0)] {
+        let mut noise = Noise::new(13, 0.0);
+        let mut monitor = watching(settings(1), &mut noise);
+        for row in 0..2000 {
+            // by the posture of long moves
+            let moved = size + swing * (f64::from(row) / 150.0).sin();
+            monitor
+                .push(f64::from(row), &[noise.next() + moved])
+                .unwrap();
+        }
+        assert_eq!(monitor.phase(), Phase::Alarmed);
+        let (change, _, _) = monitor.change().unwrap();
+        let shift = monitor.shifts(monitor.whole_since(&change).0)[0];
+        let moved = shift.mean_since - shift.mean_before;
+        assert!((moved - size).abs() < 1.5 * shift.half_width, "{shift:?}");
+        assert!((moved - size).abs() < 0.2 * size.abs(), "{shift:?}");
+        assert!(shift.rms_since > 0.9 * size.abs(), "{shift:?}");
+        let state = monitor.state(0, 60).unwrap();
+        assert!(
+            (state.shift - size).abs() < 0.3 * size.abs().max(swing),
+            "{state:?}"
+        );
+    }
+}
+
+/// An alarm at the first block, of which only a part is another: the interval of the shift and that of the time hold the truth.
+#[test]
+fn the_first_alarm_says_no_more_than_it_knows() {
+    for seed in 20..40 {
+        let mut noise = Noise::new(seed, 0.0);
+        let mut monitor = watching(settings(1), &mut noise);
+        let start = 300 + 3 * seed;
+        let alarm = rows_until_alarm(&mut monitor, 4000, |row| {
+            noise.next() + if row as u64 >= start { 30.0 } else { 0.0 }
+        });
+        let (change, [from, _, to], _) = monitor.change().unwrap();
+        let shift = monitor.shifts(monitor.whole_since(&change).0)[0];
+        let moved = shift.mean_since - shift.mean_before;
+        assert!(
+            (moved - 30.0).abs() < shift.half_width + 4.0,
+            "{alarm:?} {shift:?}"
+        );
+        assert!(
+            from <= start as f64 && start as f64 <= to,
+            "{start}: {from} {to}"
+        );
+    }
+}
+
 #[test]
 fn wild_readings_and_gaps_are_no_alarm() {
     let mut noise = Noise::new(8, 0.0);
