@@ -252,3 +252,50 @@ fn a_sound_log_has_no_gap_and_its_torques_are_tested() {
         assert_eq!(of_torques.next(), None, "{seed}");
     }
 }
+
+/// A cable that was zeroed anew since the calibration: the effect is named, and no length that a fit without it would bend.
+#[test]
+fn a_cable_that_was_zeroed_anew_changes_no_length() {
+    let sandbox = Sandbox::new();
+    let motion = ["--seconds", "300", "--rate-hz", "10", "--seed", "3"];
+    let output = simulate(&sandbox, &[&motion[..], &["--out", "sound.csv"]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let sound = std::fs::read_to_string(sandbox.path("sound.csv")).unwrap();
+    let mut lines = sound.lines();
+    let head = lines.next().unwrap();
+    let cable = head.split(',').position(|name| name == "cable_m").unwrap();
+    let mut log = format!("{head}\n");
+    for line in lines {
+        let cells = line.split(',').enumerate().map(|(place, cell)| {
+            match (place == cable, cell.parse::<f64>()) {
+                (true, Ok(length_m)) => (length_m + 2e-4).to_string(),
+                _ => cell.to_owned(),
+            }
+        });
+        log.push_str(&(cells.collect::<Vec<_>>().join(",") + "\n"));
+    }
+    std::fs::write(sandbox.path("later.csv"), log).unwrap();
+    let output = haptical()
+        .current_dir(sandbox.folder.path())
+        .args([
+            "diagnose",
+            "--device",
+            "device.toml",
+            "--model",
+            "device.toml",
+        ])
+        .args(["--log", "later.csv", "--out", "gap", "--json"])
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let gap: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(gap["verdict"], "named", "{}", gap["causes"]);
+    let causes = gap["causes"].as_array().unwrap();
+    assert_eq!(causes.len(), 1, "{}", gap["causes"]);
+    assert_eq!(causes[0]["effect"], "cable-zero-offset");
+    let interval = causes[0]["parameters"]["offset_m"]["ci95"]
+        .as_array()
+        .unwrap();
+    let [low, high] = [0, 1].map(|end: usize| interval[end].as_f64().unwrap());
+    assert!(low < 2e-4 && 2e-4 < high, "{interval:?}");
+}
