@@ -59,8 +59,8 @@ pub(crate) struct WatchArguments {
     /// False alarms in an hour of rows, at most, on average
     #[arg(long, value_name = "RATE", default_value = "0.001", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) false_alarms_per_hour: f64,
-    /// What the mean residual of a channel may be off without being another, in m or rad, as in cable=1e-4; nothing
-    /// but what the reference does not know unless stated
+    /// What the mean residual of a channel may be off without being another, in m or rad, as in cable=1e-4, beside
+    /// what the reference does not know; a tenth of its stated noise unless stated
     #[arg(long, value_name = "CHANNEL=SIZE", value_delimiter = ',', value_parser = tolerance)]
     pub(crate) tolerance: Vec<(String, f64)>,
     /// Judge what is there, and end

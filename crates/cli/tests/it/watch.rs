@@ -252,3 +252,48 @@ fn ctrl_c_ends_with_a_summary() {
         (Some("end"), Some("true"))
     );
 }
+
+/// An arm that rests shows one error of the model for as long as it rests: that is no alarm. An alarm at the end of a log, with too
+/// few rows to seek its cause, ends with its answer.
+#[test]
+fn a_rest_is_no_alarm_and_an_alarm_at_the_end_is_answered() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    let resting = |rest: std::ops::Range<usize>| {
+        let plain = rows(4000, 4000, 0.0);
+        let mut lines = plain.lines();
+        let mut text = format!("{}\n", lines.next().unwrap());
+        let mut held = (0.0, 0.0);
+        for (row, line) in lines.enumerate() {
+            let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+            let [t_s, theta_rad, out_rad] = cells[..] else {
+                panic!("{line}");
+            };
+            // a reading of 1.7 standard deviations that stays
+            if row <= rest.start {
+                held = (theta_rad, theta_rad + 1.7e-4);
+            }
+            let (theta_rad, out_rad) = match rest.contains(&row) {
+                true => held,
+                false => (theta_rad, out_rad),
+            };
+            writeln!(text, "{t_s},{theta_rad},{out_rad}").unwrap();
+        }
+        text
+    };
+    let watched = |log: String| {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(["watch", "--device", "one.toml", "--reference-s", "100", "-"])
+            .write_stdin(log)
+            .output()
+            .unwrap();
+        let lines: Vec<Value> = text(&output.stdout)
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        (output.status.code(), lines.last().unwrap()["event"].clone())
+    };
+    assert_eq!(watched(resting(2000..3000)), (Some(0), "end".into()));
+    assert_eq!(watched(rows(3004, 2980, 5e-3)), (Some(4), "end".into()));
+}

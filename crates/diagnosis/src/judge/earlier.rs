@@ -181,6 +181,10 @@ impl Earlier<'_, '_> {
         // The lengths of a model without transmission errors have taken part of those up: with the
         // transmissions in question the links are free, and so is where a sensor stands.
         let mut terms = self.forward(true, &distant, total);
+        let beside = match terms.is_empty() {
+            true => Vec::new(),
+            false => distant,
+        };
         if terms.is_empty() {
             terms = self.forward(false, &[], total);
         }
@@ -207,7 +211,7 @@ impl Earlier<'_, '_> {
             terms.retain(|term| !term.earlier.is_empty() || self.has_moved(term));
         }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
-        self.say_changes(&mut terms, &others);
+        self.say_changes(&mut terms, &beside, &others);
         Difference {
             terms,
             total,
@@ -216,18 +220,26 @@ impl Earlier<'_, '_> {
         }
     }
 
-    /// What the numbers of the terms changed by if nothing else did: of each term those that did beyond chance, or all; the
-    /// intervals count that `others` may differ too.
-    fn say_changes(&self, terms: &mut [BaseTerm], others: &[usize]) -> Option<()> {
+    /// What the numbers of the terms changed by if nothing else did but those `beside` them, with which they were found: of each
+    /// term those that did beyond chance, or all; the intervals count that `others` may differ too.
+    fn say_changes(
+        &self,
+        terms: &mut [BaseTerm],
+        beside: &[usize],
+        others: &[usize],
+    ) -> Option<()> {
         let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
             terms.iter().any(|term| term.name == own.0.effect.name())
         };
         let sensors = self.sensors.iter().filter(is_displaced);
-        let chosen: Vec<usize> = (self.nuisances.iter())
+        let mut chosen: Vec<usize> = (self.nuisances.iter())
             .chain(terms.iter().flat_map(|term| &term.columns))
             .chain(sensors.flat_map(|(_, columns)| columns))
             .copied()
             .collect();
+        let is_new = |column: &&usize| !chosen.contains(column);
+        let beside: Vec<usize> = beside.iter().filter(is_new).copied().collect();
+        chosen.extend(beside);
         let (values, covariance) = self.columns.solution(&chosen)?;
         let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
         let (engine, device) = (self.engine, self.engine.context.device);

@@ -41,13 +41,22 @@ pub(super) fn cause(
             let _folder = make_folder(folder)?;
             write_atomically(&file, text.as_bytes())?;
             written.push(file.clone());
-            Log::read(&file, device)?
+            Log::read(&file, device)
         }
-        None => {
-            let read = read_log_from(text.as_bytes(), ROWS, &shape)
-                .map_err(|error| Error::log(error, &device.model))?;
-            Log::from_recording(read.recording, ROWS, device)?
-        }
+        None => read_log_from(text.as_bytes(), ROWS, &shape)
+            .map_err(|error| Error::log(error, &device.model))
+            .and_then(|read| Log::from_recording(read.recording, ROWS, device)),
+    };
+    // a watch goes on, whatever its rows say of a cause
+    let nothing = |error: &Error, written: Vec<PathBuf>| WatchCause {
+        rows,
+        answer: format!("the rows since the change name no effect: {}", error.what()),
+        effect: None,
+        written,
+    };
+    let log = match log {
+        Ok(log) => log,
+        Err(error) => return Ok(nothing(&error, written)),
     };
     let options = Diagnose {
         model: Some(device),
@@ -55,14 +64,7 @@ pub(super) fn cause(
     };
     let found = match diagnose(device, &log, &options) {
         Ok(found) => found,
-        Err(error) => {
-            return Ok(WatchCause {
-                rows,
-                answer: format!("the rows since the change name no effect: {}", error.what()),
-                effect: None,
-                written,
-            });
-        }
+        Err(error) => return Ok(nothing(&error, written)),
     };
     if let Some(folder) = folder {
         let kind = ResultKind::DIAGNOSIS;

@@ -9,7 +9,8 @@ use haptical_data::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 use self::cells::{integer_of, number_of, text_of};
 use self::matched::Matched;
 use crate::error::TableError;
-use crate::mapping::{ColumnRule, Mapping, Scalar, TEXTS, Value};
+use crate::guess::units::stated;
+use crate::mapping::{ColumnRule, Mapping, Scalar, TEXTS, Value, dimension_of};
 use crate::table::{Cells, Table};
 
 /// Columns of a log.
@@ -107,7 +108,7 @@ fn of_run(
     for rule in &mapping.column {
         for (place, log) in rule.log.names().iter().enumerate() {
             let cells = match rule.from.names().get(place) {
-                Some(from) => from_file(run, &matched, rule, log, from)?,
+                Some(from) => from_file(run, &matched, rule, (log, from), warnings)?,
                 None => given(run, rule, log, index, &matched)?,
             };
             columns.push((log.clone(), cells));
@@ -164,8 +165,8 @@ fn from_file(
     run: &[Table],
     matched: &Matched,
     rule: &ColumnRule,
-    log: &str,
-    from: &str,
+    (log, from): (&str, &str),
+    warnings: &mut Vec<String>,
 ) -> Result<Cells, TableError> {
     let (file, column) = source(run, rule.file, from)?;
     let table = &run[file];
@@ -176,7 +177,19 @@ fn from_file(
         return Ok(Cells::Texts(texts.collect()));
     }
     let bad = |what| TableError::new("bad-mapping", what, &table.file, "correct the mapping file");
-    let (factor, zero) = rule.scale(log).map_err(bad)?;
+    let (mut factor, mut zero) = rule.scale(log).map_err(bad)?;
+    let said = stated(&table.columns[column]);
+    if let Some((word, unit)) = said.filter(|(_, unit)| Some(unit.dimension) == dimension_of(log)) {
+        if rule.is_silent_on_units() {
+            (factor, zero) = (unit.factor, unit.zero);
+        } else if rule.unit.is_some() && (unit.factor, unit.zero) != (factor, zero) {
+            let own = rule.unit.as_deref().unwrap_or_default();
+            warnings.push(format!(
+                "{}: column `{from}` says {word}, and the mapping file {own}: {own} was taken",
+                table.file
+            ));
+        }
+    }
     let numbers = matched.of(file).map(|row| {
         let Some(row) = row else {
             return Ok(f64::NAN);

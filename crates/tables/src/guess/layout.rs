@@ -1,6 +1,6 @@
 //! How several files belong together: each a run, or side by side.
 
-use crate::mapping::Matching;
+use crate::mapping::{Matching, Unit};
 use crate::table::Table;
 
 /// The files of a run, and how their rows are matched.
@@ -67,13 +67,14 @@ impl Arrangement {
             time,
             why,
         };
-        if lengths.iter().all(|length| *length == longest) {
+        if lengths.iter().all(|length| *length == longest) && !clocks_differ(run) {
             let why = format!("the files have different columns and {longest} rows each");
             return own(Matching::Row, Vec::new(), why);
         }
         let times: Vec<(String, String)> = run.iter().filter_map(time_of).collect();
         if times.len() == run.len() {
-            let why = "the files have different columns and numbers of rows, and each has a column of time".to_owned();
+            let why = "the files have different columns and times, and each has a column of time"
+                .to_owned();
             return own(Matching::Time, times, why);
         }
         let is_multiple = lengths
@@ -99,6 +100,27 @@ impl Arrangement {
             ),
         }
     }
+}
+
+/// Whether two files with as many rows were read at other times: since their first rows, by more than half a step.
+fn clocks_differ(run: &[Table]) -> bool {
+    let since_first = |table: &Table| -> Option<Vec<f64>> {
+        let (name, unit) = time_of(table)?;
+        let factor = Unit::parse(&unit)?.factor;
+        let column = table.columns.iter().find(|column| column.name == name)?;
+        let times = column.cells.numbers()?;
+        let first = times.first()?;
+        Some(times.iter().map(|time| factor * (time - first)).collect())
+    };
+    let all: Option<Vec<Vec<f64>>> = run.iter().map(since_first).collect();
+    let Some([first, others @ ..]) = all.as_deref() else {
+        return false;
+    };
+    let half_step = 0.5 * first.last().copied().unwrap_or(0.0) / first.len().max(2) as f64;
+    others.iter().any(|other| {
+        let mut pairs = first.iter().zip(other);
+        pairs.any(|(own, other)| (own - other).abs() > half_step.abs())
+    })
 }
 
 /// The column of time of a file, and its unit.

@@ -3,7 +3,7 @@
 mod groups;
 mod layout;
 mod names;
-mod units;
+pub(crate) mod units;
 mod write;
 
 use self::layout::Arrangement;

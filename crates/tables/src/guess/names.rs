@@ -147,6 +147,24 @@ const POSITION: [&str; 32] = [
     "translation",
 ];
 
+/// Words of what is measured beside angles and places.
+const FOREIGN: [&str; 14] = [
+    "temp",
+    "temperature",
+    "current",
+    "amps",
+    "voltage",
+    "error",
+    "err",
+    "force",
+    "accel",
+    "acceleration",
+    "imu",
+    "gyro",
+    "status",
+    "mode",
+];
+
 /// The words of a name in small letters, split at signs, between words in capitals and around digits; a unit at the end is left out.
 pub(super) fn words(name: &str) -> Vec<String> {
     let bare = match name.find(['[', '(']) {
@@ -259,12 +277,14 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
 fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
     let simple = |text: &str| words(text).join("_");
     let own = simple(name);
+    let foreign = |rest: &str| rest.split('_').any(|word| FOREIGN.contains(&word));
     let fits = |joint: &str| {
         let joint = simple(joint);
         let rest = own
             .strip_prefix(&joint)
             .or_else(|| own.strip_suffix(&joint));
         rest.filter(|rest| rest.is_empty() || rest.starts_with('_') || rest.ends_with('_'))
+            .filter(|rest| !foreign(rest))
             .map(|_| joint.len())
     };
     let fitting = joints.iter().enumerate();
@@ -427,6 +447,9 @@ fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)
 fn element(parts: &[&str], all: &[&str]) -> Option<Meaning> {
     let (last, front) = parts.split_last()?;
     let number = last.parse::<usize>().ok()?.checked_sub(1)?;
+    if front.iter().any(|word| FOREIGN.contains(word)) {
+        return None;
+    }
     let elements = all.iter().filter(|own| {
         let words = words(own);
         words.len() == parts.len()

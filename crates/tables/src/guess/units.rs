@@ -29,6 +29,12 @@ const MOST_DEG: f64 = 1080.0;
 /// Finds the scale of each column; columns of one kind in one file have one.
 pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
     let kinds: Vec<Kind> = found.iter().map(|own| Kind::of(own, run)).collect();
+    let is_said: Vec<bool> = (found.iter().zip(&kinds))
+        .map(|(own, kind)| {
+            let said = stated(&run[own.file].columns[own.column]);
+            said.is_some_and(|(_, unit)| Some(unit.dimension) == kind.dimension)
+        })
+        .collect();
     for index in 0..found.len() {
         if !has_unit(&found[index].meaning) {
             continue;
@@ -36,9 +42,9 @@ pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
         let own = &found[index];
         let column = &run[own.file].columns[own.column];
         let wanted = kinds[index].dimension;
-        let said = column.unit.as_deref().or_else(|| unit_at_end(&column.name));
-        let fits = said.and_then(|word| Some((word, Unit::parse(word)?)));
-        let fits = fits.filter(|(_, unit)| Some(unit.dimension) == wanted);
+        let fits = stated(column).filter(|(_, unit)| Some(unit.dimension) == wanted);
+        let unknown = column.unit.as_deref().or_else(|| in_brackets(&column.name));
+        let unknown = unknown.filter(|word| Unit::parse(word).is_none());
         let (scale, why) = match fits {
             Some((_, unit)) if unit.factor == 1.0 && unit.zero == 0.0 => {
                 (Scale::None, "the file says the log's unit".to_owned())
@@ -48,7 +54,10 @@ pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
                 format!("the file says {word}"),
             ),
             None => {
-                let alike = kinds.iter().filter(|kind| **kind == kinds[index]);
+                // a column that says its unit says nothing of those that are silent
+                let alike = kinds.iter().zip(&is_said);
+                let alike = alike.filter(|(kind, is_said)| **kind == kinds[index] && !**is_said);
+                let alike = alike.map(|(kind, _)| kind);
                 let largest = alike.clone().map(|kind| kind.largest).fold(0.0, f64::max);
                 let whole = alike.clone().all(|kind| kind.is_whole);
                 let step = kinds[index].step;
@@ -57,8 +66,30 @@ pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
         };
         let own = &mut found[index];
         own.scale = scale;
-        own.why = format!("{}; {why}", own.why);
+        let unknown = unknown
+            .filter(|_| wanted.is_some())
+            .map_or_else(String::new, |word| {
+                format!("the file says `{word}`, which is NO KNOWN UNIT: say what it is; ")
+            });
+        own.why = format!("{}; {unknown}{why}", own.why);
     }
+}
+
+/// What stands in brackets at the end of a name and is no number of an element.
+fn in_brackets(name: &str) -> Option<&str> {
+    let open = name.find(['[', '('])?;
+    let inner = name.get(open + 1..name.len() - 1)?.trim();
+    let is_closed = name.ends_with([']', ')']);
+    (is_closed && inner.chars().any(char::is_alphabetic)).then_some(inner)
+}
+
+/// The unit that a file says of a column: in its own cell, or at the end of the name.
+pub(crate) fn stated(column: &Column) -> Option<(&str, Unit)> {
+    let word = column
+        .unit
+        .as_deref()
+        .or_else(|| unit_at_end(&column.name))?;
+    Some((word, Unit::parse(word)?))
 }
 
 /// What columns must share to share a unit, and the size of their numbers.
@@ -177,6 +208,12 @@ fn by_size(
                 None if is_whole && step >= 1e5 => {
                     unit("ns", format!("whole numbers, {step} apart: CHECK the unit"))
                 }
+                None if is_whole && step > 0.0 => (
+                    Scale::None,
+                    format!(
+                        "whole numbers, {step} apart, taken for s: CHECK that they are no ms or us"
+                    ),
+                ),
                 None => (Scale::None, "taken for s".to_owned()),
             }
         }

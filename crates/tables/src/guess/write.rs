@@ -3,8 +3,8 @@
 use super::Proposal;
 use super::layout::Arrangement;
 use super::names::Meaning;
-use super::units::Scale;
-use crate::mapping::Matching;
+use super::units::{Scale, stated};
+use crate::mapping::{Dimension, Matching};
 use crate::table::{Cells, Table};
 
 const HEAD: &str = "\
@@ -244,9 +244,18 @@ fn pose(run: &[Table], parts: &[&Proposal]) -> String {
                 .fold(0.0, |most: f64, number| most.max(number.abs())),
         )
     });
-    let unit = match largest.fold(0.0, f64::max) > 20.0 {
-        true => "unit = \"mm\"   # of the position, which is far in m\n",
-        false => "",
+    let said = parts
+        .get(place[0])
+        .and_then(|own| stated(&run[own.file].columns[own.column]));
+    let unit = match said.filter(|(_, unit)| unit.dimension == Dimension::Length) {
+        Some((word, _)) => format!(
+            "unit = {}   # of the position, as the file says\n",
+            quoted(word)
+        ),
+        None if largest.fold(0.0, f64::max) > 20.0 => {
+            "unit = \"mm\"   # of the position, which is far in m\n".to_owned()
+        }
+        None => String::new(),
     };
     format!("layout = \"{layout}\"   # {why}\n{unit}")
 }

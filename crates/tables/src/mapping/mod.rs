@@ -330,6 +330,12 @@ impl ColumnRule {
         }
     }
 
+    /// Whether it leaves units to the file.
+    pub(crate) fn is_silent_on_units(&self) -> bool {
+        let is_scaled = self.factor.is_some() || self.offset.is_some();
+        self.unit.is_none() && self.counts_per_turn.is_none() && !is_scaled
+    }
+
     /// Factor and zero on a column's numbers: `factor * number + zero` is in the log's unit.
     pub(crate) fn scale(&self, log: &str) -> Result<(f64, f64), String> {
         let (unit, unit_zero) = match (&self.unit, self.counts_per_turn) {

@@ -35,7 +35,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// The unit of a word; none that is not known. `nm` is none: it may be nanometres or newton metres.
+    /// The unit of a word, in capitals as well; none that is not known. `nm` is none: it may be nanometres or newton metres.
     ///
     /// ```
     /// use haptical_tables::{Dimension, Unit};
@@ -49,24 +49,27 @@ impl Unit {
             Angle, AngularVelocity, Force, Length, Temperature, Time, Torque, Velocity,
         };
         let degree = PI / 180.0;
+        let word = word.trim_end_matches('.');
         let (dimension, factor) = match word {
             "rad" | "radian" | "radians" => (Angle, 1.0),
             "mrad" => (Angle, 1e-3),
             "urad" | "µrad" => (Angle, 1e-6),
-            "deg" | "degree" | "degrees" | "°" | "Deg" | "DEG" => (Angle, degree),
+            "deg" | "degs" | "degree" | "degrees" | "°" | "º" => (Angle, degree),
             "arcmin" => (Angle, degree / 60.0),
             "arcsec" => (Angle, degree / 3600.0),
             "turn" | "turns" | "rev" => (Angle, TAU),
             "m" | "metre" | "metres" | "meter" | "meters" => (Length, 1.0),
-            "cm" => (Length, 1e-2),
-            "mm" | "MM" => (Length, 1e-3),
-            "um" | "µm" | "μm" => (Length, 1e-6),
-            "in" | "inch" | "inches" => (Length, 0.0254),
+            "cm" | "centimetre" | "centimetres" | "centimeter" | "centimeters" => (Length, 1e-2),
+            "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => (Length, 1e-3),
+            "um" | "µm" | "μm" | "micrometre" | "micrometres" | "micrometer" | "micrometers" => {
+                (Length, 1e-6)
+            }
+            "in" | "inch" | "inches" | "zoll" => (Length, 0.0254),
             "ft" => (Length, 0.3048),
-            "s" | "sec" | "secs" | "seconds" => (Time, 1.0),
-            "ms" => (Time, 1e-3),
-            "us" | "µs" | "μs" => (Time, 1e-6),
-            "ns" => (Time, 1e-9),
+            "s" | "sec" | "secs" | "second" | "seconds" => (Time, 1.0),
+            "ms" | "msec" | "millisecond" | "milliseconds" => (Time, 1e-3),
+            "us" | "µs" | "μs" | "usec" | "microsecond" | "microseconds" => (Time, 1e-6),
+            "ns" | "nsec" | "nanosecond" | "nanoseconds" => (Time, 1e-9),
             "min" => (Time, 60.0),
             "Nm" | "N m" | "N.m" | "N·m" | "N*m" => (Torque, 1.0),
             "mNm" => (Torque, 1e-3),
@@ -95,7 +98,11 @@ impl Unit {
             "rpm" => (AngularVelocity, TAU / 60.0),
             "m/s" => (Velocity, 1.0),
             "mm/s" => (Velocity, 1e-3),
-            _ => return None,
+            // `Deg`, `MM`, `Millimeters`: no unit here is another one in capitals but by its first letter alone
+            _ => {
+                let small = word.to_lowercase();
+                return (small != word).then(|| Self::parse(&small)).flatten();
+            }
         };
         Some(Self {
             dimension,

@@ -13,6 +13,14 @@ pub(super) fn cells(line: &str, separator: char) -> Vec<String> {
     if separator == ' ' {
         return line.split_whitespace().map(str::to_owned).collect();
     }
+    // nothing to quote: a tenth of the time
+    if !line.contains('"') {
+        let cells = line.split(separator).map(|cell| cell.trim().to_owned());
+        return match line.trim_end_matches(['\r', '\n']).is_empty() {
+            true => Vec::new(),
+            false => cells.collect(),
+        };
+    }
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)

@@ -191,3 +191,52 @@ fn a_place_is_known_by_the_instrument_that_reads_it() {
         "{text}"
     );
 }
+
+/// Words of units in capitals, in full and with a full stop; one that is not known is not passed over.
+#[test]
+fn units_are_known_as_people_write_them() {
+    is(
+        "J1 [Degrees],J2 [DEG.],X (Millimeters),Y (MM),Z (Inch)\n1,2,3,4,5\n1.5,2,3,4,5\n",
+        &[
+            ("theta1_rad", "J1 [Degrees]", "Degrees"),
+            ("theta2_rad", "J2 [DEG.]", "DEG."),
+            ("x_m", "X (Millimeters)", "Millimeters"),
+            ("y_m", "Y (MM)", "MM"),
+            ("z_m", "Z (Inch)", "Inch"),
+        ],
+    );
+    let text = guess(&[table("J1 [gon],J2 [gon]\n1,2\n3,4\n")], &[]);
+    assert!(
+        text.contains("the file says `gon`, which is NO KNOWN UNIT"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_unit_that_one_column_says_is_not_its_neighbours() {
+    is(
+        "J1,J2 [deg]\n1.5,90\n-1,45\n",
+        &[("theta1_rad", "J1", ""), ("theta2_rad", "J2 [deg]", "deg")],
+    );
+}
+
+#[test]
+fn what_is_measured_beside_a_joint_is_not_its_angle() {
+    let joints = [("elbow", false)];
+    let found = proposed(&["elbow_temp,elbow\n40,0.2\n41,0.3\n"], &joints);
+    let angles = found.iter().filter(|(log, ..)| log == "theta1_rad");
+    let from: Vec<&str> = angles.map(|(_, from, _)| from.as_str()).collect();
+    assert_eq!(from, ["elbow"]);
+}
+
+#[test]
+fn two_clocks_are_matched_by_time_though_the_rows_are_as_many() {
+    let joints = "t,q1,q2\n0,0.1,0.2\n0.02,0.3,0.4\n0.04,0.5,0.6\n";
+    let at = |step: f64| {
+        let rows = (0..3).map(|row| format!("{},1,2,3\n", step * f64::from(row)));
+        format!("time,x,y,z\n{}", rows.collect::<String>())
+    };
+    let matching = |place: &str| guess(&[table(joints), table(place)], &[]);
+    assert!(matching(&at(0.01)).contains("match = \"time\""));
+    assert!(matching(&at(0.02)).contains("match = \"row\""));
+}

@@ -211,3 +211,25 @@ fn what_the_files_do_not_have_is_refused() {
         "{error}"
     );
 }
+
+/// Where the mapping is silent the file's unit counts; where they contradict, it is said which was taken.
+#[test]
+fn a_unit_that_the_file_says_is_not_passed_over() {
+    let text = "q1 [deg],x [mm],y [mm],z [mm]\n90,1,2,3\n45,1,2,3\n";
+    let rules = |unit: &str| {
+        let own =
+            |log: &str, from: &str| format!("[[column]]\nlog = \"{log}\"\nfrom = \"{from}\"\n");
+        format!(
+            "{}{unit}{}",
+            own("theta1_rad", "q1 [deg]"),
+            own("x_m", "x [mm]")
+        )
+    };
+    let silent = log(&[text], &rules("")).unwrap();
+    assert!((column(&silent, "theta1_rad")[1] - std::f64::consts::FRAC_PI_4).abs() < 1e-12);
+    assert_eq!(column(&silent, "x_m"), [1e-3, 1e-3]);
+    assert!(silent.warnings.is_empty());
+    let other = log(&[text], &rules("unit = \"rad\"\n")).unwrap();
+    assert_eq!(column(&other, "theta1_rad")[0], 90.0);
+    assert!(other.warnings[0].contains("says deg") && other.warnings[0].contains("rad was taken"));
+}
