@@ -297,3 +297,33 @@ fn a_rest_is_no_alarm_and_an_alarm_at_the_end_is_answered() {
     assert_eq!(watched(resting(2000..3000)), (Some(0), "end".into()));
     assert_eq!(watched(rows(3004, 2980, 5e-3)), (Some(4), "end".into()));
 }
+
+/// Rows that cannot be read are none that are true, and a file of another program is named.
+#[test]
+fn what_is_left_out_is_not_answered_for() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    let bad = rows(4000, 4000, 0.0)
+        .lines()
+        .enumerate()
+        .map(|(place, line)| match place > 3000 {
+            true => format!("{},nan\n", line.rsplit_once(',').unwrap().0),
+            false => format!("{line}\n"),
+        });
+    std::fs::write(folder.path().join("bad.csv"), bad.collect::<String>()).unwrap();
+    std::fs::write(folder.path().join("old.bag"), "#ROSBAG V2.0\n").unwrap();
+    for (file, said) in [
+        ("bad.csv", "1000 rows of 4000 are left out"),
+        ("old.bag", "a ROS 1 bag"),
+    ] {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(["watch", "--device", "one.toml", "--reference-s", "100"])
+            .args(["--once", "--lines", "text", file])
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(3), "{file}");
+        let all = format!("{}{}", text(&output.stdout), text(&output.stderr));
+        assert!(all.contains(said), "{file}: {all}");
+    }
+}

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use std::time::SystemTime;
 
-use haptical_data::{LogShape, write_log_to};
+use haptical_data::{LogShape, known_file, write_log_to};
 
 use super::lines::Cutter;
 use super::{Watch, WatchEvent};
@@ -204,6 +204,22 @@ impl Tail {
             fed.grew = true;
             return Ok(fed);
         }
+        if self.offset == 0
+            && !self.is_done
+            && let Some((what, next)) =
+                foreign(file).map_err(|error| unreadable(error, &self.path))?
+        {
+            self.is_done = true;
+            let text = format!(
+                "{}: this is {what}, which is no log: {next}",
+                Source::given(&self.path).label
+            );
+            fed.events.push(WatchEvent::Note { text });
+        }
+        if self.offset == 0 && self.is_done && size > 0 {
+            fed.ended = is_last;
+            return Ok(fed);
+        }
         if self.offset == 0 && is_binary(file).map_err(|error| unreadable(error, &self.path))? {
             return self.whole(watch, size, is_last);
         }
@@ -267,6 +283,14 @@ fn identity(meta: &Metadata) -> u64 {
 #[cfg(not(unix))]
 fn identity(_: &Metadata) -> u64 {
     0
+}
+
+/// What a file of another program is, and what makes a log of it.
+fn foreign(file: &mut File) -> std::io::Result<Option<(&'static str, &'static str)>> {
+    let mut first = Vec::new();
+    file.seek(SeekFrom::Start(0))?;
+    file.take(16).read_to_end(&mut first)?;
+    Ok(known_file(&first))
 }
 
 /// Whether a file is gzip, Parquet, MCAP or SQLite.

@@ -5,6 +5,7 @@ mod follow;
 mod intake;
 mod kept;
 mod lines;
+mod motion;
 mod page;
 mod state;
 
@@ -27,6 +28,7 @@ use self::cause::cause;
 use self::intake::{Intake, Rows};
 use self::kept::Kept;
 use self::lines::Lines;
+use self::motion::moved_since;
 use crate::device::Device;
 use crate::error::Error;
 use crate::replay::{placed, predicted_residuals};
@@ -537,9 +539,16 @@ impl Watch {
     pub fn verdict(&self) -> WatchVerdict {
         match self.monitor.as_ref().map(Monitor::phase) {
             None | Some(Phase::Reference) => WatchVerdict::NotJudged,
+            Some(Phase::Watching) if self.lacks_rows() => WatchVerdict::NotJudged,
             Some(Phase::Watching) => WatchVerdict::True,
             Some(Phase::Alarmed) => WatchVerdict::Untrue,
         }
+    }
+
+    /// Whether so many rows are left out that those judged do not speak for all.
+    fn lacks_rows(&self) -> bool {
+        let left_out = self.intake.left_out.unreadable + self.intake.left_out.out_of_order;
+        left_out as f64 > MOST_LEFT_OUT * (self.rows + left_out) as f64
     }
 
     /// Numbers and lines held: they do not grow with the rows.
@@ -574,20 +583,5 @@ fn nothing_to_watch(recording: &Recording, file: &std::path::Path) -> Error {
 /// postures than those of the reference show that.
 const TOLERANCE: f64 = 0.1;
 
-/// Least motion of a joint \[rad\] or \[m\] that makes a row a reading of its own: what the model gets wrong
-/// stays the same while the arm rests, and a rest of an hour says as much of it as one row.
-const MOTION: f64 = 2e-4;
-
-/// Whether a joint moved since the row that was the last reading of its own; then this row is the last one.
-fn moved_since(last: &mut Vec<f64>, recording: &Recording, row: usize) -> bool {
-    let now = || recording.joint.iter().filter_map(|column| column.get(row));
-    let has_moved = last.len() != recording.joint.len()
-        || now()
-            .zip(last.iter())
-            .any(|(now, last)| (now - last).abs() > MOTION);
-    if has_moved {
-        last.clear();
-        last.extend(now());
-    }
-    has_moved
-}
+/// Most of the rows that may be left out of an answer for all.
+const MOST_LEFT_OUT: f64 = 0.1;

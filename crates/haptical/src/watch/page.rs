@@ -20,6 +20,12 @@ impl WatchState {
         };
         let text = match (&self.alarm, self.verdict) {
             (Some(alarm), _) => WatchEvent::Alarm(alarm.clone()).line(),
+            (None, WatchVerdict::NotJudged) if self.reference.is_some() => {
+                format!(
+                    "Not judged: {}.",
+                    self.not_judged.as_deref().unwrap_or_default()
+                )
+            }
             (None, WatchVerdict::NotJudged) => format!(
                 "The first rows say what the device's errors are while it is true: {}.",
                 self.not_judged.as_deref().unwrap_or("there are no rows")

@@ -175,6 +175,18 @@ impl Watch {
             haptical_monitor::Monitor::least_reference_rows,
         );
         match monitor.is_some_and(|own| own.reference().is_some()) {
+            true if self.lacks_rows() => {
+                let left_out = &self.intake.left_out;
+                Some(format!(
+                    "{} rows of {} are left out, too many to answer for all{}",
+                    left_out.unreadable + left_out.out_of_order,
+                    self.rows + left_out.unreadable + left_out.out_of_order,
+                    left_out
+                        .first
+                        .as_ref()
+                        .map_or_else(String::new, |first| format!(": {first}"))
+                ))
+            }
             true => None,
             false if self.rows < least => Some(format!(
                 "{} rows are too few for a reference, which needs {least}",
@@ -313,8 +325,12 @@ impl WatchState {
             .map(|own| own.block_s * self.blocks as f64 / 3600.0);
         text += &match self.verdict {
             WatchVerdict::NotJudged => format!(
-                "Not judged: {}. Give --reference a log of the device while it was true, or go on.\n",
-                self.not_judged.as_deref().unwrap_or("there are no rows")
+                "Not judged: {}.{}\n",
+                self.not_judged.as_deref().unwrap_or("there are no rows"),
+                match self.reference.is_some() {
+                    true => "",
+                    false => " Give --reference a log of the device while it was true, or go on.",
+                }
             ),
             WatchVerdict::True => format!(
                 "The calibration is true: no alarm in {:.2} h behind the reference.\n",
