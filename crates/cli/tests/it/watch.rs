@@ -303,7 +303,8 @@ fn a_rest_is_no_alarm_and_an_alarm_at_the_end_is_answered() {
 fn what_is_left_out_is_not_answered_for() {
     let folder = tempfile::tempdir().unwrap();
     device(folder.path());
-    let bad = rows(4000, 4000, 0.0)
+    let sound = rows(4000, 4000, 0.0);
+    let bad = sound
         .lines()
         .enumerate()
         .map(|(place, line)| match place > 3000 {
