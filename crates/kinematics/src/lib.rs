@@ -29,6 +29,7 @@
 #[doc = include_str!("../README.md")]
 struct ReadmeDoctests;
 
+mod across;
 mod chain;
 mod derivatives;
 mod distance;

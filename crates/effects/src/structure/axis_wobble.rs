@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use haptical_model::kinematics::Twist;
 use nalgebra::{Vector2, Vector3};
 
 use crate::laws::{Input, Law};
@@ -41,47 +40,17 @@ pub(crate) const LAW: AxisWobble = AxisWobble;
 #[derive(Debug)]
 pub(crate) struct AxisWobble;
 
-/// Sine of the angle between two axes up to which they count as parallel.
-const PARALLEL: f64 = 0.05;
-/// Way between two axes \[m\] up to which they count as one.
-const ONE_AXIS_M: f64 = 1e-3;
-
-/// Two unit vectors across a joint's axis that the link before it carries along: the first one across the axis before as
-/// well; where the two are parallel, along the way from that axis to this one. None after a slide along the axis, and
-/// where the two axes are one.
+/// Two unit vectors across a joint's axis that the link before it carries along (`Twist::across`).
 pub(crate) fn across(context: &Context<'_>, joint: usize, row: usize) -> Option<[Vector3<f64>; 2]> {
-    let (axis, _) = context.lever(joint, row)?;
+    context.lever(joint, row)?;
     let device = context.device;
-    let parent = device.first_row(joint).and_then(|row| device.parent(row));
     let twist = |joint: usize| context.twist.get(joint)?.get(row);
-    let first = match parent.and_then(|row| device.drive(row)) {
-        Some(drive) => {
-            let before = twist(drive.joint)?;
-            let slides = before.angular.norm_squared() < 0.5;
-            let direction = if slides {
-                before.linear
-            } else {
-                before.angular
-            };
-            match axis.cross(&direction).try_normalize(PARALLEL) {
-                Some(first) => first,
-                None if slides => return None,
-                None => way_between(before, twist(joint)?).try_normalize(ONE_AXIS_M)?,
-            }
-        }
-        // the first axis stands still: any fixed direction that is not along it
-        None if axis.x.abs() < 0.9 => axis.cross(&Vector3::x()).normalize(),
-        None => axis.cross(&Vector3::y()).normalize(),
+    let parent = device.first_row(joint).and_then(|row| device.parent(row));
+    let before = match parent.and_then(|row| device.drive(row)) {
+        Some(drive) => Some(twist(drive.joint)?),
+        None => None,
     };
-    Some([first, axis.cross(&first)])
-}
-
-/// The way \[m\] from an axis to one parallel to it, across the latter. A twist `l = z x r` of the handle at `r` from a point
-/// of the axis has the axis's nearest point at `z x l` from the handle.
-fn way_between(before: &Twist, own: &Twist) -> Vector3<f64> {
-    let nearest = |twist: &Twist| twist.angular.cross(&twist.linear);
-    let way = nearest(own) - nearest(before);
-    way - own.angular * own.angular.dot(&way)
+    twist(joint)?.across(before)
 }
 
 impl Law for AxisWobble {

@@ -204,24 +204,19 @@ impl Tail {
             fed.grew = true;
             return Ok(fed);
         }
-        if self.offset == 0
-            && !self.is_done
-            && let Some((what, next)) =
-                foreign(file).map_err(|error| unreadable(error, &self.path))?
-        {
-            self.is_done = true;
-            let text = format!(
-                "{}: this is {what}, which is no log: {next}",
-                Source::given(&self.path).label
-            );
-            fed.events.push(WatchEvent::Note { text });
-        }
-        if self.offset == 0 && self.is_done && size > 0 {
-            fed.ended = is_last;
-            return Ok(fed);
-        }
-        if self.offset == 0 && is_binary(file).map_err(|error| unreadable(error, &self.path))? {
-            return self.whole(watch, size, is_last);
+        if self.offset == 0 {
+            let first = first_bytes(file).map_err(|error| unreadable(error, &self.path))?;
+            if is_binary(&first) {
+                return self.whole(watch, size, is_last);
+            }
+            if let Some((what, next)) = known_file(&first) {
+                let is_said = std::mem::replace(&mut self.is_done, true);
+                let text = format!("{}: this is {what}, which is no log: {next}", self.name());
+                fed.events
+                    .extend((!is_said).then_some(WatchEvent::Note { text }));
+                fed.ended = is_last;
+                return Ok(fed);
+            }
         }
         file.seek(SeekFrom::Start(self.offset))
             .map_err(|error| unreadable(error, &self.path))?;
@@ -285,21 +280,18 @@ fn identity(_: &Metadata) -> u64 {
     0
 }
 
-/// What a file of another program is, and what makes a log of it.
-fn foreign(file: &mut File) -> std::io::Result<Option<(&'static str, &'static str)>> {
+/// The bytes by which a file of a program is known.
+fn first_bytes(file: &mut File) -> std::io::Result<Vec<u8>> {
     let mut first = Vec::new();
     file.seek(SeekFrom::Start(0))?;
     file.take(16).read_to_end(&mut first)?;
-    Ok(known_file(&first))
+    Ok(first)
 }
 
 /// Whether a file is gzip, Parquet, MCAP or SQLite.
-fn is_binary(file: &mut File) -> std::io::Result<bool> {
+fn is_binary(first: &[u8]) -> bool {
     const MAGIC: [&[u8]; 4] = [b"\x1f\x8b", b"PAR1", b"\x89MCAP", b"SQLite format 3"];
-    let mut first = Vec::new();
-    file.seek(SeekFrom::Start(0))?;
-    file.take(16).read_to_end(&mut first)?;
-    Ok(MAGIC.iter().any(|magic| first.starts_with(magic)))
+    MAGIC.iter().any(|magic| first.starts_with(magic))
 }
 
 /// A folder into which logs arrive; they are judged in the order of their times of change, then of their names.

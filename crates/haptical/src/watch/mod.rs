@@ -41,6 +41,11 @@ const MOST_PLACING_ROWS: usize = 2000;
 const LEAST_SETUP_ROWS: usize = 256;
 /// Least rows since a change that a diagnosis is asked of at the end.
 const LEAST_DIAGNOSED: usize = 100;
+/// What the mean residual of a channel may be off, of its stated noise: numbers of a fit are known to a part of the noise, and other
+/// postures than those of the reference show that (docs/assumptions.md, A222).
+const TOLERANCE: f64 = 0.1;
+/// Most of the rows that may be left out of an answer for all.
+const MOST_LEFT_OUT: f64 = 0.1;
 /// Probability that the reference is off by more than its margins (docs/assumptions.md, A207).
 const MISS: f64 = 0.05;
 /// Least rows of a reference.
@@ -578,10 +583,3 @@ fn nothing_to_watch(recording: &Recording, file: &std::path::Path) -> Error {
     };
     Error::in_file("nothing-to-watch", what, file, next)
 }
-
-/// What the mean residual of a channel may be off, of its stated noise: numbers of a fit are known to a part of the noise, and other
-/// postures than those of the reference show that.
-const TOLERANCE: f64 = 0.1;
-
-/// Most of the rows that may be left out of an answer for all.
-const MOST_LEFT_OUT: f64 = 0.1;

@@ -73,56 +73,6 @@ fn moment_nm(
     moment_nm
 }
 
-/// Sine of the angle between two axes up to which they count as parallel.
-const PARALLEL: f64 = 0.05;
-/// Way between two axes \[m\] up to which they count as one.
-const ONE_AXIS_M: f64 = 1e-3;
-
-/// Two unit vectors across a joint's axis that the link before it carries along: the first one across the axis before as
-/// well; where the two are parallel, along the way from that axis to this one. None after a slide along the axis, and
-/// where the two axes are one.
-#[inline]
-fn across(stance: &Stance<'_>, own: &Twist, place: &Place) -> Option<[Vector3<f64>; 2]> {
-    let axis = &own.angular;
-    let first = match place
-        .joint_before
-        .and_then(|joint| stance.jacobian.get(joint))
-    {
-        Some(before) => {
-            let slides = before.angular.norm_squared() < 0.5;
-            let direction = if slides {
-                &before.linear
-            } else {
-                &before.angular
-            };
-            match unit(axis.cross(direction), PARALLEL) {
-                Some(first) => first,
-                None if slides => return None,
-                None => unit(way_between(before, own), ONE_AXIS_M)?,
-            }
-        }
-        // the first axis stands still: any fixed direction that is not along it
-        None if axis.x.abs() < 0.9 => unit(axis.cross(&Vector3::x()), 0.0)?,
-        None => unit(axis.cross(&Vector3::y()), 0.0)?,
-    };
-    Some([first, axis.cross(&first)])
-}
-
-/// The way \[m\] from an axis to one parallel to it, across the latter. A twist `l = z x r` of the handle at `r` from a point
-/// of the axis has the axis's nearest point at `z x l` from the handle.
-#[inline]
-fn way_between(before: &Twist, own: &Twist) -> Vector3<f64> {
-    let way = own.angular.cross(&own.linear) - before.angular.cross(&before.linear);
-    way - own.angular * own.angular.dot(&way)
-}
-
-/// The direction of a vector that is longer than `least`.
-#[inline]
-fn unit(vector: Vector3<f64>, least: f64) -> Option<Vector3<f64>> {
-    let length = libm::sqrt(vector.norm_squared());
-    (length > least).then(|| vector / length)
-}
-
 /// What one effect displaces the handle by; none for one of another kind.
 #[inline]
 fn displacement(
@@ -171,7 +121,10 @@ fn displacement(
             let origin_m = place.within(stance.before);
             let (sine, cosine) = waves(*joint, *order, at(stance.links, *joint))?;
             own.zip(origin_m).and_then(|(own, origin_m)| {
-                let [first, second] = across(stance, own, place)?;
+                let before = place
+                    .joint_before
+                    .and_then(|joint| stance.jacobian.get(joint));
+                let [first, second] = own.across(before)?;
                 let tilt = first * (first_cosine * cosine + first_sine * sine)
                     + second * (second_cosine * cosine + second_sine * sine);
                 Some(turned(tilt, &origin_m))

@@ -29,12 +29,6 @@ const MOST_DEG: f64 = 1080.0;
 /// Finds the scale of each column; columns of one kind in one file have one.
 pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
     let kinds: Vec<Kind> = found.iter().map(|own| Kind::of(own, run)).collect();
-    let is_said: Vec<bool> = (found.iter().zip(&kinds))
-        .map(|(own, kind)| {
-            let said = stated(&run[own.file].columns[own.column]);
-            said.is_some_and(|(_, unit)| Some(unit.dimension) == kind.dimension)
-        })
-        .collect();
     for index in 0..found.len() {
         if !has_unit(&found[index].meaning) {
             continue;
@@ -55,9 +49,8 @@ pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
             ),
             None => {
                 // a column that says its unit says nothing of those that are silent
-                let alike = kinds.iter().zip(&is_said);
-                let alike = alike.filter(|(kind, is_said)| **kind == kinds[index] && !**is_said);
-                let alike = alike.map(|(kind, _)| kind);
+                let alike = kinds.iter();
+                let alike = alike.filter(|kind| **kind == kinds[index] && !kind.is_said);
                 let largest = alike.clone().map(|kind| kind.largest).fold(0.0, f64::max);
                 let whole = alike.clone().all(|kind| kind.is_whole);
                 let step = kinds[index].step;
@@ -98,6 +91,8 @@ struct Kind {
     file: usize,
     sort: u8,
     dimension: Option<Dimension>,
+    /// Whether the file says its unit.
+    is_said: bool,
     largest: f64,
     is_whole: bool,
     /// Median distance between rows.
@@ -126,11 +121,14 @@ impl Kind {
             Meaning::Angle(_) | Meaning::Vector(_) => Some(Dimension::Angle),
             other => dimension_of(&other.to_string()),
         };
-        let numbers = run[own.file].columns[own.column].cells.numbers();
+        let column = &run[own.file].columns[own.column];
+        let numbers = column.cells.numbers();
+        let said = stated(column);
         Self {
             file: own.file,
             sort,
             dimension,
+            is_said: said.is_some_and(|(_, unit)| Some(unit.dimension) == dimension),
             ..Self::of_numbers(numbers.unwrap_or_default())
         }
     }
@@ -144,6 +142,7 @@ impl Kind {
             file: 0,
             sort: 0,
             dimension: None,
+            is_said: false,
             largest: read().fold(0.0, |most, number| most.max(number.abs())),
             is_whole: read().all(|number| number.fract() == 0.0),
             step: steps.get(steps.len() / 2).copied().unwrap_or(0.0),

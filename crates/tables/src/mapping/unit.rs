@@ -98,7 +98,7 @@ impl Unit {
             "rpm" => (AngularVelocity, TAU / 60.0),
             "m/s" => (Velocity, 1.0),
             "mm/s" => (Velocity, 1e-3),
-            // `Deg`, `MM`, `Millimeters`: no unit here is another one in capitals but by its first letter alone
+            // `Deg`, `MM`, `Millimeters`: no two units here differ in their capitals alone
             _ => {
                 let small = word.to_lowercase();
                 return (small != word).then(|| Self::parse(&small)).flatten();
