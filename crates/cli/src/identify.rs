@@ -116,8 +116,8 @@ impl IdentifyArguments {
         if is_extra && !is_asked {
             return refuse(
                 "--validate and --band-hz belong to `--with dynamics`",
-                "leave them out: --held-out and --folds keep rows of the log out of other fits; on another recording a result is judged by \
-                 haptical diagnose --device OUT/identified.toml --log SECOND",
+                "leave them out: --held-out and --folds keep rows of the log out of other fits; another recording is held against a result by \
+                 haptical diagnose --device DEVICE --model OUT/identified.toml --log SECOND",
             );
         }
         Ok(is_asked)
