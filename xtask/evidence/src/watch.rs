@@ -70,7 +70,10 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
         "{days} simulated days of each noise, one residual a second, each day behind a reference of its own (at least one hour, \
          longer where the noise remembers longer). The noise is AR(1) with the correlation of successive rows. Without a change \
          alarms are counted, the sums starting anew after each; with one, six hours into the day, the time to the alarm at a \
-         stated rate of one false alarm in {:.0} h, and whether the 95 % interval of the change holds it. Every shift is the same at every posture, every row counts and no tolerance is given: a change that shows itself more at some postures than at others is placed less well, and the default tolerance of `haptical watch` makes alarms rarer and small shifts invisible.",
+         stated rate of one false alarm in {:.0} h, and whether the 95 % interval of the change holds it. Every shift \
+         is the same at every posture, every row counts and no tolerance is given: a change that shows itself more at some \
+         postures than at others is placed less well, and the default tolerance of `haptical watch` makes alarms rarer and small \
+         shifts invisible.",
         1.0 / STATED
     ));
     let columns = "correlation of rows | rows of a block, median | reference, median [h] | hours | stated, one an hour | counted | stated, one in 10 h | \
