@@ -253,9 +253,8 @@ fn a_sound_log_has_no_gap_and_its_torques_are_tested() {
     }
 }
 
-/// A cable that was zeroed anew since the calibration: the effect is named, and no length that a fit without it would bend.
-#[test]
-fn a_cable_that_was_zeroed_anew_changes_no_length() {
+/// What the diagnosis says, against the device as it was, of a sound log with a number added to a column.
+fn against_the_device(column: &str, added: f64) -> Value {
     let sandbox = Sandbox::new();
     let motion = ["--seconds", "300", "--rate-hz", "10", "--seed", "3"];
     let output = simulate(&sandbox, &[&motion[..], &["--out", "sound.csv"]].concat());
@@ -263,12 +262,12 @@ fn a_cable_that_was_zeroed_anew_changes_no_length() {
     let sound = std::fs::read_to_string(sandbox.path("sound.csv")).unwrap();
     let mut lines = sound.lines();
     let head = lines.next().unwrap();
-    let cable = head.split(',').position(|name| name == "cable_m").unwrap();
+    let own = head.split(',').position(|name| name == column).unwrap();
     let mut log = format!("{head}\n");
     for line in lines {
         let cells = line.split(',').enumerate().map(|(place, cell)| {
-            match (place == cable, cell.parse::<f64>()) {
-                (true, Ok(length_m)) => (length_m + 2e-4).to_string(),
+            match (place == own, cell.parse::<f64>()) {
+                (true, Ok(number)) => (number + added).to_string(),
                 _ => cell.to_owned(),
             }
         });
@@ -277,25 +276,43 @@ fn a_cable_that_was_zeroed_anew_changes_no_length() {
     std::fs::write(sandbox.path("later.csv"), log).unwrap();
     let output = haptical()
         .current_dir(sandbox.folder.path())
-        .args([
-            "diagnose",
-            "--device",
-            "device.toml",
-            "--model",
-            "device.toml",
-        ])
-        .args(["--log", "later.csv", "--out", "gap", "--json"])
+        .args(["diagnose", "--device", "device.toml"])
+        .args(["--model", "device.toml", "--log", "later.csv"])
+        .args(["--out", "gap", "--json"])
         .output()
         .unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
-    let gap: Value = serde_json::from_slice(&output.stdout).unwrap();
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[track_caller]
+fn holds(interval: &Value, truth: f64) {
+    let [low, high] = [0, 1].map(|end: usize| interval[end].as_f64().unwrap());
+    assert!(low < truth && truth < high, "{interval}");
+}
+
+/// A cable that was zeroed anew since the calibration: the effect is named, and no length that a fit without it would bend.
+#[test]
+fn a_cable_that_was_zeroed_anew_changes_no_length() {
+    let gap = against_the_device("cable_m", 2e-4);
     assert_eq!(gap["verdict"], "named", "{}", gap["causes"]);
     let causes = gap["causes"].as_array().unwrap();
     assert_eq!(causes.len(), 1, "{}", gap["causes"]);
     assert_eq!(causes[0]["effect"], "cable-zero-offset");
-    let interval = causes[0]["parameters"]["offset_m"]["ci95"]
-        .as_array()
+    holds(&causes[0]["parameters"]["offset_m"]["ci95"], 2e-4);
+}
+
+/// An external encoder that was zeroed anew: the cable knows that the joint stands where it did, so the link's zero goes with the
+/// drive's, and the number told is all of it.
+#[test]
+fn an_external_encoder_that_was_zeroed_anew_is_told_with_its_size() {
+    let gap = against_the_device("out1_rad", 1e-3);
+    let cause = &gap["causes"][0];
+    assert_eq!(cause["effect"], "joint-offset", "{}", gap["causes"]);
+    let changed = cause["changed"].as_array().unwrap();
+    let offset = changed
+        .iter()
+        .find(|own| own["parameter"] == "offset1")
         .unwrap();
-    let [low, high] = [0, 1].map(|end: usize| interval[end].as_f64().unwrap());
-    assert!(low < 2e-4 && 2e-4 < high, "{interval:?}");
+    holds(&offset["ci95"], 1e-3);
 }
