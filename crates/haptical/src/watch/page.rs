@@ -14,6 +14,7 @@ impl WatchState {
     /// A fault of this library alone.
     pub fn page(&self, refresh_s: u32) -> Result<String, Error> {
         let (tone, label) = match self.verdict {
+            WatchVerdict::NotJudged if self.reference.is_some() => (Tone::Neutral, "not judged"),
             WatchVerdict::NotJudged => (Tone::Neutral, "reference"),
             WatchVerdict::True => (Tone::Good, "✓ true"),
             WatchVerdict::Untrue => (Tone::Bad, "✗ not true"),
@@ -21,10 +22,7 @@ impl WatchState {
         let text = match (&self.alarm, self.verdict) {
             (Some(alarm), _) => WatchEvent::Alarm(alarm.clone()).line(),
             (None, WatchVerdict::NotJudged) if self.reference.is_some() => {
-                format!(
-                    "Not judged: {}.",
-                    self.not_judged.as_deref().unwrap_or_default()
-                )
+                format!("{}.", self.not_judged.as_deref().unwrap_or_default())
             }
             (None, WatchVerdict::NotJudged) => format!(
                 "The first rows say what the device's errors are while it is true: {}.",

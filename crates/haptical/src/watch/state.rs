@@ -285,6 +285,7 @@ impl WatchState {
             .last_s
             .map_or_else(String::new, |last_s| format!("{}  ", when(last_s)));
         let verdict = match self.verdict {
+            WatchVerdict::NotJudged if self.reference.is_some() => "not judged".to_owned(),
             WatchVerdict::NotJudged => "reference".to_owned(),
             WatchVerdict::True => "true".to_owned(),
             WatchVerdict::Untrue => {

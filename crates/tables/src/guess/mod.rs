@@ -2,6 +2,7 @@
 
 mod groups;
 mod layout;
+mod lists;
 mod names;
 pub(crate) mod units;
 mod write;

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::lists::{ANGLE, COMMAND, FOREIGN, POSITION, TORQUE, VELOCITY};
 use super::{Joint, Proposal, groups};
 use crate::mapping::{TEXTS, Unit, dimension_of};
 use crate::table::{Cells, Table};
@@ -54,116 +55,6 @@ impl fmt::Display for Meaning {
         }
     }
 }
-
-const TORQUE: [&str; 8] = [
-    "tau", "torque", "torques", "effort", "trq", "trqs", "moment", "efforts",
-];
-const VELOCITY: [&str; 9] = [
-    "vel",
-    "velocity",
-    "velocities",
-    "dq",
-    "qd",
-    "qdot",
-    "speed",
-    "qp",
-    "vels",
-];
-const COMMAND: [&str; 11] = [
-    "cmd",
-    "command",
-    "commanded",
-    "des",
-    "desired",
-    "ref",
-    "reference",
-    "target",
-    "setpoint",
-    "action",
-    "goal",
-];
-const ANGLE: [&str; 28] = [
-    "q",
-    "j",
-    "joint",
-    "joints",
-    "theta",
-    "th",
-    "axis",
-    "a",
-    "angle",
-    "angles",
-    "pos",
-    "position",
-    "positions",
-    "enc",
-    "encoder",
-    "motor",
-    "jp",
-    "ang",
-    "actual",
-    "act",
-    "meas",
-    "measured",
-    "state",
-    "states",
-    "jointpos",
-    "jnt",
-    "rax",
-    "cali",
-];
-const POSITION: [&str; 32] = [
-    "p",
-    "pos",
-    "position",
-    "tcp",
-    "ee",
-    "eef",
-    "end",
-    "effector",
-    "flange",
-    "tool",
-    "tip",
-    "handle",
-    "hand",
-    "probe",
-    "marker",
-    "tracker",
-    "tracked",
-    "laser",
-    "leica",
-    "smr",
-    "optitrack",
-    "vicon",
-    "mocap",
-    "camera",
-    "t",
-    "point",
-    "xyz",
-    "target",
-    "reflector",
-    "coordinate",
-    "trans",
-    "translation",
-];
-
-/// Words of what is measured beside angles and places.
-const FOREIGN: [&str; 14] = [
-    "temp",
-    "temperature",
-    "current",
-    "amps",
-    "voltage",
-    "error",
-    "err",
-    "force",
-    "accel",
-    "acceleration",
-    "imu",
-    "gyro",
-    "status",
-    "mode",
-];
 
 /// The words of a name in small letters, split at signs, between words in capitals and around digits; a unit at the end is left out.
 pub(super) fn words(name: &str) -> Vec<String> {
@@ -315,6 +206,9 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     if is_time(name) {
         return Some(Meaning::Log("t_s".to_owned()));
     }
+    if let Some(meaning) = of_a_log(name) {
+        return Some(meaning);
+    }
     let words = words(name);
     let parts: Vec<&str> = words.iter().map(String::as_str).collect();
     let joined = parts.join("");
@@ -382,6 +276,15 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
             .iter()
             .all(|word| POSITION.contains(word) || *word == "pose");
     axis.filter(|_| is_place).map(Meaning::Position)
+}
+
+/// The log's own names of lengths: `x_m`, `theta4_m`.
+fn of_a_log(name: &str) -> Option<Meaning> {
+    let stem = name.strip_suffix("_m")?;
+    let axis = ["x", "y", "z"].iter().position(|axis| *axis == stem);
+    let slide = || stem.strip_prefix("theta")?.parse().ok();
+    axis.map(Meaning::Position)
+        .or_else(|| Some(Meaning::Joint(OfJoint::Slide, slide()?)))
 }
 
 /// The angles of makers that name them by single letters, beside X, Y and Z: KUKA turns by A about z, then by B about the new y

@@ -78,6 +78,10 @@ fn in_brackets(name: &str) -> Option<&str> {
 
 /// The unit that a file says of a column: in its own cell, or at the end of the name.
 pub(crate) fn stated(column: &Column) -> Option<(&str, Unit)> {
+    // the log's own name of time
+    if column.name == "t_s" && column.unit.is_none() {
+        return Some(("s", Unit::parse("s")?));
+    }
     let word = column
         .unit
         .as_deref()

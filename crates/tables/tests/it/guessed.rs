@@ -56,6 +56,24 @@ fn joints_are_counted_from_1_whatever_the_file_says() {
     );
 }
 
+/// A log's own names need no correction.
+#[test]
+fn a_log_is_known_by_its_own_names() {
+    is(
+        "t_s,theta1_rad,theta2_m,x_m,y_m,z_m\n0,0.1,0.2,1,2,3\n1,0.2,0.3,1,2,3\n",
+        &[
+            ("t_s", "t_s", ""),
+            ("theta1_rad", "theta1_rad", ""),
+            ("theta2_m", "theta2_m", ""),
+            ("x_m", "x_m", ""),
+            ("y_m", "y_m", ""),
+            ("z_m", "z_m", ""),
+        ],
+    );
+    let text = guess(&[table("t_s,q1\n0,0.1\n1,0.2\n")], &[]);
+    assert!(!text.contains("no ms"), "{text}");
+}
+
 /// One column beyond a turn makes all joints of the file degrees: the others are in the same unit.
 #[test]
 fn joints_of_a_file_share_a_unit() {
