@@ -23,14 +23,33 @@ impl Arrangement {
         if tables.len() < 2 {
             return alone("one file");
         }
+        // columns are found by their names, whatever their order
         let names = |table: &Table| -> Vec<String> {
-            table
-                .columns
-                .iter()
-                .map(|column| column.name.clone())
-                .collect()
+            let names = table.columns.iter().map(|column| column.name.clone());
+            let mut names: Vec<String> = names.collect();
+            if table.is_named {
+                names.sort();
+            }
+            names
+        };
+        let stems = |table: &Table| -> Vec<String> {
+            let names = table.columns.iter();
+            let mut stems: Vec<String> = names
+                .map(|column| super::names::words(&column.name).join(" "))
+                .collect();
+            stems.sort();
+            stems
         };
         let first = names(&tables[0]);
+        let is_in_other_units = |table: &Table| {
+            table.is_named && names(table) != first && stems(table) == stems(&tables[0])
+        };
+        if let Some(other) = tables[1..].iter().find(|table| is_in_other_units(table)) {
+            return alone(&format!(
+                "CHECK: `{}` has the columns of the first file in other units: import it with a mapping of its own",
+                other.file
+            ));
+        }
         // the first file whose columns are the first one's again begins the second run
         let again = tables
             .iter()

@@ -3,6 +3,7 @@
 mod groups;
 mod layout;
 mod lists;
+mod named_lists;
 mod names;
 pub(crate) mod units;
 mod write;

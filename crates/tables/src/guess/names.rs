@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::lists::{ANGLE, COMMAND, FOREIGN, POSITION, TORQUE, VELOCITY};
-use super::{Joint, Proposal, groups};
+use super::{Joint, Proposal, groups, named_lists};
 use crate::mapping::{TEXTS, Unit, dimension_of};
 use crate::table::{Cells, Table};
 
@@ -129,9 +129,13 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
         .map(|column| column.name.as_str())
         .collect();
     let lists = groups::of(table);
+    let named = named_lists::of(table, joints);
     let columns = table.columns.iter().enumerate();
     columns
         .map(|(place, column)| {
+            if let Some(own) = named.get(&place) {
+                return own.clone();
+            }
             if let Some(joint) = of_device(&column.name, joints) {
                 let (name, slides) = &joints[joint];
                 let kind = kind_of(&words(&column.name)).unwrap_or(OfJoint::Angle);
@@ -165,7 +169,7 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
 }
 
 /// The device's joint that a name begins or ends with; the longest such name.
-fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
+pub(super) fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
     let simple = |text: &str| words(text).join("_");
     let own = simple(name);
     let foreign = |rest: &str| rest.split('_').any(|word| FOREIGN.contains(&word));

@@ -172,6 +172,14 @@ fn files_alike_are_runs_and_files_unlike_side_by_side() {
         )
     };
     assert!(!text(&[joints, joints]).contains("files_per_run"));
+    // columns are found by their names
+    let turned = text(&[joints, "q2,q1\n0.2,0.1\n0.4,0.3\n"]);
+    assert!(!turned.contains("files_per_run"), "{turned}");
+    let degrees = text(&["q1_rad,q2_rad\n0.1,0.2\n", "q1_deg,q2_deg\n5,10\n"]);
+    assert!(
+        degrees.contains("CHECK") && degrees.contains("in other units"),
+        "{degrees}"
+    );
     assert!(text(&[joints, place]).contains("files_per_run = 2\nmatch = \"row\""));
     assert!(text(&[joints, place, joints, place]).contains("files_per_run = 2"));
     let thrice = "x,y,z\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n1,2,3\n";
