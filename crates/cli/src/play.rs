@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use haptical::files::{
     InputFile, Record, Source, VERSION, check_folder, check_outputs, file_name, make_folder,
-    reason, sealed_text,
+    sealed_text,
 };
 use haptical::{Device, Equipment, Log, refuse_other_device};
-use haptical_report::{ReportError, write_atomically};
+use haptical_report::write_atomically;
 
 use crate::arguments::one_or_more;
 use crate::failure::Failure;
@@ -121,8 +121,7 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     }
     let writing = Writing::begin();
     let folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
-    write_atomically(&arguments.out, page.as_bytes())
-        .map_err(|error| unwritable(&arguments.out, &error))?;
+    write_atomically(&arguments.out, page.as_bytes())?;
     drop((folder, writing));
     drop(progress);
     terminal::warn(&warnings);
@@ -146,15 +145,6 @@ fn check_place(arguments: &PlayArguments) -> Result<(), Failure> {
     inputs.extend(arguments.model.as_deref());
     check_outputs(std::slice::from_ref(out), &inputs)?;
     arguments.overwrite.check_file(out, COMMAND)
-}
-
-fn unwritable(out: &Path, error: &ReportError) -> Failure {
-    let why = match error {
-        ReportError::Write { source, .. } => reason(source),
-        other => other.to_string(),
-    };
-    let next = "give a file in a folder that can be written to and has room";
-    Failure::in_file("unwritable", format!("cannot write: {why}"), out, next)
 }
 
 fn refuse_no_links(device: &Device) -> Result<(), Failure> {

@@ -1,5 +1,7 @@
 //! Kinds of measurement by the names that a user gives them: one table entry each.
 
+use haptical_model::Tracker;
+
 use crate::DesignError;
 
 /// One thing that a rig measures.
@@ -183,6 +185,42 @@ pub struct Rig {
 }
 
 impl Rig {
+    /// The same with a tracker's place and what it sees as a device or rig file states them, where the rig says nothing of either.
+    ///
+    /// ```
+    /// let tracker = haptical_model::Tracker {
+    ///     base_known: false,
+    ///     base_per_run: false,
+    ///     tool_known: true,
+    ///     position_sd_m: None,
+    ///     rotation_sd_rad: None,
+    ///     scale_sd: None,
+    /// };
+    /// let rig = haptical_design::Rig::parse("cable,position")?.with_tracker_as(&tracker);
+    /// assert_eq!(rig.name, "cable,position:unknown-base");
+    /// # Ok::<(), haptical_design::DesignError>(())
+    /// ```
+    #[must_use]
+    pub fn with_tracker_as(mut self, stated: &Tracker) -> Self {
+        for measure in &mut self.measures {
+            let Measure::Tracker(own) = measure else {
+                continue;
+            };
+            if !own.base_known || !own.tool_known {
+                continue;
+            }
+            let bare = own.name();
+            own.base_known = stated.base_known;
+            own.tool_known = stated.tool_known;
+            let items = self.name.split(',').map(|item| match item.trim() == bare {
+                true => own.name(),
+                false => item.to_owned(),
+            });
+            self.name = items.collect::<Vec<_>>().join(",");
+        }
+        self
+    }
+
     /// Reads items separated by commas, such as `out,cable,cable2:0.4,0,0.3`. A piece that begins with a
     /// digit, a sign or a point belongs to the item before it.
     ///

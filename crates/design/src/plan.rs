@@ -249,10 +249,36 @@ pub fn described_rigs(device: &Device) -> Result<Vec<Rig>, DesignError> {
     if !device.cables.is_empty() {
         rigs.push(with((0..device.cables.len()).map(cable_name).collect())?);
     }
+    let touched = touched(device);
+    if !touched.is_empty() {
+        rigs.push(with(touched)?);
+    }
     for tracker in ["position", "pose"] {
-        rigs.push(with(vec![tracker.to_owned()])?);
+        let rig = with(vec![tracker.to_owned()])?;
+        rigs.push(match &device.tracker {
+            Some(stated) => rig.with_tracker_as(stated),
+            None => rig,
+        });
     }
     Ok(rigs)
+}
+
+/// What the device file, or a rig file, describes of what the handle touches.
+fn touched(device: &Device) -> Vec<String> {
+    let around = &device.surroundings;
+    let mut measures = Vec::new();
+    if let Some(pair) = device.contact_pairs.first() {
+        let points = around.contacts.len().max(2);
+        measures.push(format!("contact:{points}:{}", pair.distance_m));
+    } else if around.contact_sd_m.is_some() {
+        measures.push(format!("contact:{}", around.contacts.len().max(1)));
+    }
+    if !around.plane_pairs.is_empty() {
+        measures.push("plane:2".to_owned());
+    } else if around.plane_sd_m.is_some() {
+        measures.push("plane".to_owned());
+    }
+    measures
 }
 
 fn identifiability_of_rig(

@@ -51,11 +51,18 @@ pub fn diagnose(
     let turns = [&first, &second].into_iter().flatten();
     let turns: Vec<String> = turns.flat_map(|own| of_turns(device, &own.1)).collect();
     let recording = first.as_ref().map_or(recording, |own| &own.0);
+    let validation = second.as_ref().map(|own| &own.0).or(options.validation);
+    let without = |recording: &Recording| options.model?.without_unknown_orientation(recording);
+    let placed = (without(recording), validation.and_then(without));
+    let recording = placed.0.as_ref().unwrap_or(recording);
     let options = &Options {
-        validation: second.as_ref().map(|own| &own.0).or(options.validation),
+        validation: placed.1.as_ref().or(validation),
         ..options.clone()
     };
     let mut found = diagnose_all(device, recording, options)?;
+    if placed.0.is_some() {
+        found.warnings.push(NO_ORIENTATION.to_owned());
+    }
     // a part that was interrupted may have been left out
     options.interrupt.check()?;
     found.warnings.extend(turns);
@@ -81,6 +88,10 @@ pub fn diagnose(
     }
     within_laws(found, &own, (&rigid, recording), options)
 }
+
+/// Said of orientations that an earlier model cannot predict.
+const NO_ORIENTATION: &str = "the earlier model was identified without orientations: how what the tracker sees is turned on the handle \
+                              is not known, and the log's orientations are left out";
 
 /// What is said of turns that were undone.
 fn of_turns(device: &Device, turns: &[(usize, usize)]) -> Vec<String> {

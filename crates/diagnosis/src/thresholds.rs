@@ -2,9 +2,7 @@
 //!
 //! Each says its unit (a pure number where none is given), what it means and how it was set: *Chance* and *Calculated* by the
 //! calculation given, *Choice* by judgement, *Cost* to bound the time; where nothing is said, on development trials and on
-//! the logs of the tests, never on a scored batch. What a law may get wrong, prior odds and plausible sizes belong to the
-//! single effect: `Spec` of the crate `haptical-effects`. Rounding limits, seeds of pictures and mathematical constants stay
-//! where they are used.
+//! the logs of the tests, never on a scored batch. Numbers of a single effect are in its `Spec` (`haptical-effects`).
 
 /// Version of these numbers, printed in every result.
 pub(crate) const VERSION: &str = "1.0";
@@ -275,7 +273,7 @@ pub(crate) mod rivals {
     pub(crate) const DRIFT_LAW: f64 = 0.15;
     /// Share from which a drift in time and one with temperature are look-alikes, where the temperature only rises.
     pub(crate) const LOOK_ALIKE: f64 = 0.6;
-    /// Share from which a wobble and a coupling are look-alikes.
+    /// Share from which a wobble and a coupling are look-alikes, and two displacements between runs.
     pub(crate) const COUPLED: f64 = 0.98;
     /// Probability of a steady drift's name at a joint when everything else speaks for it (docs/assumptions.md, A62).
     pub(crate) const STEADY: f64 = 0.8;
@@ -404,6 +402,8 @@ pub(crate) mod earlier_model {
     pub(crate) const CONFIRMED_SD: f64 = 2.0;
     /// Share of the difference that another tool alone must explain: what is left is what an earlier fit did not fix.
     pub(crate) const NEARLY_ALL: f64 = 0.97;
+    /// Share of the difference that its terms must explain for the verdict to be a name. Choice.
+    pub(crate) const MOST: f64 = 0.8;
     /// Plausible deviations from which a link's number is believed to be wrong rather than changed. Choice.
     pub(crate) const WRONG_RATHER_THAN_CHANGED: f64 = 4.0;
     /// Squared standard deviations within which two groups explain the same: twice ln 100. Choice.

@@ -9,7 +9,8 @@ use haptical_motion::why_not;
 use crate::answer::corrected::of_drives;
 use crate::answer::place::in_torques;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, Provenance, Trace, Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, Gap, Provenance, SECOND_RECORDING, Trace, Untestable, Verdict,
+    Whiteness,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
@@ -95,7 +96,7 @@ pub(crate) fn diagnose(
         predictions = seen.predictions;
         // a motion's second recording may be one that the first one does not predict
         if !is_moving || !seen.held_out.is_empty() {
-            held_out = format!("the second recording, {rows}");
+            held_out = format!("{SECOND_RECORDING}, {rows}");
         }
     }
     Ok(Diagnosis {

@@ -98,6 +98,8 @@ const REGISTRY: &[Line] = &[
     at_joints!(any, transmission::viscous_lag),
     at_joints!(any, external_encoder::latency),
     at_joints!(any, motor_encoder::encoder_count_loss),
+    at_joints!(turns, motor_encoder::zero_changed),
+    at_joints!(slides, motor_encoder::zero_changed, OF_SLIDE, LAW),
     at_joints!(any, external_encoder::count_loss),
     at_joints!(has_drums, transmission::capstan_slip),
     at_joints!(any, transmission::joint_drift),
@@ -151,6 +153,7 @@ const REGISTRY: &[Line] = &[
     on_device!(cable::exit_geometry),
     on_device!(structure::tool_changed),
     on_device!(structure::tracker_moved),
+    on_device!(structure::tracker_scale),
     Line {
         specs: &noise::periodic_disturbance::SPECS,
         site: Site::Device(noise::periodic_disturbance::on_channels),

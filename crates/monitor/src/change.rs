@@ -28,29 +28,33 @@ pub struct Change {
 const SHIFT_SD: f64 = 10.0;
 /// How many parts of the first block a step is tried to begin at.
 const PARTS: usize = 4;
+/// Variances of a block after the change that are tried, in those before it: what a joint or a link does wrong is another at each
+/// posture, so that blocks scatter.
+const SCATTERS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
 
 /// Probabilities of every first block, given that there is one: uniform beforehand, each feature shifted by a normal draw of its
-/// own, at once or on a ramp (Smith 1975, with the shift integrated out). What comes at once comes within its first block, so
-/// that this one may show a part of it.
+/// own, at once or on a ramp, and scattering more from then on by a factor of its own (Smith 1975, with the shift integrated out).
+/// What comes at once comes within its first block, so that this one may show a part of it.
 ///
-/// `features` holds the features of block 0, of block 1, ...; each is standard normal before the change, NaN is no reading.
-/// `level` is the probability of the interval. None without blocks.
+/// `features` holds the features of block 0, of block 1, ...; each is standard normal before the change, NaN is no reading. The
+/// change is in no block after `latest`. `level` is the probability of the interval. None without blocks.
 ///
 /// # Examples
 /// ```
 /// use haptical_monitor::{Shape, change};
 /// let shift = |k: i32| if k < 40 { 0.0 } else { 4.0 };
 /// let blocks: Vec<[f64; 1]> = (0..60).map(|k| [f64::from(k % 3 - 1) + shift(k)]).collect();
-/// let found = change(blocks.iter().map(|block| &block[..]), 1, 0.95).unwrap();
+/// let found = change(blocks.iter().map(|block| &block[..]), 1, None, 0.95).unwrap();
 /// assert_eq!((found.first, found.shape), (40, Shape::Step));
 /// ```
 pub fn change<'b>(
     features: impl DoubleEndedIterator<Item = &'b [f64]> + ExactSizeIterator,
     width: usize,
+    latest: Option<usize>,
     level: f64,
 ) -> Option<Change> {
     let blocks = features.len();
-    let mut sums = vec![[0.0_f64; 3]; width];
+    let mut sums = vec![Sums::default(); width];
     // logarithms of the weights, newest block first
     let mut weights: Vec<[f64; 2]> = Vec::with_capacity(blocks);
     for (back, block) in features.rev().enumerate() {
@@ -58,31 +62,25 @@ pub fn change<'b>(
         let mut ramps = 0.0;
         let mut steps = [0.0; PARTS];
         for (sums, value) in sums.iter_mut().zip(block) {
-            // counted from the newest block on: sum of the values, of values times age, number of values
-            if value.is_finite() {
-                let age = back as f64;
-                sums[0] += value;
-                sums[1] += age * value;
-                sums[2] += 1.0;
+            let is_read = value.is_finite();
+            let first = if is_read { *value } else { 0.0 };
+            if is_read {
+                sums.add(*value, back as f64);
             }
-            let first = if value.is_finite() { *value } else { 0.0 };
             for (step, part) in steps.iter_mut().zip(1..) {
                 let part = f64::from(part) / PARTS as f64;
-                let lost = if value.is_finite() {
-                    1.0 - part * part
-                } else {
-                    0.0
-                };
-                *step += log_evidence(sums[0] - (1.0 - part) * first, sums[2] - lost);
+                let lost = if is_read { 1.0 - part * part } else { 0.0 };
+                *step += sums.log_evidence(sums.values - (1.0 - part) * first, sums.count - lost);
             }
-            ramps += log_evidence(
-                sums[0] - sums[1] / length,
-                (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length) * sums[2] / length,
+            ramps += sums.log_evidence(
+                sums.values - sums.by_age / length,
+                (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length) * sums.count / length,
             );
         }
         weights.push([log_mean(steps), ramps]);
     }
     weights.reverse();
+    weights.truncate(latest.map_or(blocks, |latest| latest + 1));
     let largest = weights.iter().flatten().copied().fold(f64::MIN, f64::max);
     let each: Vec<[f64; 2]> = weights
         .iter()
@@ -116,16 +114,40 @@ pub fn change<'b>(
     })
 }
 
-/// Logarithm of the mean of numbers of which these are the logarithms.
-fn log_mean(logarithms: [f64; PARTS]) -> f64 {
-    let largest = logarithms.iter().copied().fold(f64::MIN, f64::max);
-    let sum: f64 = logarithms.iter().map(|own| (own - largest).exp()).sum();
-    largest + (sum / PARTS as f64).ln()
+/// Sums over a feature's readings since a block.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    count: f64,
+    values: f64,
+    squares: f64,
+    /// Of values times age, which is counted from the newest block on.
+    by_age: f64,
 }
 
-/// Logarithm of the evidence for a shift `b ~ N(0, SHIFT_SD^2)` times a shape with `product = sum s z` and `square = sum s^2`,
-/// over that for none.
-fn log_evidence(product: f64, square: f64) -> f64 {
-    let prior = SHIFT_SD * SHIFT_SD;
-    0.5 * (product * product / (square + 1.0 / prior) - (prior * square).ln_1p())
+impl Sums {
+    fn add(&mut self, value: f64, age: f64) {
+        self.count += 1.0;
+        self.values += value;
+        self.squares += value * value;
+        self.by_age += age * value;
+    }
+
+    /// Logarithm of the evidence for a shift `b ~ N(0, SHIFT_SD^2)` times a shape with `product = sum s z` and `square = sum s^2`,
+    /// and for any of the scatters, over that for neither.
+    fn log_evidence(&self, product: f64, square: f64) -> f64 {
+        let prior = SHIFT_SD * SHIFT_SD;
+        log_mean(SCATTERS.map(|scatter| {
+            let (product, square) = (product / scatter, square / scatter);
+            let shift = product * product / (square + 1.0 / prior) - (prior * square).ln_1p();
+            let scattered = self.squares * (1.0 - 1.0 / scatter) - self.count * scatter.ln();
+            0.5 * (shift + scattered)
+        }))
+    }
+}
+
+/// Logarithm of the mean of numbers of which these are the logarithms.
+fn log_mean<const N: usize>(logarithms: [f64; N]) -> f64 {
+    let largest = logarithms.iter().copied().fold(f64::MIN, f64::max);
+    let sum: f64 = logarithms.iter().map(|own| (own - largest).exp()).sum();
+    largest + (sum / N as f64).ln()
 }

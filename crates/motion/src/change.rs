@@ -1,8 +1,7 @@
 //! What an effect of motion changes of a device's numbers.
 
 use haptical_dynamics::Inertia;
-use haptical_model::rigid::about_z;
-use haptical_model::{Body, Device, RigidBodies};
+use haptical_model::{Device, RigidBodies};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::arm::Arm;
@@ -132,21 +131,9 @@ impl Change {
                 if !whole.is_physical() {
                     return None;
                 }
+                whole.centre_of_mass_m()?;
                 let row = own.row;
-                // a device file has them behind the turn that its row's own theta is
-                let turn = about_z(-device.links.get(row)?.theta_rad);
-                let inertia = turn * whole.about_centre_kgm2() * turn.transpose();
-                let entry = |row: usize, column: usize| {
-                    0.5 * (inertia[(row, column)] + inertia[(column, row)])
-                };
-                *device.bodies.get_mut(row)? = Some(Body {
-                    mass_kg: whole.mass_kg,
-                    centre_of_mass_m: (turn * whole.centre_of_mass_m()?).into(),
-                    inertia_kgm2: Some(
-                        [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
-                            .map(|at| entry(at.0, at.1)),
-                    ),
-                });
+                device.set_row_inertia(row, &whole).ok()?;
             }
             Self::Armature { joint, more_kgm2 } => {
                 let own = device.joints.get_mut(joint)?;

@@ -15,12 +15,60 @@ const DAY: u32 = 86_400;
 const MEMORIES: [f64; 4] = [0.0, 0.5, 0.9, 0.98];
 /// False alarms an hour that are stated.
 const PER_HOUR: [f64; 3] = [0.01, 0.1, 1.0];
-/// Shifts in standard deviations of a row, at once.
-const SHIFTS: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
+/// Changes at once.
+const CHANGES: [Shifted; 7] = [
+    Shifted::everywhere(0.25),
+    Shifted::everywhere(0.5),
+    Shifted::everywhere(1.0),
+    Shifted::everywhere(2.0),
+    Shifted::by_posture(1.0),
+    Shifted::by_posture(2.0),
+    Shifted::by_posture(4.0),
+];
+/// Two frequencies of the postures' course, in radians a row.
+const COURSE: [f64; 2] = [0.0613, 0.0177];
 /// Rate of false alarms that delays are counted at.
 const STATED: f64 = 0.01;
 /// Row of a day at which the calibration ceases to be true.
 const CHANGE: u32 = DAY / 4;
+
+/// A change of the residual.
+#[derive(Debug, Clone, Copy)]
+struct Shifted {
+    /// Root mean square in standard deviations of a row.
+    rms: f64,
+    /// Whether it follows the posture, as that of a joint's zero or a link does: it is none on average.
+    follows_posture: bool,
+}
+
+impl Shifted {
+    const fn everywhere(rms: f64) -> Self {
+        Self {
+            rms,
+            follows_posture: false,
+        }
+    }
+
+    const fn by_posture(rms: f64) -> Self {
+        Self {
+            rms,
+            follows_posture: true,
+        }
+    }
+
+    fn at(self, row: u32) -> f64 {
+        match self.follows_posture {
+            true => {
+                self.rms
+                    * COURSE
+                        .map(|rate| (rate * f64::from(row)).sin())
+                        .iter()
+                        .sum::<f64>()
+            }
+            false => self.rms,
+        }
+    }
+}
 
 /// AR(1) noise of standard deviation 1.
 struct Noise {
@@ -70,16 +118,16 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
         "{days} simulated days of each noise, one residual a second, each day behind a reference of its own (at least one hour, \
          longer where the noise remembers longer). The noise is AR(1) with the correlation of successive rows. Without a change \
          alarms are counted, the sums starting anew after each; with one, six hours into the day, the time to the alarm at a \
-         stated rate of one false alarm in {:.0} h, and whether the 95 % interval of the change holds it. Every shift \
-         is the same at every posture, every row counts and no tolerance is given: a change that shows itself more at some \
-         postures than at others is placed less well, and the default tolerance of `haptical watch` makes alarms rarer and small \
+         stated rate of one false alarm in {:.0} h, and whether the 95 % interval of the change holds it. A shift is the \
+         same at every posture, or follows the posture (the sum of two sines of 102 and 355 rows), as that of a joint's zero or a link \
+         does. Every row counts and no tolerance is given: the default tolerance of `haptical watch` makes alarms rarer and small \
          shifts invisible.",
         1.0 / STATED
     ));
     let columns = "correlation of rows | rows of a block, median | reference, median [h] | hours | stated, one an hour | counted | stated, one in 10 h | \
                    counted | stated, one in 100 h | counted";
     let mut alarms = Table::with_heads("False alarms of the watch", columns);
-    let columns = "correlation of rows | shift [sd of a row] | days | before the shift | found by the day's end | delay, median [min] | \
+    let columns = "correlation of rows | shift, root mean square [sd of a row] | follows the posture | days | before the shift | found by the day's end | delay, median [min] | \
                    nine of ten within [min] | interval holds the shift [%] | its median length [min] | said to be a step [%]";
     let mut delays = Table::with_heads("Delays of the watch", columns);
     let (mut is_rare, mut is_placed) = (true, true);
@@ -108,7 +156,7 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
             cells.push(Cell::number(counted as f64, 0));
         }
         alarms.push(cells)?;
-        for (index, shift) in SHIFTS.into_iter().enumerate() {
+        for (index, shift) in CHANGES.into_iter().enumerate() {
             let found: Vec<&Found> = all.iter().map(|day| &day.found[index]).collect();
             let (cells, holds) = row(memory, shift, &found)?;
             is_placed &= holds;
@@ -129,7 +177,7 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
 }
 
 /// A line of the delays, and whether the intervals hold.
-fn row(memory: f64, shift: f64, found: &[&Found]) -> Result<(Vec<Cell>, bool)> {
+fn row(memory: f64, shift: Shifted, found: &[&Found]) -> Result<(Vec<Cell>, bool)> {
     let early = found.iter().filter(|found| found.early).count();
     let judged: Vec<&&Found> = found.iter().filter(|found| !found.early).collect();
     let minutes = judged
@@ -151,7 +199,8 @@ fn row(memory: f64, shift: f64, found: &[&Found]) -> Result<(Vec<Cell>, bool)> {
     let holds = 2 * seen < judged.len() || holding >= 90.0;
     let cells = vec![
         Cell::number(memory, 2),
-        Cell::number(shift, 2),
+        Cell::number(shift.rms, 2),
+        if shift.follows_posture { "yes" } else { "no" }.into(),
         Cell::number(found.len() as f64, 0),
         Cell::number(early as f64, 0),
         Cell::number(seen as f64, 0),
@@ -202,7 +251,7 @@ fn day(seed: u64, memory: f64) -> Result<Day> {
         }
     }
     monitor.set_rows_between_false_alarms(3600.0 / STATED)?;
-    let shifts = SHIFTS
+    let shifts = CHANGES
         .iter()
         .map(|shift| shifted(monitor.clone(), Noise::new(seed ^ 0x5A5A, memory), *shift));
     Ok(Day {
@@ -213,9 +262,9 @@ fn day(seed: u64, memory: f64) -> Result<Day> {
     })
 }
 
-fn shifted(mut monitor: Monitor, mut noise: Noise, shift: f64) -> Result<Found> {
+fn shifted(mut monitor: Monitor, mut noise: Noise, shift: Shifted) -> Result<Found> {
     for row in 0..DAY {
-        let moved = if row < CHANGE { 0.0 } else { shift };
+        let moved = if row < CHANGE { 0.0 } else { shift.at(row) };
         if monitor.push(f64::from(row), &[noise.next() + moved])? != Some(Event::Alarm) {
             continue;
         }

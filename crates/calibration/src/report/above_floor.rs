@@ -50,7 +50,7 @@ pub(crate) fn sentences(
             sentences.push(format!(
                 "{}: the residual left, {left:.3e} {}, is {:.1} times the noise floor: the model lacks an effect, \
                  rows are disturbed, or the stated noise is too small; look at the residual figures for what it \
-                 depends on",
+                 depends on. Beside a missing effect the intervals do not hold: they count noise alone",
                 report.channel,
                 report.unit,
                 left / report.noise_floor

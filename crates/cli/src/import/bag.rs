@@ -52,6 +52,7 @@ pub(super) fn run(arguments: &BagArguments) -> Result<(), Failure> {
         joint_names: arguments.joints.clone(),
         joint_topic: arguments.topic.clone(),
         pose_topic: arguments.pose_topic.clone(),
+        is_growing: false,
     };
     let read = read_bag(&arguments.recording, &options, &shape)?;
     let mut log = Vec::new();

@@ -20,7 +20,8 @@ pub(crate) struct PlanArguments {
     #[command(flatten)]
     pub(crate) device_options: DeviceOptions,
     /// A rig: measurements separated by commas; give it again to compare rigs. The first one is what
-    /// --poses plans for. Without it: what the device file describes, with a position and a pose
+    /// --poses plans for. With --rig a tracker's base and tool are known or unknown as its file says. Without it: what the
+    /// device and rig files describe, with a position and a pose
     #[arg(long, value_name = "RIG")]
     pub(crate) measure: Vec<String>,
     /// Folder for plan.json, plan.html, rigs.svg, poses.csv and report.html; made if it is missing

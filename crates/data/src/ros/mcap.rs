@@ -12,8 +12,12 @@ use super::{LARGEST_RECORD_BYTES, Message, Messages, is_wanted};
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
 
-/// The messages that count, from the first to the last.
-pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<Topics, DataError> {
+/// The messages that count, from the first to the last; of a file that grows to the last whole one.
+pub(super) fn read_topics(
+    reader: impl Read,
+    mut found: Messages<'_>,
+    is_growing: bool,
+) -> Result<Topics, DataError> {
     let name = found.name;
     let options = LinearReaderOptions::default()
         .with_record_length_limit(LARGEST_RECORD_BYTES)
@@ -24,7 +28,10 @@ pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<
         added.map_err(|error| failed(name, error))?;
     }
     for message in messages {
-        let message = message.map_err(|error| failed(name, error))?;
+        let message = match message {
+            Err(error) if is_growing && is_end(&error) => break,
+            message => message.map_err(|error| failed(name, error))?,
+        };
         let channel = &message.channel;
         let schema = channel.schema.as_deref().map(|schema| schema.name.as_str());
         let Some(schema) = schema.filter(|schema| is_wanted(schema)) else {
@@ -39,6 +46,15 @@ pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<
         })?;
     }
     Ok(found.topics)
+}
+
+/// Whether a file ended within a record, a chunk, or without its last bytes.
+fn is_end(error: &McapError) -> bool {
+    match error {
+        McapError::UnexpectedEof | McapError::UnexpectedEoc => true,
+        McapError::Io(source) => source.kind() == std::io::ErrorKind::UnexpectedEof,
+        _ => false,
+    }
 }
 
 fn failed(name: &str, error: McapError) -> DataError {

@@ -36,6 +36,8 @@ pub struct BagOptions {
     pub joint_topic: Option<String>,
     /// Topic of a tracker's poses; none: the only one with poses, if there is one.
     pub pose_topic: Option<String>,
+    /// Whether an MCAP file is still being written: it ends behind its last whole record, and a part of one is no damage.
+    pub is_growing: bool,
 }
 
 /// Reads a log from a bag of ROS 2: MCAP, or rosbag2's SQLite (`.db3`), by its first bytes.
@@ -95,7 +97,7 @@ pub fn read_bag_from(
     };
     let topics = match format {
         #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::read_topics(whole, messages)?,
+        Format::Mcap => mcap::read_topics(whole, messages, options.is_growing)?,
         #[cfg(feature = "rosbag2")]
         Format::Sqlite => sqlite::read_topics(whole, messages)?,
         Format::Text | Format::JsonLines | Format::Parquet => {

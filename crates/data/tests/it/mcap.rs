@@ -201,6 +201,35 @@ fn efforts_become_torques_of_joints_that_turn() {
     );
 }
 
+/// What is written so far is read, wherever the file ends; without the word it is damaged.
+#[test]
+fn a_file_that_grows_is_read_to_its_last_whole_message() {
+    let sent: Vec<_> = (1..=40)
+        .map(|time| joints(&state(time, [0.01 * f64::from(time), 0.2])))
+        .collect();
+    let content = bag(&sent);
+    let whole = read(&content, &BagOptions::default()).unwrap().recording;
+    let growing = BagOptions {
+        is_growing: true,
+        ..BagOptions::default()
+    };
+    let (mut most, mut steps) = (0, 0);
+    for bytes in (100..content.len()).step_by(61) {
+        let cut = &content[..bytes];
+        let Ok(log) = read(cut, &growing) else {
+            assert_eq!(most, 0, "{bytes}");
+            continue;
+        };
+        let rows = log.recording.len();
+        assert!(rows >= most, "{bytes}: {rows} after {most}");
+        assert_eq!(log.recording.joint[0], whole.joint[0][..rows], "{bytes}");
+        assert!(read(cut, &BagOptions::default()).is_err(), "{bytes}");
+        steps += usize::from(rows > most);
+        most = rows;
+    }
+    assert_eq!((most, steps > 0), (40, true));
+}
+
 #[test]
 fn poses_and_transforms_go_to_the_nearest_row() {
     let half = std::f64::consts::FRAC_1_SQRT_2;

@@ -11,7 +11,7 @@ use crate::answer::shrink::{Shrink, Unseen};
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
 use crate::engine::Engine;
 use crate::engine::model::Cause;
-use crate::judge::earlier::BaseTerm;
+use crate::judge::earlier_model::BaseTerm;
 use crate::judge::findings::Findings;
 use crate::judge::rivals::warms_with_time;
 use crate::judge::verdict::is_reported;

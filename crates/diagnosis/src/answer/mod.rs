@@ -103,7 +103,7 @@ pub struct Diagnosis {
     pub next_experiment: Option<String>,
     /// Things that a user should know.
     pub warnings: Vec<String>,
-    /// What was held out, in words.
+    /// What was held out, in words; [`SECOND_RECORDING`] first, where that was one.
     pub held_out: String,
     /// What the answer rests on; gap.json has it together with how the file came about.
     #[serde(skip)]
@@ -125,6 +125,9 @@ pub struct Diagnosis {
     #[serde(skip)]
     pub predictions: Vec<Prediction>,
 }
+
+/// How [`Diagnosis::held_out`] begins where it is a second recording.
+pub const SECOND_RECORDING: &str = "the second recording";
 
 /// Where the gap lies.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -8,7 +8,7 @@ use haptical_effects::{Context, Family, Hook, Stream, spec};
 use crate::answer::place::{Located, hook_words, stream_of};
 use crate::answer::{Asked, Dependence};
 use crate::engine::Engine;
-use crate::judge::earlier::BaseTerm;
+use crate::judge::earlier_model::BaseTerm;
 use crate::select::Selection;
 use crate::select::generic::{Covariate, Place};
 use crate::thresholds::dependence::PLACED_P;

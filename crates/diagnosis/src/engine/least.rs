@@ -100,6 +100,14 @@ impl Columns {
         }))
     }
 
+    /// Of others the one that most of a column is made of: where the column is a sum of them, it stands in that one's place.
+    pub(crate) fn largest_part(&self, column: usize, others: &[usize]) -> Option<usize> {
+        let (part, _) = self.part(others);
+        let along = DVector::from_fn(others.len(), |k, _| self.normal[(others[k], column)]);
+        let shares = part.cholesky()?.solve(&along);
+        (!others.is_empty()).then(|| others[shares.iamax()])
+    }
+
     /// Standard deviation of each column's coefficient with all others free, for noise of unit size.
     pub(crate) fn deviations(&self, count: usize) -> Vec<f64> {
         let all: Vec<usize> = (0..count).collect();

@@ -11,9 +11,9 @@ use crate::answer::shrink::{Shrink, Unseen, model_residual, on_held_back, on_sec
 use crate::engine::Engine;
 use crate::engine::base::Base;
 use crate::force::answer::ForceAnswer;
-use crate::judge::absorbed::take_absorbed;
 use crate::judge::adequacy::{Adequacy, adequacy};
-use crate::judge::earlier::{Difference, difference};
+use crate::judge::earlier_model::absorbed::take_absorbed;
+use crate::judge::earlier_model::{Difference, difference};
 use crate::judge::rivals::settle;
 use crate::judge::wrong_angles::torque_nm;
 use crate::select::partial::Partial;

@@ -1,16 +1,11 @@
 //! Judgements on a selection: its adequacy, its rivals, what the residuals depend on, earlier models.
 
-pub(crate) mod absorbed;
 pub(crate) mod adequacy;
 pub(crate) mod dependence;
-pub(crate) mod displaced;
-pub(crate) mod earlier;
-pub(crate) mod earlier_value;
+pub(crate) mod earlier_model;
 pub(crate) mod findings;
-pub(crate) mod resized;
 pub(crate) mod rivals;
 pub(crate) mod too_coarse;
-pub(crate) mod tool;
 pub(crate) mod touched;
 pub(crate) mod unlisted;
 pub(crate) mod untold_loads;

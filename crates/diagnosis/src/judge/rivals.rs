@@ -1,6 +1,6 @@
 //! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
-use haptical_effects::{Context, Effect, Family};
+use haptical_effects::{Context, Effect, Family, Follows};
 use rayon::prelude::*;
 
 use crate::DiagnosisError;
@@ -188,7 +188,9 @@ pub(crate) fn most_nats(
     let are_look_alikes = matches!(
         families,
         (Family::Coupling, Family::Wobble) | (Family::Wobble, Family::Coupling)
-    );
+    ) || families.0 == Family::Step
+        && own.spec().follows == Follows::Run
+        && matches!(families.1, Family::Tool | Family::Place);
     (are_look_alikes && share > COUPLED)
         .then(|| BEHIND_NATS + CONFUSABLE_NATS * unlike / (1.0 - COUPLED))
 }

@@ -4,7 +4,7 @@
 use haptical_effects::Effect;
 
 use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, Verdict};
-use crate::judge::earlier::{BaseTerm, Difference};
+use crate::judge::earlier_model::{BaseTerm, Difference};
 use crate::judge::findings::Findings;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 

@@ -21,8 +21,8 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
     if findings.selection.causes().is_empty() {
         return match (findings.is_quiet(), causes.is_empty()) {
             (true, true) if !base_terms.is_unnamed => Verdict::NoGap,
-            (true, false) => Verdict::Named,
-            (false, _) | (true, true) => Verdict::Unknown,
+            (true, false) if !base_terms.is_partial => Verdict::Named,
+            _ => Verdict::Unknown,
         };
     }
     let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);

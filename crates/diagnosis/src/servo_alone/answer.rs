@@ -9,7 +9,8 @@ use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
 use super::channel::{Joint, channel, gap, held_out, noise, predictions, trace};
 use crate::Options;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, Place, Provenance, Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, Untestable, Verdict,
+    Whiteness,
 };
 
 /// Share of a gap above which all of it is accounted for.
@@ -141,7 +142,7 @@ pub(super) fn answer(
         plausibility: Vec::new(),
         warnings: [warnings(&joints, &untested, words, options), unseen].concat(),
         held_out: match options.validation {
-            Some(_) => "the second recording".to_owned(),
+            Some(_) => SECOND_RECORDING.to_owned(),
             None => "an eighth of the log in turn".to_owned(),
         },
         provenance: Provenance {

@@ -156,6 +156,38 @@ fn a_place_for_each_run_takes_up_what_moved_and_is_not_tested() {
     assert!(why.contains("a tracker place of its own"), "{why}");
 }
 
+/// A new homing between two runs shows on handle and tracker alike; neither was touched.
+#[test]
+fn a_zero_that_is_another_one_between_runs_is_named_at_its_joint() {
+    let session = Session {
+        runs: 2,
+        rows_of_a_run: 1200,
+        ..Session::default()
+    };
+    for (joint, offset_rad) in [(0, 1e-3), (1, -2e-3), (2, 1.5e-3)] {
+        let mut recording = recorded(&session, Isometry3::identity(), still);
+        for reading in &mut recording.joint[joint][1200..] {
+            *reading -= offset_rad;
+        }
+        // the tracker alone
+        recording.output.fill(None);
+        let diagnosis = diagnosed(&recording);
+        let summary = summary(&diagnosis);
+        assert_eq!(diagnosis.causes.len(), 1, "{summary}");
+        let cause = &diagnosis.causes[0];
+        assert_eq!(cause.effect, "zero-changed", "{summary}");
+        assert_eq!(cause.joint, Some(joint + 1), "{summary}");
+        let answer = cause.parameters["offset_rad"];
+        assert_near((answer.value, answer.ci95), offset_rad);
+        // of the first joint a turn of the base is the same, of the last a turn of the target
+        let rivals = &cause.confusable_with;
+        let is_base = rivals
+            .iter()
+            .any(|rival| rival.starts_with("tracker-moved"));
+        assert_eq!(is_base, joint == 0, "{rivals:?}");
+    }
+}
+
 #[test]
 fn a_tracker_that_nobody_touches_has_no_gap() {
     for seed in 1..=4 {
@@ -222,6 +254,53 @@ fn a_tracker_that_stands_elsewhere_than_in_an_earlier_model_is_named() {
     );
     let still_there = recorded(&later, Isometry3::identity(), still);
     assert_eq!(against(&still_there, &[]).verdict, Verdict::NoGap);
+}
+
+/// A tracker whose place and target were fitted does not tell the zeros of the first and the last joint from them: against an earlier
+/// model they are candidates all the same.
+#[test]
+fn a_zero_that_no_recording_tells_alone_is_told_against_an_earlier_model() {
+    let one = Session {
+        runs: 1,
+        rows_of_a_run: 2400,
+        ..Session::default()
+    };
+    let blind = |mut recording: Recording| {
+        recording.output.fill(None);
+        recording
+    };
+    let before = blind(recorded(&one, Isometry3::identity(), still));
+    let model = diagnosed(&before).device;
+    let later = Session { seed: 9, ..one };
+    let later = blind(recorded(&later, Isometry3::identity(), still));
+    let last = model.joints.len() - 1;
+    for joint in 0..=last {
+        let offset_rad = 1e-3;
+        let mut recording = later.clone();
+        recording.joint[joint]
+            .iter_mut()
+            .for_each(|reading| *reading -= offset_rad);
+        let options = Options {
+            model: Some(&model),
+            ..Options::default()
+        };
+        let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+        let summary = summary(&diagnosis);
+        let cause = &diagnosis.causes[0];
+        assert_eq!(cause.effect, "joint-offset", "{joint}: {summary}");
+        assert_eq!(cause.joint, Some(joint + 1), "{summary}");
+        let [number] = cause.changed.as_slice() else {
+            panic!("{:?}", cause.changed);
+        };
+        let ci95 = number.value.ci95.map(|end| end - number.earlier);
+        assert_near((number.value.value - number.earlier, ci95), offset_rad);
+        assert!(ci95[1] - ci95[0] < 0.2 * offset_rad, "{joint}: {ci95:?}");
+        let is_base = cause
+            .confusable_with
+            .iter()
+            .any(|rival| rival.starts_with("tracker-moved"));
+        assert_eq!(is_base, joint == 0, "{:?}", cause.confusable_with);
+    }
 }
 
 /// A number of a link.

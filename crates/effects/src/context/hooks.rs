@@ -217,6 +217,17 @@ impl Context<'_> {
         signal
     }
 
+    /// What a tracker reads per unit of scale: the place of what it tracks, in its own frame.
+    pub fn tracker_scaled(&self) -> Signal {
+        let mut signal = Signal::default();
+        for (axis, stream) in self.streams_of(Channel::Position).enumerate() {
+            let rows = 0..self.rows();
+            let values = rows.map(|row| self.tracked_m(row, &self.pose(row))[axis]);
+            signal.parts.push((stream, values.collect()));
+        }
+        signal
+    }
+
     /// A small displacement of the handle, `(translation, rotation)` in frame (-1) (H5).
     pub fn handle(&self, moved: impl Fn(usize) -> (Vector3<f64>, Vector3<f64>)) -> Signal {
         let moved: Vec<_> = (0..self.rows()).map(moved).collect();

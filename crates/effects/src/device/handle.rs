@@ -5,7 +5,7 @@ use haptical_model::{Device, Recording, Tracker};
 
 use crate::device::added::attached;
 use crate::device::error::DeviceEffectError;
-use crate::structure::tracker_moved;
+use crate::{Hook, spec};
 
 /// A tracker that sees the handle itself, in frame (-1); nothing is weighted by its noise.
 const EXACT: Tracker = Tracker {
@@ -28,7 +28,7 @@ pub fn handle_moved_m(
 ) -> Result<Option<Vec<[f64; 3]>>, DeviceEffectError> {
     let mut seen = seen_exactly(device);
     seen.effects
-        .retain(|effect| effect.name != tracker_moved::SPEC.name);
+        .retain(|effect| spec(&effect.name).is_none_or(|spec| spec.hook != Hook::Tracker));
     for effect in &mut seen.effects {
         effect.fit = false;
     }

@@ -3,3 +3,4 @@
 pub(crate) mod device_encoder_eccentricity;
 pub(crate) mod encoder_count_loss;
 pub(crate) mod encoder_latency;
+pub(crate) mod zero_changed;

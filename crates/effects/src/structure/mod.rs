@@ -11,6 +11,7 @@ pub(crate) mod tool_changed;
 pub(crate) mod tool_compliance;
 pub(crate) mod tracker_latency;
 pub(crate) mod tracker_moved;
+pub(crate) mod tracker_scale;
 pub(crate) mod warming;
 
 pub use joint_compliance::SPEC as JOINT_COMPLIANCE;
@@ -20,16 +21,16 @@ pub use tool_changed::SPEC as TOOL_CHANGED;
 const RUNS: usize = 8;
 
 /// The first run after a displacement: every one but the first.
-fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
+pub(crate) fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
     let later = 1..input.context.runs.len().min(RUNS + 1);
     later.map(|run| run as f64).collect()
 }
 
 /// From which run on a displacement is there: its number, from 1, in the order of the log.
-const FROM_RUN: Further = Further::usually("from_run", 1.0);
+pub(crate) const FROM_RUN: Further = Further::usually("from_run", 1.0);
 
 /// The run of its number, from 0; the first one where the log has fewer: it was recorded later.
-fn run_of(input: Input<'_, '_>, from_run: f64) -> f64 {
+pub(crate) fn run_of(input: Input<'_, '_>, from_run: f64) -> f64 {
     let run = (from_run - 1.0).max(0.0);
     if (run as usize) < input.context.runs.len() {
         run
@@ -39,7 +40,7 @@ fn run_of(input: Input<'_, '_>, from_run: f64) -> f64 {
 }
 
 /// First row of a run.
-fn first_row(input: Input<'_, '_>, run: f64) -> usize {
+pub(crate) fn first_row(input: Input<'_, '_>, run: f64) -> usize {
     let run = input.context.runs.get(run as usize);
     run.map_or(usize::MAX, |run| run.start)
 }

@@ -297,7 +297,7 @@ pub(super) fn typical(parameter: &str) -> Option<f64> {
         "rad_per_degc" => 5e-5,
         "rad_per_s" => 1e-5,
         "ratio_deviation" => 0.02,
-        "offset_m" | "twist_m_per_rad2" | "shift_m" => 1e-3,
+        "offset_m" | "twist_m_per_rad2" | "shift_m" | "offset_rad" => 1e-3,
         "weight_n_per_m_over_tension" => 3e-3,
         "radius_m" => 6e-3,
         "amplitude_m" => 5e-5,

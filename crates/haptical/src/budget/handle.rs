@@ -1,6 +1,8 @@
 //! Where the handle is at postures, and how it moves with the numbers of the fit and with the joints' readings.
 
 use haptical_calibration::{Channel, DeviceProblem, ParameterFit, Weights};
+use haptical_effects::device::{DeviceEffectError, attached};
+use haptical_effects::{Hook, spec};
 use haptical_identification::{Problem, evaluate_jacobian};
 use haptical_kinematics::nalgebra::Vector3;
 use haptical_model::{Device as Model, ParameterId, Recording, SurroundingParameter, Tracker};
@@ -68,12 +70,35 @@ impl Handle {
         }
     }
 
-    /// At every posture of a recording.
+    /// Postures with readings at the origin, so that model less reading is the position, and with what the device's effects add
+    /// there: how the handle moves with their numbers. Rows of a recording are selected afterwards, as what depends on the
+    /// motion needs the rows between them.
+    ///
+    /// # Errors
+    /// [`DeviceEffectError`] of an effect that the recording has not what it depends on for.
+    pub(super) fn prepared(
+        &mut self,
+        recording: &Recording,
+    ) -> Result<Recording, DeviceEffectError> {
+        let mut own = recording.clone();
+        own.position_m = Some([0; 3].map(|_| vec![0.0; own.len()]));
+        own.orientation_wxyz = None;
+        own.added.clear();
+        let mut own = attached(&mut self.device, &own)?.into_owned();
+        // what a tracker gets wrong moves no handle
+        own.added.retain(|added| {
+            let effect = self.device.effects.get(added.effect);
+            let spec = effect.and_then(|effect| spec(&effect.name));
+            spec.is_none_or(|spec| spec.hook != Hook::Tracker)
+        });
+        Ok(own)
+    }
+
+    /// At every posture of a recording, [prepared](Self::prepared) as those of all other questions.
     pub(super) fn at(&self, postures: &Recording) -> Result<Vec<Place>, Error> {
-        let postures = at_zero(postures);
         let weights = self.weights();
-        let problem = self.problem(&self.device, &postures, &weights)?;
-        let sizes = self.sizes(&postures, &weights)?;
+        let problem = self.problem(&self.device, postures, &weights)?;
+        let sizes = self.sizes(postures, &weights)?;
         let all: Vec<usize> = (0..self.parameters.len()).collect();
         let (jacobian, residuals) =
             evaluate_jacobian(&problem, &problem.start(), &all).map_err(Error::internal)?;
@@ -118,14 +143,9 @@ impl Handle {
 
     /// Positions alone.
     pub(super) fn positions(&self, postures: &Recording) -> Result<Vec<Vector3<f64>>, Error> {
-        let postures = at_zero(postures);
         let weights = self.weights();
-        let problem = self.problem(&self.device, &postures, &weights)?;
-        self.of_values(
-            &problem,
-            &problem.start(),
-            &self.sizes(&postures, &weights)?,
-        )
+        let problem = self.problem(&self.device, postures, &weights)?;
+        self.of_values(&problem, &problem.start(), &self.sizes(postures, &weights)?)
     }
 
     /// Positions of one posture with each of many vectors of the parameters' values.
@@ -134,10 +154,9 @@ impl Handle {
         posture: &Recording,
         mut look: impl FnMut(&dyn Fn(&[f64]) -> Option<Vector3<f64>>),
     ) -> Result<(), Error> {
-        let posture = at_zero(posture);
         let weights = self.weights();
-        let problem = self.problem(&self.device, &posture, &weights)?;
-        let sizes = self.sizes(&posture, &weights)?;
+        let problem = self.problem(&self.device, posture, &weights)?;
+        let sizes = self.sizes(posture, &weights)?;
         look(&|values| {
             self.of_values(&problem, values, &sizes)
                 .ok()?
@@ -189,13 +208,4 @@ impl Handle {
             .residual_sd(&self.device, postures, Channel::Position)
             .map_err(Error::internal)
     }
-}
-
-/// The postures with readings at the origin: model less reading is the position.
-fn at_zero(postures: &Recording) -> Recording {
-    let mut own = postures.clone();
-    own.position_m = Some([0; 3].map(|_| vec![0.0; own.len()]));
-    own.orientation_wxyz = None;
-    own.added.clear();
-    own
 }

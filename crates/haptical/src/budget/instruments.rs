@@ -109,6 +109,7 @@ impl Instruments {
             Error::log_line("instruments", what, file, Some(line), next)
         })?;
         for own in &read.instrument {
+            own.check_dates(file)?;
             let parts = own.parts();
             if parts.is_empty() {
                 let what = format!("`{}` has no calibration, drift or conditions", own.name);
@@ -131,7 +132,64 @@ impl Instruments {
     }
 }
 
+/// Year, month and day of a text as 2026-02-03; none of another.
+fn day(text: &str) -> Option<[u32; 3]> {
+    let parts: Vec<&str> = text.split('-').collect();
+    let [year, month, day] = parts.as_slice() else {
+        return None;
+    };
+    let is_written = (year.len(), month.len(), day.len()) == (4, 2, 2);
+    let date = [year.parse().ok()?, month.parse().ok()?, day.parse().ok()?];
+    (is_written && (1..=12).contains(&date[1]) && (1..=31).contains(&date[2])).then_some(date)
+}
+
+/// The day of a time since 1970, of the calendar in use (Hinnant, *chrono-compatible low-level date algorithms*, 2013).
+fn day_of(since_1970: std::time::Duration) -> [u32; 3] {
+    let days = since_1970.as_secs() / 86_400 + 719_468;
+    let (era, of_era) = (days / 146_097, days % 146_097);
+    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
+    let of_year = of_era - (365 * year + year / 4 - year / 100);
+    let month = (5 * of_year + 2) / 153;
+    let day = of_year - (153 * month + 2) / 5 + 1;
+    let month = if month < 10 { month + 3 } else { month - 9 };
+    let year = year + era * 400 + u64::from(month <= 2);
+    [year, month, day].map(|own| u32::try_from(own).unwrap_or(u32::MAX))
+}
+
 impl Instrument {
+    fn check_dates(&self, file: &Path) -> Result<(), Error> {
+        let dates = [("date", &self.date), ("due", &self.due)];
+        let mut read = [None, None];
+        for (read, (key, text)) in read.iter_mut().zip(dates) {
+            let Some(text) = text else { continue };
+            *read = day(text);
+            if read.is_none() {
+                let what = format!("`{key}` of `{}` is `{text}`, which is no day", self.name);
+                let next = "write year-month-day, as 2026-02-03";
+                return Err(Error::in_file("instruments", what, file, next));
+            }
+        }
+        if let [Some(date), Some(due)] = read
+            && due < date
+        {
+            let what = format!("`{}` was due before the date of its certificate", self.name);
+            let next = "correct `date` or `due`";
+            return Err(Error::in_file("instruments", what, file, next));
+        }
+        Ok(())
+    }
+
+    /// Said of a certificate whose day of the next calibration is behind a time.
+    pub(super) fn overdue(&self, since_1970: std::time::Duration) -> Option<String> {
+        let due = self.due.as_deref()?;
+        (day(due)? < day_of(since_1970)).then(|| {
+            format!(
+                "`{}` was due for calibration on {due}: what its certificate says may no longer hold",
+                self.name
+            )
+        })
+    }
+
     /// What is known of it, with the names in the file.
     pub(super) fn parts(&self) -> Vec<(&'static str, Known)> {
         let parts = [
@@ -186,5 +244,50 @@ impl Known {
             Some(Shape::Triangular) => "triangular",
             Some(Shape::Arcsine) => "arcsine",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    #[test]
+    fn days_are_those_of_the_calendar() {
+        // by `date -u -d @SECONDS +%F`
+        for (seconds, date) in [
+            (0, [1970, 1, 1]),
+            (951_782_399, [2000, 2, 28]),
+            (951_782_400, [2000, 2, 29]),
+            (1_798_761_599, [2026, 12, 31]),
+            (4_107_542_400, [2100, 3, 1]),
+        ] {
+            assert_eq!(day_of(Duration::from_secs(seconds)), date);
+        }
+        assert_eq!(day("2026-02-03"), Some([2026, 2, 3]));
+        for text in ["2026-2-3", "03.02.2026", "2026-13-01", "2026-02-00", "soon"] {
+            assert_eq!(day(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_certificate_past_its_day_is_said_and_one_that_ended_before_it_began_is_refused() {
+        let text = |date: &str, due: &str| {
+            format!(
+                "[[instrument]]\nname = \"laser\"\ndate = \"{date}\"\ndue = \"{due}\"\nacts_on = \"position\"\nas = \"scale\"\n\
+                 drift = {{ standard = 1e-5 }}\n"
+            )
+        };
+        let read = |date, due| Instruments::from_toml(&text(date, due), Path::new("i.toml"));
+        let own = read("2026-02-03", "2027-02-03")
+            .unwrap()
+            .instrument
+            .remove(0);
+        let at =
+            |date: [u64; 2]| Duration::from_secs(86_400 * (365 * (date[0] - 1970) + 14 + date[1]));
+        assert_eq!(own.overdue(at([2027, 10])), None);
+        assert!(own.overdue(at([2027, 60])).is_some());
+        assert!(read("2027-02-03", "2026-02-03").is_err());
+        assert!(read("yesterday", "2026-02-03").is_err());
     }
 }

@@ -7,8 +7,6 @@ mod handle;
 mod instruments;
 mod page;
 
-use std::sync::Arc;
-
 use haptical_calibration::{ParameterFit, predict_positions};
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_metrics::budget::{Agreement, Combined, Group, Simulated, combined};
@@ -191,9 +189,14 @@ pub fn budget(
             "`haptical identify` says why",
         ));
     };
-    let handle = Handle::new(fit, &log.recording);
-    let recording = postures.map_or(&log.recording, |log| &log.recording);
-    let chosen = chosen(&handle, recording, options.region_m, path)?;
+    let mut handle = Handle::new(fit, &log.recording);
+    let (recording, of) = match postures {
+        Some(postures) => (&postures.recording, &postures.source().path),
+        None => (&log.recording, path),
+    };
+    let recording = handle.prepared(recording);
+    let recording = recording.map_err(|error| Error::effect(&error, &device.source().path, of))?;
+    let chosen = chosen(&handle, &recording, options.region_m, path)?;
     let recording = recording.select(&chosen);
     let places = handle.at(&recording)?;
     if !handle.is_seen {
@@ -255,6 +258,14 @@ pub fn budget(
     if instruments.instrument.is_empty() {
         warnings.push("no instrument is named: the budget has what the readings themselves say, and no certificate".to_owned());
     }
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+    let now = now.unwrap_or_default();
+    warnings.extend(
+        instruments
+            .instrument
+            .iter()
+            .filter_map(|own| own.overdue(now)),
+    );
     Ok(Budget {
         device: device.source().label.clone(),
         log: log.source().label.clone(),
@@ -304,7 +315,7 @@ fn refuse_open(
 /// Rows whose handle is in the region, evenly thinned.
 fn chosen(
     handle: &Handle,
-    recording: &Arc<Recording>,
+    recording: &Recording,
     region_m: Option<[f64; 6]>,
     path: &std::path::Path,
 ) -> Result<Vec<usize>, Error> {

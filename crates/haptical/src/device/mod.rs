@@ -122,17 +122,19 @@ impl Device {
         let is_fitted = around.tracker_base.is_some()
             || around.tracker_tool.is_some()
             || !around.run_bases.is_empty();
+        let stand = "where the tracker stands was fitted with the arm, so all poses may be moved and turned on the true arm as one \
+                     piece";
+        let seen = "what the tracker sees was fitted with the arm, so the handle may sit elsewhere on it, and a path that turns \
+                    the handle may have another shape";
         let what = match (tracker.base_known, tracker.tool_known) {
             _ if !is_fitted => return None,
             (true, true) => return None,
-            (false, true) => "where the tracker stands was fitted with the arm, so all poses",
-            (true, false) => "what the tracker sees was fitted with the arm, so the handle",
-            (false, false) => {
-                "where the tracker stands and what it sees were fitted with the arm, so all poses, and the handle,"
-            }
+            (false, true) => stand.to_owned(),
+            (true, false) => seen.to_owned(),
+            (false, false) => format!("{stand}; {seen}"),
         };
         Some(format!(
-            "{what} may be moved and turned on the true arm as one piece; measure that place, or touch known points, to fix it"
+            "{what}: measure that place, or touch known points, to fix it"
         ))
     }
 

@@ -7,9 +7,11 @@ mod corrected;
 mod example_tests;
 mod faults;
 mod joints;
+mod kept;
 mod next;
 mod page;
 pub(crate) mod quantity;
+mod refitted;
 mod repair;
 mod several;
 mod summary;
@@ -203,7 +205,11 @@ pub fn diagnose_as(
     ];
     let read = std::iter::once(&device.warnings).chain(of_logs);
     let read = read.chain(further.into_iter().flatten()).flatten().cloned();
-    diagnosis.warnings = read.chain(own).collect();
+    let anew = model
+        .is_none()
+        .then(|| refitted::refitted(device, &logs))
+        .flatten();
+    diagnosis.warnings = anew.into_iter().chain(read).chain(own).collect();
     let mut files = device.inputs("device");
     files.extend(logs.iter().filter_map(|log| log.input("log")));
     files.extend(model.iter().flat_map(|model| model.inputs("model")));

@@ -6,6 +6,7 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
+use crate::diagnose::kept::{kept_by_second, said_of_second};
 use crate::diagnose::quantity::Quantity;
 use crate::units::Shown;
 
@@ -91,6 +92,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             };
             let gap = match diagnosis.closed_unseen_share {
                 Some(_) => "a part of the gap",
+                None if !kept_by_second(diagnosis).is_empty() => "the gap of the log alone",
                 None => "the gap",
             };
             format!("{} {verb} {gap}.{}", listed(&names), besides(&of_data))
@@ -103,6 +105,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     {
         sentence = format!("{sentence} {closing}");
     }
+    sentence.push_str(&said_of_second(diagnosis));
     if let Some(closed) = diagnosis.closed_unseen_share {
         sentence = format!(
             "{sentence} No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \

@@ -331,7 +331,15 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
 
 impl From<ReportError> for Error {
     fn from(error: ReportError) -> Self {
-        Self::internal(error)
+        match error {
+            ReportError::Write { path, source } => Self::bad_input(
+                "unwritable",
+                format!("cannot write: {}", reason(&source)),
+                path.display().to_string(),
+                "give a file in a folder that can be written to and has room",
+            ),
+            other => Self::internal(other),
+        }
     }
 }
 

@@ -35,6 +35,7 @@ impl LeftOut {
 }
 
 const NOT_READ: &str = "it shows on a sensor that a control loop does not read";
+const ONE_OF_TWO: &str = "the zero is either that of the first runs or that of the last ones: identify the device with a log of its own";
 const EVENT: &str = "it is an event of one recording, which homing takes away";
 const UNKNOWN: &str = "its numbers are not known yet: identify the device first";
 const NO_AXIS: &str = "its joint slides or moves several rows";
@@ -132,6 +133,7 @@ impl Place<'_> {
                 return Err(NOT_READ);
             }
             _ if ["capstan-slip", "encoder-count-loss"].contains(&spec.name) => return Err(EVENT),
+            _ if spec.name == "zero-changed" => return Err(ONE_OF_TWO),
             _ => {}
         }
         let (amplitudes, shape) = own.amplitudes(context);

@@ -190,14 +190,19 @@ pub(super) fn says_origins(moved: &[MovedEntry]) -> bool {
         .any(|entry| entry.name.starts_with("origin of "))
 }
 
-/// What the order of the table is, and what its intervals leave out.
-pub(super) fn note(moved: &[MovedEntry]) -> String {
-    let order = "Moved most: in multiples of what is plausible, 5 mm or 1.1° of a link unless stated; first those whose interval holds no zero.";
-    match says_origins(moved) {
-        true => format!(
-            "{order} Origins are those of the URDF's joints: x, y, z in the parent link's frame, turns about the joint's own axes; \
-             what acts like a combination of others keeps its value, and the intervals count what it may be off by."
-        ),
-        false => order.to_owned(),
+/// What the order of the table is, and what its intervals leave out; `keeps_more` says that readings keep more than noise.
+pub(super) fn note(moved: &[MovedEntry], keeps_more: bool) -> String {
+    let mut note = "Moved most: in multiples of what is plausible, 5 mm or 1.1° of a link unless stated; first those whose interval holds no zero.".to_owned();
+    if says_origins(moved) {
+        note.push_str(
+            " Origins are those of the URDF's joints: x, y, z in the parent link's frame, turns about the joint's own axes; \
+             what acts like a combination of others keeps its value, and the intervals count what it may be off by.",
+        );
     }
+    if keeps_more {
+        note.push_str(
+            " More than noise is left: the intervals count noise alone, and beside a missing effect they do not hold.",
+        );
+    }
+    note
 }

@@ -45,7 +45,11 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
         write!(
             text,
             "{}",
-            labelled("", &moved::note(&result.moved[..listed]), 0)
+            labelled(
+                "",
+                &moved::note(&result.moved[..listed], result.next.is_some()),
+                0
+            )
         )?;
     }
     if let Some(force) = force_sentence(result) {

@@ -65,6 +65,7 @@ pub fn plan_as(
 ) -> Result<Planned, Error> {
     device.refuse_hands("a plan")?;
     let postures = measured.map(postures).unwrap_or_default();
+    let request = &as_stated(device, request);
     let plan = plan_rigs(&device.model, request, &postures, step)
         .map_err(|error| Error::design(&error, &device.source().path).with_equipment(device))?;
     let mut warnings = device.warnings.clone();
@@ -117,6 +118,19 @@ fn postures(log: &Log) -> Vec<Posture> {
         Posture::free(readings)
     };
     (0..recording.len()).map(row).collect()
+}
+
+/// The request with what a rig file says of its tracker where a measurement says nothing.
+fn as_stated(device: &Device, request: &Request) -> Request {
+    let mut request = request.clone();
+    if let Some(tracker) = &device.model.tracker
+        && device.equipment().rig.is_some()
+    {
+        for rig in &mut request.rigs {
+            *rig = rig.clone().with_tracker_as(tracker);
+        }
+    }
+    request
 }
 
 impl Planned {

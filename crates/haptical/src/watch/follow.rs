@@ -10,6 +10,7 @@ use std::time::SystemTime;
 
 use haptical_data::{LogShape, known_file, write_log_to};
 
+use super::growing::{Growing, MAGIC};
 use super::lines::Cutter;
 use super::{Watch, WatchEvent};
 use crate::error::Error;
@@ -152,6 +153,7 @@ struct Tail {
     /// Size at the last look of a file that is read as a whole, or whether it was read.
     size: Option<u64>,
     is_done: bool,
+    growing: Growing,
 }
 
 impl Tail {
@@ -163,6 +165,7 @@ impl Tail {
             cutter: Cutter::new(),
             size: None,
             is_done: false,
+            growing: Growing::default(),
         }
     }
 
@@ -206,6 +209,9 @@ impl Tail {
         }
         if self.offset == 0 {
             let first = first_bytes(file).map_err(|error| unreadable(error, &self.path))?;
+            if first.starts_with(MAGIC) {
+                return self.growing(watch, size, is_last);
+            }
             if is_binary(&first) {
                 return self.whole(watch, size, is_last);
             }
@@ -243,6 +249,27 @@ impl Tail {
         let parts = self.cutter.take(&piece);
         let left_out = std::mem::take(&mut self.cutter.left_out);
         fed.events.extend(watch.parts(parts, left_out)?);
+        Ok(fed)
+    }
+
+    /// An MCAP file, which may be one that is being written.
+    fn growing(&mut self, watch: &mut Watch, size: u64, is_last: bool) -> Result<Fed, Error> {
+        if self.is_done {
+            return Ok(Fed {
+                ended: is_last,
+                ..Fed::default()
+            });
+        }
+        let is_still = self.size.replace(size) == Some(size);
+        let shape = LogShape::from(&watch.device.model);
+        let new = (self.growing).look(&self.path, &shape, (size, is_still, is_last))?;
+        let mut fed = Fed::default();
+        self.is_done = new.is_whole || is_last;
+        fed.grew = !new.text.is_empty();
+        let mut cutter = Cutter::behind(new.behind);
+        for piece in new.text.chunks(PIECE_BYTES) {
+            fed.events.extend(watch.parts(cutter.take(piece), 0)?);
+        }
         Ok(fed)
     }
 

@@ -45,6 +45,14 @@ impl Cutter {
         }
     }
 
+    /// Of a text that goes on behind so many rows, with its header again.
+    pub(super) fn behind(rows: usize) -> Self {
+        Self {
+            line: rows as u64,
+            ..Self::new()
+        }
+    }
+
     /// Bytes of a line whose end has not come.
     pub(super) fn waiting(&self) -> usize {
         self.rest.len()

@@ -1,7 +1,9 @@
 //! A calibration that is watched: rows of a log as they come, and whether the device still is what its file says.
 
 mod cause;
+mod ceased;
 mod follow;
+mod growing;
 mod intake;
 mod kept;
 mod lines;
@@ -18,6 +20,7 @@ use haptical_model::{Device as Model, Recording};
 use haptical_monitor::{Event, Monitor, Phase, Settings};
 
 pub use self::cause::WatchCause;
+pub use self::ceased::CeasedChannel;
 pub use self::follow::{Fed, Feed};
 pub use self::intake::LeftOut;
 pub use self::state::{
@@ -118,6 +121,7 @@ pub struct Watch {
     intake: Intake,
     /// Joints at the last row that was a reading of its own.
     last_joints: Vec<f64>,
+    ceased: ceased::Ceased,
     kept: Kept,
     file: String,
     /// The device with its tracker placed, from the first rows on.
@@ -175,6 +179,7 @@ impl Watch {
             shape: LogShape::from(&device.model),
             intake: Intake::new(),
             last_joints: Vec::new(),
+            ceased: ceased::Ceased::default(),
             kept: Kept::new(options.keep_rows.max(CONTEXT_ROWS)),
             file: String::new(),
             model: None,
@@ -297,7 +302,9 @@ impl Watch {
             (self.setup_rows, self.rows, self.first_s) = (0, 0, None);
             return Ok(());
         };
-        let recording = read.recording;
+        let known = &self.device.model;
+        let recording = known.without_unknown_orientation(&read.recording);
+        let recording = recording.unwrap_or(read.recording);
         let refuse = |error| Error::calibration(&error, paths.0, paths.1);
         check_reach(&self.device.model, &recording).map_err(refuse)?;
         let hours = self.rows_in_an_hour(&recording, paths.1)?;
@@ -408,6 +415,8 @@ impl Watch {
             return Ok(());
         };
         let mut model = model.clone();
+        let known = self.device.model.without_unknown_orientation(recording);
+        let recording = known.as_ref().unwrap_or(recording);
         let residuals = match predicted_residuals(&mut model, recording, (&paths.0, &paths.1)) {
             Ok((residuals, _)) => residuals,
             Err(error) => {
@@ -438,7 +447,10 @@ impl Watch {
             };
             let is_new = moved_since(&mut self.last_joints, recording, row);
             let event = match is_new {
-                true => monitor.push(self.last_s, values),
+                true => {
+                    self.ceased.take(values, self.last_s);
+                    monitor.push(self.last_s, values)
+                }
                 false => monitor.push(self.last_s, &nothing),
             };
             let event = event.map_err(Error::internal)?;
@@ -544,7 +556,9 @@ impl Watch {
     pub fn verdict(&self) -> WatchVerdict {
         match self.monitor.as_ref().map(Monitor::phase) {
             None | Some(Phase::Reference) => WatchVerdict::NotJudged,
-            Some(Phase::Watching) if self.lacks_rows() => WatchVerdict::NotJudged,
+            Some(Phase::Watching) if self.lacks_rows() || self.is_blind() => {
+                WatchVerdict::NotJudged
+            }
             Some(Phase::Watching) => WatchVerdict::True,
             Some(Phase::Alarmed) => WatchVerdict::Untrue,
         }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::intake::LeftOut;
-use super::{LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
+use super::{CeasedChannel, LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
 use crate::units::Shown;
 
 /// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
@@ -121,6 +121,8 @@ pub struct WatchState {
     pub wild_readings: u64,
     /// Lines and rows that were left out.
     pub left_out: LeftOut,
+    /// Channels that were read and no longer are, though the arm moves.
+    pub ceased: Vec<CeasedChannel>,
     /// Present shifts, axis by axis.
     pub channels: Vec<WatchChannel>,
     /// The reference, where it is complete.
@@ -159,12 +161,31 @@ impl Watch {
             blocks: monitor.map_or(0, haptical_monitor::Monitor::blocks_judged),
             wild_readings: monitor.map_or(0, haptical_monitor::Monitor::clipped),
             left_out: self.intake.left_out.clone(),
+            ceased: self.ceased(),
             channels: present.collect(),
             reference: self.reference_entry(),
             not_judged: self.not_judged(),
             alarm: self.alarm.clone(),
             cause: self.cause.clone(),
         }
+    }
+
+    /// Channels that were not read at as many postures as a reference needs at least.
+    fn ceased(&self) -> Vec<CeasedChannel> {
+        let components = self.ceased.components(LEAST_REFERENCE_ROWS as u64);
+        let all = components.map(|(index, last_read_s)| CeasedChannel {
+            channel: self.components[index].channel.clone(),
+            last_read_s,
+        });
+        let mut all: Vec<CeasedChannel> = all.collect();
+        all.dedup_by(|later, own| later.channel == own.channel);
+        all
+    }
+
+    /// Whether no channel is read any more.
+    pub(super) fn is_blind(&self) -> bool {
+        let ceased = self.ceased.components(LEAST_REFERENCE_ROWS as u64);
+        ceased.count() == self.components.len()
     }
 
     /// Why there is no reference yet; nothing where there is one.
@@ -186,6 +207,9 @@ impl Watch {
                         .as_ref()
                         .map_or_else(String::new, |first| format!(": {first}"))
                 ))
+            }
+            true if self.is_blind() => {
+                Some("no channel is read any more, though the arm moves".to_owned())
             }
             true => None,
             false if self.rows < least => Some(format!(
@@ -256,13 +280,14 @@ impl Watch {
                 share: Some(own.share),
             }
         });
+        let seen_s = self
+            .alarm
+            .as_ref()
+            .map_or(self.last_s, |alarm| alarm.seen_s);
         Some(WatchAlarm {
-            seen_s: self
-                .alarm
-                .as_ref()
-                .map_or(self.last_s, |alarm| alarm.seen_s),
+            seen_s,
             since_s: since,
-            since_ci95_s: [from, to.max(since)],
+            since_ci95_s: [from, to.min(seen_s).max(since)],
             may_be_older: change.may_be_older,
             row,
             sure_row,
@@ -310,6 +335,9 @@ impl WatchState {
         if left_out > 0 {
             text += &format!("  {left_out} lines left out");
         }
+        for own in &self.ceased {
+            text += &format!("  no {} since {}", own.channel, when(own.last_read_s));
+        }
         text
     }
 
@@ -344,6 +372,13 @@ impl WatchState {
         };
         if let Some(cause) = &self.cause {
             text += &(WatchEvent::Cause(cause.clone()).line() + "\n");
+        }
+        for own in &self.ceased {
+            text += &format!(
+                "No reading of {} since {}, though the arm moved: from there on it is not judged.\n",
+                own.channel,
+                when(own.last_read_s)
+            );
         }
         if self.left_out.unreadable + self.left_out.out_of_order > 0 {
             text += &format!(

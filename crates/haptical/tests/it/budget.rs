@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use haptical::calibration::{HeldOut, Options};
+use haptical::design::Rig;
 use haptical::files::Source;
-use haptical::{BudgetOptions, Device, Equipment, Identify, Instruments, Log, budget};
+use haptical::{
+    BudgetOptions, Device, Equipment, Identify, Instruments, Log, Truth, budget, simulate_postures,
+};
 
 const FIXTURES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures");
 
@@ -136,4 +139,66 @@ fn a_cable_fixes_no_position_and_instruments_are_checked() {
         let refused = instruments(text).unwrap_err();
         assert!(refused.what().contains(said), "{refused}");
     }
+}
+
+/// Where an effect was fitted too, the handle moves with its numbers: logs that differ in their noise alone scatter as the budget says.
+#[test]
+fn a_fitted_effect_has_its_part_in_the_budget() {
+    const LOGS: u64 = 24;
+    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../cli/assets");
+    let path = format!("{assets}/arm6.urdf");
+    let device = Device::load(&path).unwrap();
+    let postures = Log::read(format!("{assets}/arm6-poses.csv"), &device).unwrap();
+    let one = Log::from_recording(postures.recording.select(&[7]), "one", &device).unwrap();
+    let rig = Rig::parse("position").unwrap();
+    let request = Identify {
+        with: vec!["ratio-error@2".to_owned()],
+        ..quick()
+    };
+    let options = BudgetOptions {
+        draws: 10_000,
+        ..BudgetOptions::default()
+    };
+    let mut positions = Vec::new();
+    let mut stated = None;
+    for seed in 1..=LOGS {
+        let made = simulate_postures(&device, Truth::Nominal, &postures, Some(&rig), seed).unwrap();
+        let equipment = Equipment {
+            // lengths to the scale of this tracker
+            rig: Some(Source::text(
+                made.rig.unwrap() + "scale_sd = 0.0\n",
+                "rig.toml",
+            )),
+            ..Equipment::default()
+        };
+        let equipped = Device::open(&Source::by_path(path.as_ref()), &equipment).unwrap();
+        let mut recording = made.recording;
+        for reading in &mut recording.joint[1] {
+            *reading *= 1.0 - 2e-3;
+        }
+        let log = Log::from_recording(recording, "made", &equipped).unwrap();
+        let found = budget(
+            &equipped,
+            &log,
+            &request,
+            &instruments("").unwrap(),
+            Some(&one),
+            &options,
+        )
+        .unwrap();
+        positions.push(found.worst.position_m);
+        stated.get_or_insert(found.worst);
+    }
+    let stated = stated.unwrap();
+    let along = positions.iter().map(|position| {
+        let pairs = position.iter().zip(stated.direction);
+        pairs.map(|(p, n)| p * n).sum::<f64>()
+    });
+    let along: Vec<f64> = along.collect();
+    let mean = along.iter().sum::<f64>() / LOGS as f64;
+    let squares: f64 = along.iter().map(|own| (own - mean).powi(2)).sum();
+    let scatter = (squares / (LOGS - 1) as f64).sqrt();
+    let ratio = scatter / stated.combined.standard_uncertainty;
+    // 23 degrees of freedom: between 0.66 and 1.37 with 99 %
+    assert!((0.66..1.37).contains(&ratio), "{ratio}");
 }

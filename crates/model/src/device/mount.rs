@@ -2,7 +2,7 @@
 
 use haptical_kinematics::nalgebra::Vector3;
 
-use crate::{Device, Placement, Recording};
+use crate::{Device, Origin, Placement, Recording};
 
 /// Where a tracker stood that was set up anew for each run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +88,35 @@ impl Device {
             tracker.base_per_run = false;
         }
         self.forget_tracker_places();
+    }
+
+    /// A recording without its orientations, where nobody ever said how what the tracker sees is turned on the handle: its
+    /// orientation is exactly the handle's, which no fit gives. None where orientations can be compared, or there are none.
+    ///
+    /// ```
+    /// use haptical_model::{Device, Recording};
+    /// let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n\
+    ///     [tracker]\nbase = \"unknown\"\ntool = \"unknown\"\n\
+    ///     tool_xyz_m = [0.0, 0.0, 0.1]\ntool_wxyz = [1.0, 0.0, 0.0, 0.0]\n";
+    /// let lever = Device::from_toml(text, "lever.toml")?.device;
+    /// let recording = Recording {
+    ///     joint: vec![vec![0.1]],
+    ///     orientation_wxyz: Some([vec![1.0], vec![0.0], vec![0.0], vec![0.0]]),
+    ///     ..Recording::default()
+    /// };
+    /// let without = lever.without_unknown_orientation(&recording).ok_or("nothing left out")?;
+    /// assert!(without.orientation_wxyz.is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn without_unknown_orientation(&self, recording: &Recording) -> Option<Recording> {
+        let tool = self.surroundings.tracker_tool?;
+        let is_unsaid = self.tracker.is_some_and(|tracker| !tracker.tool_known)
+            && tool.start.orientation_wxyz == Origin::IDENTITY.orientation_wxyz
+            && tool.turn_rad == [0.0; 3];
+        (is_unsaid && recording.orientation_wxyz.is_some()).then(|| Recording {
+            orientation_wxyz: None,
+            ..recording.clone()
+        })
     }
 
     /// Leaves out where a tracker stands, run by run too, and what it sees.

@@ -63,6 +63,10 @@ pub(crate) fn read_surroundings(
         let is_one = !tracker.base_per_run;
         [!tracker.base_known && is_one, !tracker.tool_known, !is_one]
     });
+    if let (Some(section), Some(_)) = (root.table("tracker")?, tracker) {
+        let is_lost = |place: usize| places[place].is_some() && !unknown[place];
+        refuse_lost_places(&section, [is_lost(0), is_lost(1)])?;
+    }
     Ok(Surroundings {
         tracker_base: places[0].filter(|_| unknown[0]),
         run_bases: if unknown[2] { run_bases } else { Vec::new() },
@@ -76,6 +80,23 @@ pub(crate) fn read_surroundings(
         fixture_sd_rad: read_sd(root, "fixture", "sd_rad", warnings)?,
         compliance,
     })
+}
+
+/// A place that the words `base` and `tool` leave no use for must not be lost without a word.
+fn refuse_lost_places(tracker: &Section<'_, '_>, is_lost: [bool; 2]) -> Result<()> {
+    let words = [
+        "`base` says otherwise: \"known\" (also where it is left out) is the frame (-1) of the device, \"per-run\" has \
+         [[tracker.base_of_run]]; write base = \"unknown\", whose fit starts at this place",
+        "`tool` says otherwise: \"known\" (also where it is left out) is the handle itself; write tool = \"unknown\", whose \
+         fit starts at this place, or make this place the device's handle",
+    ];
+    for (index, keys) in PLACEMENT_KEYS.iter().enumerate() {
+        if is_lost[index] {
+            let key = keys.iter().find(|key| tracker.has(key)).unwrap_or(&keys[0]);
+            return Err(tracker.refuse(key, "a place", words[index]));
+        }
+    }
+    Ok(())
 }
 
 fn read_placement(section: &Section<'_, '_>, keys: [&str; 2]) -> Result<Option<Placement>> {

@@ -105,26 +105,29 @@ impl Segments {
     }
 }
 
-/// A row's constant parts before and behind its motion: Rz(variable) and T(0, 0, variable) change places
-/// with Rz(theta) and T(0, 0, d).
+/// A row's constant parts before and behind its motion. Rz(theta) changes places with Rz(variable) and T(0, 0, variable): it is
+/// before the motion, so that what the row carries turns with the joint's zero.
 fn parts(convention: Convention, link: &Link) -> Result<[Pose; 2], ModelError> {
-    let [before, behind] = match convention {
-        Convention::Standard => [Link::default(), *link],
-        Convention::Modified => [
-            Link {
-                theta_rad: 0.0,
-                d_m: 0.0,
-                ..*link
-            },
-            Link {
-                theta_rad: link.theta_rad,
-                d_m: link.d_m,
-                ..Link::default()
-            },
-        ],
+    let turn = Link {
+        theta_rad: link.theta_rad,
+        ..Link::default()
+    };
+    let rest = Link {
+        theta_rad: 0.0,
+        ..*link
     };
     let pose = |link| Chain::new(convention, &[link], &[Motion::Fixed])?.pose(&[]);
-    Ok([pose(before)?, pose(behind)?])
+    Ok(match convention {
+        Convention::Standard => [pose(turn)?, pose(rest)?],
+        Convention::Modified => {
+            let across = Link { d_m: 0.0, ..rest };
+            let along = Link {
+                d_m: rest.d_m,
+                ..Link::default()
+            };
+            [then(&pose(across)?, &pose(turn)?), pose(along)?]
+        }
+    })
 }
 
 fn of_device(device: &Device) -> Result<Segments, ModelError> {
@@ -156,8 +159,8 @@ fn of_device(device: &Device) -> Result<Segments, ModelError> {
         let body = device.bodies.get(row).copied().flatten();
         let body = body.map(|body| SegmentBody {
             mass_kg: body.mass_kg,
-            centre_m: about_z(link.theta_rad) * Vector3::from(body.centre_of_mass_m),
-            inertia_kgm2: body.inertia_kgm2.map(|own| turned(link, &own)),
+            centre_m: Vector3::from(body.centre_of_mass_m),
+            inertia_kgm2: body.inertia_kgm2.map(symmetric),
         });
         rows.push(Segment {
             before,
@@ -204,14 +207,11 @@ impl Device {
             device: self.name.clone(),
             row,
         };
-        let link = self
-            .links
-            .get(row)
-            .filter(|_| row > 0)
-            .ok_or_else(missing)?;
-        let back = about_z(-link.theta_rad);
-        let centre_m = back * inertia.centre_of_mass_m().unwrap_or_default();
-        let own = back * inertia.about_centre_kgm2() * back.transpose();
+        if row == 0 || row >= self.links.len() {
+            return Err(missing());
+        }
+        let centre_m = inertia.centre_of_mass_m().unwrap_or_default();
+        let own = inertia.about_centre_kgm2();
         let body = Body {
             mass_kg: inertia.mass_kg,
             centre_of_mass_m: centre_m.into(),
@@ -226,13 +226,7 @@ impl Device {
     }
 }
 
-/// An inertia xx, yy, zz, xy, xz, yz in the frame behind the motion: as its centre, it is given behind Rz(theta), and a
-/// slide carries it along.
-fn turned(link: &Link, [xx, yy, zz, xy, xz, yz]: &[f64; 6]) -> Matrix3<f64> {
-    let own = Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz);
-    if link.theta_rad == 0.0 {
-        return own;
-    }
-    let turn = about_z(link.theta_rad);
-    turn * own * turn.transpose()
+/// An inertia xx, yy, zz, xy, xz, yz as a matrix.
+fn symmetric([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }

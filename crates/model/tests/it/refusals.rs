@@ -326,3 +326,18 @@ fn columns_count_characters_and_not_bytes() {
     let windows = changed("d_m = 0.1", "d_m = ^true").replace('\n', "\r\n");
     refused_value(&windows, "d_m", "boolean");
 }
+
+/// A place that is not used would be lost without a word.
+#[test]
+fn a_place_beside_a_tracker_that_sees_the_handle_itself_is_refused() {
+    for known in ["tool = \"known\"\n", ""] {
+        let place = format!(
+            "[tracker]\nbase = \"unknown\"\n{known}tool_xyz_m = ^[0.0, 0.0, 0.1]\ntool_wxyz = [1.0, 0.0, 0.0, 0.0]\n"
+        );
+        let error = refused(&format!("{ARM}{place}")).to_string();
+        assert!(error.contains("write tool = \"unknown\""), "{error}");
+    }
+    let place = "[tracker]\nbase_xyz_m = ^[0.0, 0.0, 0.1]\nbase_wxyz = [1.0, 0.0, 0.0, 0.0]\n";
+    let error = refused(&format!("{ARM}{place}")).to_string();
+    assert!(error.contains("write base = \"unknown\""), "{error}");
+}

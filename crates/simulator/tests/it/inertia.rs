@@ -23,8 +23,8 @@ fn body(
     let (links, motions) = (device.chain_links(), device.motions());
     let chain = Chain::new(device.convention, &links[..row], &motions[..row]).expect("rows");
     let before = chain.pose(&angles[..row - 1]).expect("a pose");
-    // a row's own numbers are behind what moves with it
-    let (mut turn_rad, mut slide_m) = (links[row].theta_rad - device.links[row].theta_rad, 0.0);
+    // a row's own turn is before what moves with it, its other numbers behind
+    let (mut turn_rad, mut slide_m) = (links[row].theta_rad, 0.0);
     match device.joints[row - 1].joint_type {
         JointType::Revolute => turn_rad += angles[row - 1],
         JointType::Prismatic => {

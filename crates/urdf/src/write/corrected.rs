@@ -3,11 +3,14 @@
 use std::ops::Range;
 
 use haptical_model::kinematics::Pose;
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::rigid::{about_z, inverse, then, turn};
 use haptical_model::{Device, Hand, JointType};
 
 use crate::UrdfError;
+use crate::chain::End;
 use crate::chain::gaps::{Correction, corrections};
-use crate::chain::path::BaseAndTip;
+use crate::chain::path::{BaseAndTip, Path};
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
@@ -175,9 +178,9 @@ pub(crate) fn all_corrections(
     let mut all = Vec::new();
     let ends = rows.ends.iter().zip(&segments.handles);
     for (index, (path, (end, handle))) in paths.iter().zip(ends).enumerate() {
-        let before = end.rows.iter().map(|row| segments.rows[*row].before);
         let others = [&paths[..index], &paths[index + 1..]].concat();
-        let own = corrections(&read.robot, path, before, handle, &others);
+        let (before, handle) = zeros_with_their_joints(read, path, end, device, &segments, handle);
+        let own = corrections(&read.robot, path, before.into_iter(), &handle, &others);
         let places = end.rows.iter().map(|row| Some(*row)).chain([None]);
         for (correction, row) in own.into_iter().zip(places) {
             // what several chains share is corrected once
@@ -188,6 +191,41 @@ pub(crate) fn all_corrections(
         }
     }
     Ok(all)
+}
+
+/// What is before each row and behind the last, with each joint's zero beside its own origin: before the motion, but behind it
+/// where the joint is passed upwards, or has no element that places it. [`Segments`] have the turn of a joint before its motion,
+/// and the shift of a slide behind it.
+fn zeros_with_their_joints(
+    read: &ReadChain,
+    path: &Path,
+    end: &End,
+    device: &Device,
+    segments: &Segments,
+    handle: &Pose,
+) -> (Vec<Pose>, Pose) {
+    let mut before: Vec<Pose> = (end.rows.iter())
+        .map(|row| segments.rows[*row].before)
+        .chain([*handle])
+        .collect();
+    let moving = path.steps.iter();
+    let moving = moving.filter(|step| read.robot.joints[step.joint].moves());
+    for (place, (step, row)) in moving.zip(&end.rows).enumerate() {
+        let link = &device.links[row + 1];
+        let is_behind = step.is_upward || read.robot.joints[step.joint].is_part;
+        let forward = match (is_behind, segments.rows[*row].drive.motion) {
+            (true, _) => turn(about_z(-link.theta_rad)),
+            (false, JointType::Revolute) => continue,
+            (false, JointType::Prismatic) => Pose {
+                position_m: Vector3::z() * link.d_m,
+                ..Pose::default()
+            },
+        };
+        before[place] = then(&before[place], &forward);
+        before[place + 1] = then(&inverse(&forward), &before[place + 1]);
+    }
+    let handle = before.pop().unwrap_or_default();
+    (before, handle)
 }
 
 /// Said where a device has transmission errors.

@@ -1,7 +1,9 @@
 //! Corrected URDFs: the same forward kinematics as the calibrated device, and the rest of the text as it was.
 
+use haptical_model::kinematics::nalgebra::Vector3;
+use haptical_model::rigid::rotation_vector;
 use haptical_model::{Device, JointType};
-use haptical_urdf::{BaseAndTip, corrected_urdf, device_from_urdf};
+use haptical_urdf::{BaseAndTip, UrdfOrigins, corrected_urdf, device_from_urdf};
 use proptest::prelude::*;
 
 use crate::support::{calibrated, fixture, gap, pose};
@@ -118,4 +120,43 @@ fn a_device_of_another_robot_is_refused() {
     let mut table = device;
     table.origins.clear();
     assert!(refusal(&table, &arm, BaseAndTip::default()).contains("has no origin in it"));
+}
+
+const BEND_BEFORE_A_SLIDE: &str = r#"<robot name="crane">
+  <link name="base"/> <link name="column"/> <link name="boom"/> <link name="tool"/>
+  <joint name="bend" type="revolute"> <origin xyz="0 0 0.5" rpy="0.1 0 0"/>
+    <parent link="base"/> <child link="column"/> <axis xyz="0 1 0"/> <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="slide" type="prismatic"> <origin xyz="0.2 0.1 0"/>
+    <parent link="column"/> <child link="boom"/> <axis xyz="1 0 0"/> <limit lower="0" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="flange" type="fixed"> <origin xyz="0.3 0 0.05"/> <parent link="boom"/> <child link="tool"/> </joint>
+</robot>"#;
+
+/// An encoder that reads too little turns (shifts) its own link: only its own joint's origin has the error.
+#[test]
+fn a_joints_zero_is_in_its_own_origin() {
+    let ends = BaseAndTip::to("tool");
+    let read = device_from_urdf(BEND_BEFORE_A_SLIDE, "crane.urdf", ends).unwrap();
+    let chain = UrdfOrigins::read(BEND_BEFORE_A_SLIDE, "crane.urdf", ends).unwrap();
+    let given = chain.of(&read.device).unwrap();
+    let mut off = read.device.clone();
+    off.links[1].theta_rad = 0.01;
+    off.links[2].d_m = 0.002;
+    let found = chain.of(&off).unwrap();
+    let own = |joint: usize| {
+        let (from, to) = (&given[joint].pose, &found[joint].pose);
+        let turn = from.rotation.transpose() * to.rotation;
+        (to.position_m - from.position_m, rotation_vector(&turn))
+    };
+    let (shift_m, turn_rad) = own(0);
+    assert_eq!(found[0].joint, "bend");
+    assert!(shift_m.amax() < 1e-12 && (turn_rad - Vector3::y() * 0.01).amax() < 1e-12);
+    let (shift_m, turn_rad) = own(1);
+    assert!(
+        (shift_m - Vector3::x() * 0.002).amax() < 1e-12 && turn_rad.amax() < 1e-12,
+        "{shift_m} {turn_rad}"
+    );
+    let (shift_m, turn_rad) = own(2);
+    assert!(shift_m.amax() < 1e-12 && turn_rad.amax() < 1e-12);
 }

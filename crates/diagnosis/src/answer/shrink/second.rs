@@ -8,7 +8,7 @@ use haptical_model::{Device, Recording};
 use super::Shrink;
 use super::reduction::{Unseen, collect};
 use crate::DiagnosisError;
-use crate::answer::Prediction;
+use crate::answer::{Prediction, SECOND_RECORDING};
 use crate::engine::base::Base;
 use crate::engine::earlier_model::{placed, places};
 use crate::engine::model::Cause;
@@ -73,7 +73,7 @@ pub(crate) fn on_second(
     Ok(Shrink {
         channels: collect(&second, &rows, &before, &after),
         predictions: predictions(&second, validation, &before, &after, &known),
-        description: "the second recording".to_owned(),
+        description: SECOND_RECORDING.to_owned(),
         warnings,
     })
 }

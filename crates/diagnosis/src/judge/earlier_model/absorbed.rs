@@ -6,8 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{AbsorbedAnswer, MovedNumber, ParameterAnswer};
 use crate::engine::system::compress_rows;
-use crate::judge::earlier::{BaseTerm, Difference};
-use crate::judge::earlier_value::earlier_value;
+use crate::judge::earlier_model::value::earlier_value;
+use crate::judge::earlier_model::{BaseTerm, Difference};
 use crate::select::Selection;
 use crate::thresholds::earlier_model::{BEND_SCATTERS, MOVED_SD, OFTEN, SEGMENTS};
 

@@ -1,27 +1,32 @@
 //! A model identified earlier: which terms of the base model it lacks or has wrong (docs/diagnosis.md,
 //! "Earlier model").
 
+pub(crate) mod absorbed;
+pub(crate) mod displaced;
+mod groups;
+mod only;
+pub(crate) mod resized;
+mod terms;
+pub(crate) mod tool;
+pub(crate) mod value;
+mod zeros;
+
 use std::collections::BTreeMap;
 
-use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
-use haptical_effects::structure::{JOINT_COMPLIANCE, TOOL_CHANGED};
-use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
-use haptical_model::kinematics::Parameter;
-use haptical_model::{
-    Device, JointType, ParameterId, SurroundingParameter, TransmissionError, TransmissionKind,
-};
+use haptical_effects::base_model::JOINT_OFFSET;
+use haptical_effects::structure::TOOL_CHANGED;
+use haptical_model::Device;
 
 use crate::answer::{MovedNumber, ParameterAnswer};
 use crate::engine::Engine;
 use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
-use crate::judge::displaced::{Displaced, displaced};
-use crate::judge::earlier_value::earlier_value;
-use crate::judge::resized::{Resized, resized};
-use crate::judge::tool;
-use crate::thresholds::earlier_model::{
-    AS_WELL, BEYOND_CHANCE, MOVED_SD, NEARLY_ALL, TERM_SHARE, TWO_FITS, WRONG_RATHER_THAN_CHANGED,
-};
+use crate::thresholds::earlier_model::{MOST, MOVED_SD, NEARLY_ALL};
+use displaced::{Displaced, displaced};
+use groups::{Group, chance, groups, places};
+use resized::resized;
+use value::earlier_value;
+use zeros::{Zero, zeros};
 
 /// A base term that differs from the earlier model.
 #[derive(Debug, Clone)]
@@ -53,6 +58,8 @@ pub(crate) struct Difference {
     pub(crate) total: f64,
     /// Whether a term was left out on request: there is a difference that bears no name.
     pub(crate) is_unnamed: bool,
+    /// Whether its terms leave a large part of it without a name.
+    pub(crate) is_partial: bool,
     /// Standard deviation of each free column's number.
     pub(crate) deviations: Vec<f64>,
 }
@@ -63,7 +70,7 @@ impl Difference {
         let found = self.terms.len();
         self.terms
             .retain(|term| !names.iter().any(|name| name == term.name));
-        self.is_unnamed = self.terms.len() < found;
+        self.is_unnamed |= self.terms.len() < found;
         self
     }
 
@@ -101,6 +108,7 @@ pub(crate) fn difference(
     }
     let tool = tool::columns(engine, model).unwrap_or_default();
     let displaced = displaced(engine);
+    let zeros = zeros(engine);
     let fitted: Vec<Vec<f64>> = (0..count).map(|column| free.dense(column)).collect();
     let mut all: Vec<&[f64]> = fitted.iter().map(Vec::as_slice).collect();
     all.extend(tool.iter().map(Vec::as_slice));
@@ -109,6 +117,8 @@ pub(crate) fn difference(
         sensors.push((all.len()..all.len() + sensor.columns.len()).collect());
         all.extend(sensor.columns.iter().map(Vec::as_slice));
     }
+    let first_zero = all.len();
+    all.extend(zeros.iter().map(|zero| zero.column.as_slice()));
     let mut nuisances = places(engine);
     nuisances.extend(all.len()..all.len() + causes.len());
     all.extend(causes.iter().map(Vec::as_slice));
@@ -122,6 +132,7 @@ pub(crate) fn difference(
         nuisances,
         tool: (count..count + tool.len()).collect(),
         sensors: displaced.iter().zip(sensors).collect(),
+        zeros: zeros.iter().zip(first_zero..).collect(),
         groups: groups(engine, resized),
         columns,
         count,
@@ -142,6 +153,8 @@ struct Earlier<'e, 'a> {
     tool: Vec<usize>,
     /// Sensors at another place, with their columns.
     sensors: Vec<(&'e Displaced, Vec<usize>)>,
+    /// Zeros that are no free numbers, with their columns.
+    zeros: Vec<(&'e Zero, usize)>,
     groups: Vec<Group>,
     /// Free columns.
     count: usize,
@@ -154,18 +167,25 @@ impl Earlier<'_, '_> {
         self.columns.explained(&with) - self.columns.explained(&self.nuisances)
     }
 
+    /// Free columns that are no nuisances.
+    fn others(&self) -> Vec<usize> {
+        let free = 0..self.count;
+        free.filter(|column| !self.nuisances.contains(column))
+            .collect()
+    }
+
     fn difference(&self) -> Difference {
-        let others: Vec<usize> = (0..self.count)
-            .filter(|column| !self.nuisances.contains(column))
-            .collect();
+        let others = self.others();
         let total = self.explained(&others);
-        let tool = self.other_tool(total, &others);
-        let only = tool.or_else(|| self.other_place(total, &others));
+        let only = (self.other_zero(total, &others))
+            .or_else(|| self.other_tool(total, &others))
+            .or_else(|| self.other_place(total, &others));
         if let Some(only) = only {
             return Difference {
                 terms: vec![only],
                 total,
                 is_unnamed: false,
+                is_partial: false,
                 deviations: self.deviations.clone(),
             };
         }
@@ -211,11 +231,19 @@ impl Earlier<'_, '_> {
             terms.retain(|term| !term.earlier.is_empty() || self.has_moved(term));
         }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+        if let [only] = terms.as_mut_slice()
+            && only.name == JOINT_OFFSET.name
+            && !only.in_drive
+        {
+            only.confusable_with = self.of_the_rig(only.explained);
+        }
+        let is_partial = self.is_partial(&terms, &beside, total);
         self.say_changes(&mut terms, &beside, &others);
         Difference {
+            is_unnamed: is_partial && terms.is_empty(),
             terms,
             total,
-            is_unnamed: false,
+            is_partial,
             deviations: self.deviations.clone(),
         }
     }
@@ -235,6 +263,7 @@ impl Earlier<'_, '_> {
         let mut chosen: Vec<usize> = (self.nuisances.iter())
             .chain(terms.iter().flat_map(|term| &term.columns))
             .chain(sensors.flat_map(|(_, columns)| columns))
+            .chain(self.zeros_of(terms))
             .copied()
             .collect();
         let is_new = |column: &&usize| !chosen.contains(column);
@@ -247,7 +276,7 @@ impl Earlier<'_, '_> {
         for term in terms {
             let first = index;
             index += term.columns.len();
-            if !term.earlier.is_empty() {
+            if !term.earlier.is_empty() || term.columns.is_empty() {
                 continue;
             }
             let numbers = term.columns.iter().zip(first..);
@@ -271,6 +300,41 @@ impl Earlier<'_, '_> {
         Some(())
     }
 
+    /// Columns of the terms that are zeros and no free numbers.
+    fn zeros_of(&self, terms: &[BaseTerm]) -> impl Iterator<Item = &usize> {
+        let is_term = |zero: &Zero| {
+            let is_own = |term: &BaseTerm| {
+                term.columns.is_empty()
+                    && term.joint == Some(zero.joint)
+                    && !term.changed.is_empty()
+            };
+            terms.iter().any(is_own)
+        };
+        let zeros = self.zeros.iter();
+        zeros
+            .filter(move |(zero, _)| is_term(zero))
+            .map(|(_, column)| column)
+    }
+
+    /// Whether terms, with what was free `beside` them, leave a part of the difference that has no name.
+    fn is_partial(&self, terms: &[BaseTerm], beside: &[usize], total: f64) -> bool {
+        let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
+            terms.iter().any(|term| term.name == own.0.effect.name())
+        };
+        let sensors = self.sensors.iter().filter(is_displaced);
+        let of_terms = terms.iter().flat_map(|term| &term.columns);
+        let mut named: Vec<usize> = of_terms
+            .chain(sensors.flat_map(|(_, columns)| columns))
+            .chain(self.zeros_of(terms))
+            .chain(beside)
+            .copied()
+            .collect();
+        named.sort_unstable();
+        named.dedup();
+        let left = total - self.explained(&named);
+        left > (1.0 - MOST) * total && left > chance(self.count)
+    }
+
     /// Whether a number of a term differs from the earlier model's beyond chance; one that is no number of the base model does.
     fn has_moved(&self, term: &BaseTerm) -> bool {
         let (engine, device) = (self.engine, self.engine.context.device);
@@ -283,308 +347,5 @@ impl Earlier<'_, '_> {
             earlier.is_none_or(|earlier| step(earlier) > MOVED_SD * self.deviations[column])
         };
         term.columns.is_empty() || columns.any(is_far)
-    }
-
-    /// Another tool, where it alone explains nearly all of the difference.
-    fn other_tool(&self, total: f64, others: &[usize]) -> Option<BaseTerm> {
-        let explained = self.explained(&self.tool);
-        if self.tool.is_empty() || explained < NEARLY_ALL * total || explained < chance(3) {
-            return None;
-        }
-        let shift = tool::shift(&self.columns, &self.nuisances, &self.tool, others)?;
-        // the last link carries the tool: its own numbers are another word for it
-        let last = self.engine.context.device.joints.len().checked_sub(1);
-        let is_other = |group: &Group| group.joint != last || group.in_drive;
-        Some(BaseTerm {
-            name: TOOL_CHANGED.name,
-            joint: None,
-            explained,
-            parameters: shift.parameters,
-            in_drive: false,
-            confusable_with: self.as_good(explained, is_other),
-            is_all: true,
-            columns: Vec::new(),
-            earlier: BTreeMap::new(),
-            changed: Vec::new(),
-        })
-    }
-
-    /// Another place of a sensor, where it alone explains nearly all of the difference.
-    fn other_place(&self, total: f64, others: &[usize]) -> Option<BaseTerm> {
-        let explains = |(_, columns): &&(&Displaced, Vec<usize>)| {
-            let explained = self.explained(columns);
-            explained >= NEARLY_ALL * total && explained >= chance(columns.len())
-        };
-        let (sensor, columns) = self.sensors.iter().find(explains)?;
-        let explained = self.explained(columns);
-        Some(BaseTerm {
-            confusable_with: self.as_good(explained, |_| true),
-            is_all: true,
-            ..self.place_of(sensor, (columns, &[]), explained, others)?
-        })
-    }
-
-    /// A sensor at another place, by its columns `with` others that were chosen; its interval counts that `others` may differ too.
-    fn place_of(
-        &self,
-        sensor: &Displaced,
-        (columns, with): (&[usize], &[usize]),
-        explained: f64,
-        others: &[usize],
-    ) -> Option<BaseTerm> {
-        let chosen: Vec<usize> = (self.nuisances.iter().chain(columns).chain(with))
-            .copied()
-            .collect();
-        let (values, covariance) = self.columns.solution(&chosen)?;
-        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
-        let first = self.nuisances.len();
-        let own = covariance.view((first, first), (columns.len(), columns.len()));
-        Some(BaseTerm {
-            name: sensor.effect.name(),
-            joint: None,
-            explained,
-            parameters: sensor.parameters(
-                self.engine,
-                &values[first..first + columns.len()],
-                &own.into_owned(),
-            ),
-            in_drive: false,
-            confusable_with: Vec::new(),
-            is_all: false,
-            columns: Vec::new(),
-            earlier: BTreeMap::new(),
-            changed: Vec::new(),
-        })
-    }
-
-    /// Names of groups that explain the difference as well, by changes that a sound device can show.
-    fn as_good(&self, explained: f64, is_other: impl Fn(&Group) -> bool) -> Vec<String> {
-        let groups = self.groups.iter().filter(|group| is_other(group));
-        let mut names: Vec<String> = groups
-            .filter(|group| self.explained(&group.columns) > explained - AS_WELL)
-            .filter(|group| self.is_believable(group))
-            .map(|group| group.name.to_owned())
-            .collect();
-        names.dedup();
-        names
-    }
-
-    /// Whether a group that explains the difference does so by changes that a sound device can show.
-    fn is_believable(&self, group: &Group) -> bool {
-        let chosen: Vec<usize> = self
-            .nuisances
-            .iter()
-            .chain(&group.columns)
-            .copied()
-            .collect();
-        let Some((values, _)) = self.columns.solution(&chosen) else {
-            return false;
-        };
-        if group.resized.is_some() {
-            return true;
-        }
-        let device = self.engine.context.device;
-        let changes = group.columns.iter().zip(&values[self.nuisances.len()..]);
-        let mut sizes = changes.map(|(&column, change)| {
-            let parameter = self.engine.base.parameters[self.engine.base.free[column]];
-            change.abs() / parameter.plausible_size(device).max(1e-300)
-        });
-        sizes.all(|size| size < WRONG_RATHER_THAN_CHANGED)
-    }
-
-    /// Terms one by one, each time the one that explains most of the rest; sensors at another place are terms beside the links.
-    fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
-        let mut chosen = given.to_vec();
-        let mut have = self.explained(&chosen);
-        let own = self
-            .groups
-            .iter()
-            .filter(|group| group.in_drive == in_drive);
-        let mut left: Vec<Term<'_>> = own.map(Term::Group).collect();
-        if !in_drive {
-            let sensors = self.sensors.iter();
-            left.extend(sensors.map(|(sensor, columns)| Term::Place(sensor, columns)));
-        }
-        let mut picked = Vec::new();
-        while !left.is_empty() {
-            let gains: Vec<f64> = left
-                .iter()
-                .map(|term| {
-                    let with: Vec<usize> = chosen.iter().chain(term.columns()).copied().collect();
-                    self.explained(&with) - have
-                })
-                .collect();
-            let best = (0..left.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
-            let Some(best) = best else {
-                break;
-            };
-            let rank = left[best].columns().len();
-            if gains[best] < chance(rank) || gains[best] < TERM_SHARE * total {
-                break;
-            }
-            let term = left.remove(best);
-            chosen.extend(term.columns());
-            have += gains[best];
-            picked.push((term, gains[best]));
-        }
-        let terms = picked.into_iter().filter_map(|(term, gain)| match term {
-            Term::Group(group) => Some(self.term(group, gain)),
-            Term::Place(sensor, columns) => {
-                let is_other = |column: &&usize| !columns.contains(column);
-                let with: Vec<usize> = chosen.iter().filter(is_other).copied().collect();
-                self.place_of(sensor, (columns, &with), gain, &[])
-            }
-        });
-        terms.collect()
-    }
-
-    fn term(&self, group: &Group, explained: f64) -> BaseTerm {
-        BaseTerm {
-            name: group.name,
-            joint: group.joint,
-            explained,
-            parameters: match &group.resized {
-                Some(resized) => resized.parameters.clone(),
-                None => self.parameters(group),
-            },
-            in_drive: group.in_drive,
-            confusable_with: Vec::new(),
-            is_all: false,
-            columns: group.columns.clone(),
-            earlier: (group.resized.as_ref())
-                .map_or_else(BTreeMap::new, |resized| resized.earlier.clone()),
-            changed: Vec::new(),
-        }
-    }
-
-    /// The refitted values with intervals; of a polynomial its root mean square.
-    fn parameters(&self, group: &Group) -> BTreeMap<String, ParameterAnswer> {
-        let engine = self.engine;
-        let device = engine.context.device;
-        let mut answers = BTreeMap::new();
-        for &column in &group.columns {
-            let position = engine.base.free[column];
-            let value = engine.start.model.values[position];
-            let answer = ParameterAnswer::normal(value, self.deviations[column]);
-            answers.insert(engine.base.parameters[position].name(device), answer);
-        }
-        answers
-    }
-}
-
-/// What a step of a search may take.
-#[derive(Debug)]
-enum Term<'t> {
-    Group(&'t Group),
-    Place(&'t Displaced, &'t [usize]),
-}
-
-impl Term<'_> {
-    fn columns(&self) -> &[usize] {
-        match self {
-            Self::Group(group) => &group.columns,
-            Self::Place(_, columns) => columns,
-        }
-    }
-}
-
-/// Free columns of what was touched.
-fn places(engine: &Engine<'_>) -> Vec<usize> {
-    let free = engine.base.free.iter().enumerate();
-    free.filter(|(_, position)| {
-        matches!(
-            engine.base.parameters[**position],
-            ParameterId::Surrounding(
-                SurroundingParameter::Contact { .. } | SurroundingParameter::Plane { .. }
-            )
-        )
-    })
-    .map(|(column, _)| column)
-    .collect()
-}
-
-/// Squared standard deviations that chance and the earlier model's own errors give a group.
-fn chance(rank: usize) -> f64 {
-    let rank = rank as f64;
-    TWO_FITS * (rank + BEYOND_CHANCE * rank.sqrt())
-}
-
-/// Parameters that belong to one name at one place.
-#[derive(Debug)]
-struct Group {
-    name: &'static str,
-    joint: Option<usize>,
-    /// Among the free columns.
-    columns: Vec<usize>,
-    in_drive: bool,
-    /// Of an effect of the device.
-    resized: Option<Resized>,
-}
-
-/// The free numbers by name and place, and the device's own effects that have other sizes.
-fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
-    let device = engine.context.device;
-    let own = resized.into_iter().map(|own| Group {
-        name: own.name,
-        joint: own.joint,
-        columns: own.columns.clone(),
-        in_drive: own.in_drive,
-        resized: Some(own),
-    });
-    let mut groups: Vec<Group> = own.collect();
-    for (column, &position) in engine.base.free.iter().enumerate() {
-        let (name, joint, in_drive) = match engine.base.parameters[position] {
-            ParameterId::Link { row, parameter } => {
-                let joint = row.checked_sub(1);
-                match joint.is_some_and(|joint| is_zero(device, joint, parameter)) {
-                    true => (JOINT_OFFSET.name, joint, false),
-                    false => (LINK_GEOMETRY.name, joint, false),
-                }
-            }
-            ParameterId::Compliance { joint } => (JOINT_COMPLIANCE.name, Some(joint), false),
-            // the place of a rig is no effect of the device, and an effect of its own size is no deviation from it
-            ParameterId::Surrounding(_) | ParameterId::Effect { .. } => continue,
-            ParameterId::Transmission { joint, index } => {
-                (term_name(device, joint, index), Some(joint), true)
-            }
-        };
-        match groups.iter_mut().find(|group| {
-            let is_place = group.joint == joint && group.in_drive == in_drive;
-            group.resized.is_none() && group.name == name && is_place
-        }) {
-            Some(group) => group.columns.push(column),
-            None => groups.push(Group {
-                name,
-                joint,
-                columns: vec![column],
-                in_drive,
-                resized: None,
-            }),
-        }
-    }
-    groups
-}
-
-/// Whether a number of a joint's own row is the joint's zero.
-fn is_zero(device: &Device, joint: usize, parameter: Parameter) -> bool {
-    let joint = device.joints.get(joint).map(|joint| joint.joint_type);
-    matches!(
-        (joint, parameter),
-        (Some(JointType::Revolute), Parameter::Theta) | (Some(JointType::Prismatic), Parameter::D)
-    )
-}
-
-fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
-    let is_capstan = matches!(
-        device.joints[joint].transmission_error,
-        TransmissionError::Capstan(_)
-    );
-    match (device.joints[joint].transmission, is_capstan, index) {
-        (TransmissionKind::Parallelogram, _, _) => PARALLELOGRAM_ERROR.name,
-        (_, _, 0) => JOINT_OFFSET.name,
-        (_, true, 1) => RATIO_ERROR.name,
-        (_, true, _) => DRUM_ECCENTRICITY.name,
-        (_, false, 1) => RATIO_ERROR.name,
-        (_, false, _) => DRUM_ECCENTRICITY.name,
     }
 }

@@ -106,7 +106,11 @@ fn answer(
             false => "What moved".to_owned(),
         };
         let table = moved::table(&title, &result.moved[..listed])?;
-        blocks.push(table.with_note(moved::note(&result.moved[..listed])).into());
+        blocks.push(
+            table
+                .with_note(moved::note(&result.moved[..listed], result.next.is_some()))
+                .into(),
+        );
     }
     let words = result.next.clone().unwrap_or_else(|| {
         "nothing is left above the noise on rows that the fit did not see: use identified.toml, which is in this folder".to_owned()
@@ -118,7 +122,15 @@ fn answer(
 /// Commands that go on from here, as one would type them where this one was typed.
 fn commands(result: &Identified, calibration: &Calibration) -> Vec<(String, String)> {
     let record = &result.provenance;
-    let diagnose = format!("haptical diagnose{} --out gap", record.typed(&FIT_FLAGS));
+    let log = record.inputs.iter().find(|input| input.flag == "log");
+    let diagnose = match log.filter(|_| !result.effects.is_empty()) {
+        // the given device lacks the effects, and the gap that they were found in is kept
+        Some(log) => format!(
+            "haptical diagnose --device identified.toml --log {} --out gap-after",
+            shell_word(&log.file)
+        ),
+        None => format!("haptical diagnose{} --out gap", record.typed(&FIT_FLAGS)),
+    };
     let mut commands = vec![(
         "Which effect causes what is left, or that none does:".to_owned(),
         diagnose,

@@ -1,0 +1,162 @@
+//! Terms one by one.
+
+use std::collections::BTreeMap;
+
+use haptical_effects::base_model::JOINT_OFFSET;
+
+use super::displaced::Displaced;
+use super::groups::{Group, chance};
+use super::zeros::Zero;
+use super::{BaseTerm, Earlier};
+use crate::answer::ParameterAnswer;
+use crate::thresholds::earlier_model::TERM_SHARE;
+
+impl Earlier<'_, '_> {
+    /// A sensor at another place, by its columns `with` others that were chosen; its interval counts that `others` may differ too.
+    pub(super) fn place_of(
+        &self,
+        sensor: &Displaced,
+        (columns, with): (&[usize], &[usize]),
+        explained: f64,
+        others: &[usize],
+    ) -> Option<BaseTerm> {
+        let chosen: Vec<usize> = (self.nuisances.iter().chain(columns).chain(with))
+            .copied()
+            .collect();
+        let (values, covariance) = self.columns.solution(&chosen)?;
+        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
+        let first = self.nuisances.len();
+        let own = covariance.view((first, first), (columns.len(), columns.len()));
+        Some(BaseTerm {
+            name: sensor.effect.name(),
+            joint: None,
+            explained,
+            parameters: sensor.parameters(
+                self.engine,
+                &values[first..first + columns.len()],
+                &own.into_owned(),
+            ),
+            in_drive: false,
+            confusable_with: Vec::new(),
+            is_all: false,
+            columns: Vec::new(),
+            earlier: BTreeMap::new(),
+            changed: Vec::new(),
+        })
+    }
+
+    /// Terms one by one, each time the one that explains most of the rest; sensors at another place are terms beside the links.
+    pub(super) fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
+        let mut chosen = given.to_vec();
+        let mut have = self.explained(&chosen);
+        let own = self
+            .groups
+            .iter()
+            .filter(|group| group.in_drive == in_drive);
+        let mut left: Vec<Term<'_>> = own.map(Term::Group).collect();
+        if !in_drive {
+            let sensors = self.sensors.iter();
+            left.extend(sensors.map(|(sensor, columns)| Term::Place(sensor, columns)));
+            let zeros = self.zeros.iter();
+            left.extend(zeros.map(|(zero, column)| Term::Zero(zero, [*column])));
+        }
+        let mut picked = Vec::new();
+        while !left.is_empty() {
+            let gains: Vec<f64> = left
+                .iter()
+                .map(|term| {
+                    let with: Vec<usize> = chosen.iter().chain(term.columns()).copied().collect();
+                    self.explained(&with) - have
+                })
+                .collect();
+            let best = (0..left.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
+            let Some(best) = best else {
+                break;
+            };
+            let rank = left[best].columns().len();
+            if gains[best] < chance(rank) || gains[best] < TERM_SHARE * total {
+                break;
+            }
+            let term = left.remove(best);
+            chosen.extend(term.columns());
+            have += gains[best];
+            picked.push((term, gains[best]));
+        }
+        let terms = picked.into_iter().filter_map(|(term, gain)| match term {
+            Term::Group(group) => Some(self.term(group, gain)),
+            Term::Place(sensor, columns) => {
+                let is_other = |column: &&usize| !columns.contains(column);
+                let with: Vec<usize> = chosen.iter().filter(is_other).copied().collect();
+                self.place_of(sensor, (columns, &with), gain, &[])
+            }
+            Term::Zero(zero, [column]) => {
+                let (value, number) =
+                    self.changed_zero((zero.parameter, column), &self.others())?;
+                Some(BaseTerm {
+                    name: JOINT_OFFSET.name,
+                    joint: Some(zero.joint),
+                    explained: gain,
+                    parameters: BTreeMap::from([(number.parameter.clone(), value)]),
+                    in_drive: false,
+                    confusable_with: Vec::new(),
+                    is_all: false,
+                    columns: Vec::new(),
+                    earlier: BTreeMap::new(),
+                    changed: vec![number],
+                })
+            }
+        });
+        terms.collect()
+    }
+
+    pub(super) fn term(&self, group: &Group, explained: f64) -> BaseTerm {
+        BaseTerm {
+            name: group.name,
+            joint: group.joint,
+            explained,
+            parameters: match &group.resized {
+                Some(resized) => resized.parameters.clone(),
+                None => self.parameters(group),
+            },
+            in_drive: group.in_drive,
+            confusable_with: Vec::new(),
+            is_all: false,
+            columns: group.columns.clone(),
+            earlier: (group.resized.as_ref())
+                .map_or_else(BTreeMap::new, |resized| resized.earlier.clone()),
+            changed: Vec::new(),
+        }
+    }
+
+    /// The refitted values with intervals; of a polynomial its root mean square.
+    fn parameters(&self, group: &Group) -> BTreeMap<String, ParameterAnswer> {
+        let engine = self.engine;
+        let device = engine.context.device;
+        let mut answers = BTreeMap::new();
+        for &column in &group.columns {
+            let position = engine.base.free[column];
+            let value = engine.start.model.values[position];
+            let answer = ParameterAnswer::normal(value, self.deviations[column]);
+            answers.insert(engine.base.parameters[position].name(device), answer);
+        }
+        answers
+    }
+}
+
+/// What a step of a search may take.
+#[derive(Debug)]
+enum Term<'t> {
+    Group(&'t Group),
+    Place(&'t Displaced, &'t [usize]),
+    Zero(&'t Zero, [usize; 1]),
+}
+
+impl Term<'_> {
+    fn columns(&self) -> &[usize] {
+        match self {
+            Self::Group(group) => &group.columns,
+            Self::Place(_, columns) => columns,
+            Self::Zero(_, column) => column,
+        }
+    }
+}

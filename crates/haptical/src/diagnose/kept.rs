@@ -1,0 +1,75 @@
+//! The gap that a second recording keeps, which is not that of the first.
+
+use haptical_diagnosis::{Diagnosis, SECOND_RECORDING, Verdict};
+
+use crate::units::Shown;
+
+/// Share of a second recording's gap that has to close for the causes to be those of both \[%\].
+const CLOSED_IN_BOTH_PERCENT: f64 = 50.0;
+
+/// Channels of a second recording of whose gap the causes close less than that, and what they leave.
+pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
+    if !diagnosis.held_out.starts_with(SECOND_RECORDING) {
+        return Vec::new();
+    }
+    let channels = diagnosis.gap.channels.iter();
+    let kept = channels.filter(|gap| {
+        gap.held_out
+            && gap.rms_after > gap.noise_floor_ci95[1]
+            && gap
+                .reduction_percent
+                .is_none_or(|closed| closed < CLOSED_IN_BOTH_PERCENT)
+    });
+    let said = kept.map(|gap| {
+        let shown = Shown::fine(&gap.unit);
+        format!(
+            "{}: {} left, noise {}",
+            gap.channel,
+            shown.text(gap.rms_after),
+            shown.text(gap.noise_floor)
+        )
+    });
+    said.collect()
+}
+
+/// A further sentence of it, after a blank; empty where the causes are those of both.
+pub(super) fn said_of_second(diagnosis: &Diagnosis) -> String {
+    let kept = kept_by_second(diagnosis);
+    if diagnosis.verdict == Verdict::NoGap || kept.is_empty() {
+        return String::new();
+    }
+    format!(
+        " The second recording keeps a gap ({}): something changed between the two, or it is of another device. Identify the \
+         device with the one that is to count, and give the other to `diagnose --model`.",
+        kept.join("; ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example_tests::named;
+    use crate::diagnose::words::verdict_sentence;
+
+    #[test]
+    fn a_second_recording_that_keeps_its_gap_is_said_to_be_of_another_device() {
+        let mut diagnosis = named();
+        let out2 = &mut diagnosis.gap.channels[1];
+        out2.held_out = true;
+        out2.reduction_percent = Some(7.9);
+        out2.rms_after = 1.1e-3;
+        assert!(!verdict_sentence(&diagnosis).contains("keeps a gap"));
+        SECOND_RECORDING.clone_into(&mut diagnosis.held_out);
+        let said = verdict_sentence(&diagnosis);
+        assert!(
+            said.contains("explains the gap of the log alone."),
+            "{said}"
+        );
+        assert!(
+            said.contains("keeps a gap (out2: 1.100 mrad left, noise "),
+            "{said}"
+        );
+        diagnosis.gap.channels[1].reduction_percent = Some(97.0);
+        assert!(!verdict_sentence(&diagnosis).contains("keeps a gap"));
+    }
+}

@@ -1,0 +1,116 @@
+//! An MCAP file that is still being written: read again from its first byte each time it has grown by a part, its new rows judged.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use haptical_data::{BagOptions, LogShape, read_bag_from, write_log_to};
+use haptical_model::Recording;
+
+use crate::error::Error;
+
+/// First bytes of an MCAP file, and its last ones when it is complete.
+pub(super) const MAGIC: &[u8] = b"\x89MCAP0\r\n";
+/// Share of its size by which a file has to grow until it is read again: the work of a whole recording is that of reading it
+/// some twenty times.
+const GROWTH: f64 = 0.05;
+/// What waits, as its pose may come after it \[s\].
+const WAITING_S: f64 = 1.0;
+
+/// How far such a file was read.
+#[derive(Debug, Default)]
+pub(super) struct Growing {
+    /// Bytes at the last reading.
+    read_bytes: u64,
+    /// Rows that were judged.
+    rows: usize,
+    is_whole: bool,
+}
+
+/// New rows as a text with a header, and whether there are no more to come.
+#[derive(Debug, Default)]
+pub(super) struct NewRows {
+    pub(super) text: Vec<u8>,
+    /// Rows before them.
+    pub(super) behind: usize,
+    pub(super) is_whole: bool,
+}
+
+impl Growing {
+    /// The rows that are new in a file of so many bytes; `is_still` says that it had as many at the last look, `is_last` that there
+    /// is no further one.
+    ///
+    /// # Errors
+    /// A file that is damaged, at the last look also one without rows.
+    pub(super) fn look(
+        &mut self,
+        path: &Path,
+        shape: &LogShape,
+        (bytes, is_still, is_last): (u64, bool, bool),
+    ) -> Result<NewRows, Error> {
+        let has_grown = bytes as f64 >= (1.0 + GROWTH) * self.read_bytes as f64;
+        let is_new = bytes > self.read_bytes;
+        if self.is_whole || !(is_last || is_new && (is_still || has_grown)) {
+            return Ok(NewRows {
+                is_whole: self.is_whole,
+                ..NewRows::default()
+            });
+        }
+        let unreadable = |error: std::io::Error| {
+            Error::unreadable(&error, path, "check the path and its permissions")
+        };
+        let whole = is_complete(path, bytes).map_err(unreadable)?;
+        let file = File::open(path).map_err(unreadable)?;
+        let options = BagOptions {
+            is_growing: !whole,
+            ..BagOptions::default()
+        };
+        let name = path.display().to_string();
+        let read = read_bag_from(BufReader::new(file).take(bytes), &name, &options, shape);
+        self.read_bytes = bytes;
+        let log = match read {
+            Ok(log) => log,
+            // the first messages of each topic are not there yet
+            Err(_) if !whole && !is_last => return Ok(NewRows::default()),
+            Err(error) => return Err(Error::from(error)),
+        };
+        let recording = log.recording;
+        let end = match whole || is_last {
+            true => recording.len(),
+            false => settled(&recording),
+        };
+        self.is_whole = whole;
+        let (mut text, behind) = (Vec::new(), self.rows);
+        if end > self.rows {
+            let rows: Vec<usize> = (self.rows..end).collect();
+            write_log_to(&mut text, &recording.select(&rows), shape)?;
+            self.rows = end;
+        }
+        Ok(NewRows {
+            text,
+            behind,
+            is_whole: whole,
+        })
+    }
+}
+
+/// Rows that no later message can belong to.
+fn settled(recording: &Recording) -> usize {
+    let times = recording.time_s.as_deref().unwrap_or_default();
+    let last = times.last().copied().unwrap_or(f64::NEG_INFINITY);
+    times.partition_point(|time| *time <= last - WAITING_S)
+}
+
+/// Whether a file ends as a complete one does.
+fn is_complete(path: &Path, bytes: u64) -> std::io::Result<bool> {
+    use std::io::{Seek, SeekFrom};
+    let end = MAGIC.len() as u64;
+    if bytes < 2 * end {
+        return Ok(false);
+    }
+    let mut file = File::open(path)?;
+    file.seek(SeekFrom::Start(bytes - end))?;
+    let mut last = vec![0; MAGIC.len()];
+    file.read_exact(&mut last)?;
+    Ok(last == MAGIC)
+}
