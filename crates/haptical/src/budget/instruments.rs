@@ -132,6 +132,16 @@ impl Instruments {
     }
 }
 
+impl Instruments {
+    /// What is said of certificates that are past their day.
+    pub(super) fn overdue(&self) -> Vec<String> {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
+        let now = now.unwrap_or_default();
+        let all = self.instrument.iter();
+        all.filter_map(|own| own.overdue(now)).collect()
+    }
+}
+
 /// Year, month and day of a text as 2026-02-03; none of another.
 fn day(text: &str) -> Option<[u32; 3]> {
     let parts: Vec<&str> = text.split('-').collect();
@@ -180,7 +190,7 @@ impl Instrument {
     }
 
     /// Said of a certificate whose day of the next calibration is behind a time.
-    pub(super) fn overdue(&self, since_1970: std::time::Duration) -> Option<String> {
+    fn overdue(&self, since_1970: std::time::Duration) -> Option<String> {
         let due = self.due.as_deref()?;
         (day(due)? < day_of(since_1970)).then(|| {
             format!(

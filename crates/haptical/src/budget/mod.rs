@@ -258,14 +258,7 @@ pub fn budget(
     if instruments.instrument.is_empty() {
         warnings.push("no instrument is named: the budget has what the readings themselves say, and no certificate".to_owned());
     }
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-    let now = now.unwrap_or_default();
-    warnings.extend(
-        instruments
-            .instrument
-            .iter()
-            .filter_map(|own| own.overdue(now)),
-    );
+    warnings.extend(instruments.overdue());
     Ok(Budget {
         device: device.source().label.clone(),
         log: log.source().label.clone(),

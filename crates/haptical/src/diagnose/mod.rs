@@ -205,10 +205,7 @@ pub fn diagnose_as(
     ];
     let read = std::iter::once(&device.warnings).chain(of_logs);
     let read = read.chain(further.into_iter().flatten()).flatten().cloned();
-    let anew = model
-        .is_none()
-        .then(|| refitted::refitted(device, &logs))
-        .flatten();
+    let anew = refitted::refitted(device, &logs).filter(|_| model.is_none());
     diagnosis.warnings = anew.into_iter().chain(read).chain(own).collect();
     let mut files = device.inputs("device");
     files.extend(logs.iter().filter_map(|log| log.input("log")));

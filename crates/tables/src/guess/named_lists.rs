@@ -12,6 +12,9 @@ const NAMES: [&str; 2] = ["name", "names"];
 /// Words of a list of joint positions.
 const POSITIONS: [&str; 4] = ["position", "positions", "pos", "angle"];
 
+/// The words of a list's name but the last, and the number of an element.
+type Element = (Vec<String>, usize);
+
 /// The words before the last one, that one, and the number of an element.
 fn element(name: &str) -> Option<(Vec<String>, String, usize)> {
     let mut words = words(name);
@@ -30,7 +33,7 @@ fn only(cells: &[String]) -> Option<&str> {
 /// What columns are by the names beside them, by their place in the file; none, with the reason, where no joint of the device is
 /// called so.
 pub(super) fn of(table: &Table, joints: &[Joint]) -> BTreeMap<usize, (Option<Meaning>, String)> {
-    let mut names: BTreeMap<(Vec<String>, usize), (&str, Option<&str>)> = BTreeMap::new();
+    let mut names: BTreeMap<Element, (&str, Option<&str>)> = BTreeMap::new();
     for column in &table.columns {
         let Cells::Texts(cells) = &column.cells else {
             continue;
@@ -106,7 +109,7 @@ mod tests {
         let text = row(0.0, [0.1, 0.2, 0.3]) + &row(0.1, [0.4, 0.5, 0.6]);
         let table = table_from_bytes(text.into(), "log.jsonl", &Reading::default()).unwrap();
         let joints = [("shoulder".to_owned(), false), ("elbow".to_owned(), false)];
-        let proposal = guess(&[table.clone()], &joints);
+        let proposal = guess(std::slice::from_ref(&table), &joints);
         let is_from = |log: &str, from: &str| {
             proposal.contains(&format!(
                 "log = \"{log}\"\nfrom = \"joint_states.{from}\"\n"
