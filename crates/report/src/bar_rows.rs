@@ -55,9 +55,12 @@ pub struct BarRows {
 struct Layout {
     title: Vec<String>,
     names: Vec<Vec<String>>,
+    /// Lines of the axis's name.
+    x_label: Vec<String>,
     /// Upper edge of each row, and the lower edge of the last one.
     edges: Vec<f64>,
     plot: Rectangle,
+    width: f64,
     height: f64,
 }
 
@@ -142,17 +145,19 @@ impl BarRows {
             let (left, needed) = ((plot.width(), plot.height()), (SMALLEST_PLOT_PX, ROW_PX));
             return Err(ReportError::too_small(&self.title, left, needed));
         }
-        let label_px = if self.x_label.is_empty() {
-            0.0
-        } else {
-            LINE_PX + 4.0
+        let x_label = wrap(&self.x_label, TEXT_PX, inner);
+        let label_px = match x_label.len() {
+            0 => 0.0,
+            lines => lines as f64 * LINE_PX + 4.0,
         };
         let height = edge + TICK_PX + 3.0 + LINE_PX + label_px + MARGIN_PX;
         Ok(Layout {
             title,
             names,
+            x_label,
             edges,
             plot,
+            width,
             height,
         })
     }
@@ -198,9 +203,15 @@ impl BarRows {
             let place = (x, under + 0.5 * LINE_PX);
             canvas.text(&tick.label, place, TEXT_PX, Anchor::Middle);
         }
-        let at = (0.5 * (plot.left + plot.right), under + 1.5 * LINE_PX + 4.0);
-        if !self.x_label.is_empty() {
-            canvas.text(&self.x_label, at, TEXT_PX, Anchor::Middle);
+        // under the middle of the bars, as far as it fits there
+        let half = 0.5 * widest_px(layout.x_label.iter(), TEXT_PX);
+        let farthest = layout.width - MARGIN_PX - half;
+        let middle = (0.5 * (plot.left + plot.right))
+            .min(farthest)
+            .max(MARGIN_PX + half);
+        for (line, text) in layout.x_label.iter().enumerate() {
+            let y = under + (1.5 + line as f64) * LINE_PX + 4.0;
+            canvas.text(text, (middle, y), TEXT_PX, Anchor::Middle);
         }
     }
 }

@@ -42,7 +42,7 @@ fn relative_width(character: char) -> f64 {
     }
 }
 
-/// The text broken into lines of at most `limit_px`, at spaces where possible.
+/// The text broken into lines of at most `limit_px`, at spaces where possible, else behind hyphens.
 pub(crate) fn wrap(text: &str, size_px: f64, limit_px: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     let mut line = String::new();
@@ -59,14 +59,19 @@ pub(crate) fn wrap(text: &str, size_px: f64, limit_px: f64) -> Vec<String> {
         if !line.is_empty() {
             lines.push(std::mem::take(&mut line));
         }
-        for character in word.chars() {
-            let mut longer = line.clone();
-            longer.push(character);
-            if width_px(&longer, size_px) > limit_px && !line.is_empty() {
+        for part in word.split_inclusive('-') {
+            if width_px(&format!("{line}{part}"), size_px) > limit_px && !line.is_empty() {
                 lines.push(std::mem::take(&mut line));
-                longer = character.to_string();
             }
-            line = longer;
+            for character in part.chars() {
+                let mut longer = line.clone();
+                longer.push(character);
+                if width_px(&longer, size_px) > limit_px && !line.is_empty() {
+                    lines.push(std::mem::take(&mut line));
+                    longer = character.to_string();
+                }
+                line = longer;
+            }
         }
     }
     if !line.is_empty() {

@@ -128,3 +128,21 @@ fn bars_of_zero_and_below_zero_are_drawn() {
     bars.rows.truncate(1);
     assert!(bars.to_svg(600).is_ok());
 }
+
+/// A long name of the axis is neither cut nor in the way, and a name of a bar is broken behind a hyphen.
+#[test]
+fn words_stay_within_a_narrow_picture() {
+    let mut bars = waterfall();
+    bars.x_label = "root mean square of the residual, in multiples of the noise".to_owned();
+    bars.rows[1].name = "device-encoder-eccentricity at joint 2".to_owned();
+    for width in [360, 460, 576] {
+        let picture = Picture::read(&bars.to_svg(width).unwrap());
+        picture.assert_texts_apart();
+        let whole = picture
+            .words
+            .iter()
+            .all(|words| words.area.left >= 0.0 && words.area.right <= f64::from(width));
+        assert!(whole, "{width}: {:?}", picture.words);
+        assert!(!picture.has("device-encoder-eccentrici"), "{width}");
+    }
+}
