@@ -56,17 +56,14 @@ impl Shifted {
         }
     }
 
-    fn at(self, row: u32) -> f64 {
-        match self.follows_posture {
-            true => {
-                self.rms
-                    * COURSE
-                        .map(|rate| (rate * f64::from(row)).sin())
-                        .iter()
-                        .sum::<f64>()
-            }
-            false => self.rms,
+    /// At a row of a day, of which each is somewhere else in the course.
+    fn at(self, row: u32, day: u64) -> f64 {
+        if !self.follows_posture {
+            return self.rms;
         }
+        let begins = 1e3 * day as f64;
+        let sines = COURSE.map(|rate| (rate * (begins + f64::from(row))).sin());
+        self.rms * sines.iter().sum::<f64>()
     }
 }
 
@@ -253,7 +250,7 @@ fn day(seed: u64, memory: f64) -> Result<Day> {
     monitor.set_rows_between_false_alarms(3600.0 / STATED)?;
     let shifts = CHANGES
         .iter()
-        .map(|shift| shifted(monitor.clone(), Noise::new(seed ^ 0x5A5A, memory), *shift));
+        .map(|shift| shifted(monitor.clone(), (seed, memory), *shift));
     Ok(Day {
         block_rows,
         reference_h: f64::from(rows) / 3600.0,
@@ -262,9 +259,14 @@ fn day(seed: u64, memory: f64) -> Result<Day> {
     })
 }
 
-fn shifted(mut monitor: Monitor, mut noise: Noise, shift: Shifted) -> Result<Found> {
+fn shifted(mut monitor: Monitor, (day, memory): (u64, f64), shift: Shifted) -> Result<Found> {
+    let mut noise = Noise::new(day ^ 0x5A5A, memory);
     for row in 0..DAY {
-        let moved = if row < CHANGE { 0.0 } else { shift.at(row) };
+        let moved = if row < CHANGE {
+            0.0
+        } else {
+            shift.at(row, day)
+        };
         if monitor.push(f64::from(row), &[noise.next() + moved])? != Some(Event::Alarm) {
             continue;
         }

@@ -103,7 +103,10 @@ fn propose(arguments: &TableArguments) -> Result<(), Failure> {
         .collect();
     let text = guess(&tables, &joints);
     let Some(out) = &arguments.out else {
-        return terminal::write_output(text.as_bytes());
+        return match arguments.json {
+            true => terminal::write_json(&serde_json::json!({ "mapping": text })),
+            false => terminal::write_output(text.as_bytes()),
+        };
     };
     let inputs: Vec<&Path> = arguments.files.iter().map(PathBuf::as_path).collect();
     let target = Target {

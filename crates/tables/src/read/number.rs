@@ -1,11 +1,29 @@
 //! A cell of a text as a number, and words that are units.
 
+/// What spreadsheets write in a cell without a value.
+pub(super) const ERRORS: [&str; 4] = ["#N/A", "#NUM!", "#DIV/0!", "#VALUE!"];
+
 /// Cells that mean no reading.
 pub(crate) fn is_missing(cell: &str) -> bool {
+    // of Python, spreadsheets, databases, and Microsoft's C library
     matches!(
         cell,
-        "" | "nan" | "NaN" | "NAN" | "NA" | "N/A" | "n/a" | "null" | "-" | "--"
-    )
+        "" | "nan"
+            | "NaN"
+            | "NAN"
+            | "NA"
+            | "N/A"
+            | "n/a"
+            | "null"
+            | "NULL"
+            | "None"
+            | "-"
+            | "--"
+            | "1.#QNAN"
+            | "-1.#IND"
+            | "-nan"
+            | "-nan(ind)"
+    ) || ERRORS.contains(&cell)
 }
 
 /// The number in a cell that is not missing, with this decimal sign. A sign between thousands is not known: `1.234,5` is no number.

@@ -4,6 +4,7 @@ use csv::StringRecord;
 use haptical_data::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 
 use super::grid::{Grid, Row, to_table};
+use super::number::ERRORS;
 use super::{decode, dialect};
 use crate::error::TableError;
 use crate::mapping::Reading;
@@ -62,7 +63,10 @@ pub(super) fn read(bytes: &[u8], name: &str, reading: &Reading) -> Result<Table,
         Some(sign) => sign.chars().take(1).collect(),
         None => COMMENTS.to_vec(),
     };
-    let is_comment = |line: &str| line.trim_start().starts_with(&comments[..]);
+    let is_comment = |line: &str| {
+        let line = line.trim_start();
+        line.starts_with(&comments[..]) && !ERRORS.iter().any(|error| line.starts_with(error))
+    };
     if let Some(line) = (body.lines()).position(|line| line.len() > LONGEST_LINE_BYTES) {
         let what = format!("the line is longer than {} MiB", LONGEST_LINE_BYTES >> 20);
         let next = "check that its line ends were not lost";

@@ -27,6 +27,28 @@ fn separators_are_found() {
     }
 }
 
+/// A spreadsheet's error is a cell, also where its line looks like a comment.
+#[test]
+fn cells_without_a_value_are_no_reading_and_drop_nothing() {
+    for word in [
+        "#N/A",
+        "#DIV/0!",
+        "None",
+        "1.#QNAN",
+        "-1.#IND",
+        "NULL",
+        "-nan(ind)",
+    ] {
+        let table = table(&format!("a,b\n1,2\n{word},3\n4,{word}\n"));
+        let found = numbers(&table);
+        let [(_, a), (_, b)] = found.as_slice() else {
+            panic!("{word}: {found:?}");
+        };
+        assert_eq!((a[0], a[2], b[0], b[1]), (1.0, 4.0, 2.0, 3.0), "{word}");
+        assert!(a[1].is_nan() && b[2].is_nan(), "{word}");
+    }
+}
+
 /// 1,234 in a table of semicolons is 1.234, never 1234; a thousands sign beside it is no number.
 #[test]
 fn a_decimal_comma_is_no_thousand() {
