@@ -2,6 +2,7 @@
 
 mod course;
 mod delay;
+mod from_run;
 mod harmonic;
 mod law;
 mod linear;
@@ -12,6 +13,7 @@ mod warm;
 
 pub(crate) use course::Drift;
 pub(crate) use delay::{Delay, moved, slope};
+pub(crate) use from_run::{FROM_RUN, first_row, later_runs, run_of};
 pub(crate) use harmonic::{Harmonic, from_polar, polar, waves};
 pub(crate) use law::{Input, Law, Placed};
 pub(crate) use linear::{InStreams, Linear};

@@ -1,12 +1,11 @@
 //! A motor encoder counts from another place between two runs, as after a new homing: by its offset the joint's readings are
 //! too low from there on.
 
-use crate::laws::{Input, Law};
-use crate::structure::{FROM_RUN, first_row, later_runs, run_of};
+use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
 use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
 
 /// The zero of a joint that turns is not the same in all runs.
-pub(crate) const SPEC: Spec = Spec {
+pub const SPEC: Spec = Spec {
     name: "zero-changed",
     meaning: "the joint's zero is not the same in all runs",
     inspect: "the homing of that joint, and what was taken apart between the runs",

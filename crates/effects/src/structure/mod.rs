@@ -1,8 +1,5 @@
 //! Effects of joints behind their external encoders, of links, base and handle: the chain alone sees them.
 
-use crate::Further;
-use crate::laws::Input;
-
 pub(crate) mod axis_wobble;
 pub(crate) mod base_compliance;
 pub(crate) mod joint_compliance;
@@ -16,34 +13,6 @@ pub(crate) mod warming;
 
 pub use joint_compliance::SPEC as JOINT_COMPLIANCE;
 pub use tool_changed::SPEC as TOOL_CHANGED;
-
-/// Runs after which a displacement is looked for at most.
-const RUNS: usize = 8;
-
-/// The first run after a displacement: every one but the first.
-pub(crate) fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
-    let later = 1..input.context.runs.len().min(RUNS + 1);
-    later.map(|run| run as f64).collect()
-}
-
-/// From which run on a displacement is there: its number, from 1, in the order of the log.
-pub(crate) const FROM_RUN: Further = Further::usually("from_run", 1.0);
-
-/// The run of its number, from 0; the first one where the log has fewer: it was recorded later.
-pub(crate) fn run_of(input: Input<'_, '_>, from_run: f64) -> f64 {
-    let run = (from_run - 1.0).max(0.0);
-    if (run as usize) < input.context.runs.len() {
-        run
-    } else {
-        0.0
-    }
-}
-
-/// First row of a run.
-pub(crate) fn first_row(input: Input<'_, '_>, run: f64) -> usize {
-    let run = input.context.runs.get(run as usize);
-    run.map_or(usize::MAX, |run| run.start)
-}
 
 fn norm(parts: &[f64]) -> f64 {
     parts.iter().map(|part| part * part).sum::<f64>().sqrt()

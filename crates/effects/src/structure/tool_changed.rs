@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{Input, Law};
-use crate::structure::{FROM_RUN, first_row, later_runs, norm, run_of};
+use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
+use crate::structure::norm;
 use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 /// The last link or the handle is not the same in all runs, or not the earlier model's.

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{Input, Law};
-use crate::structure::{FROM_RUN, first_row, later_runs, norm, run_of};
+use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
+use crate::structure::norm;
 use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {

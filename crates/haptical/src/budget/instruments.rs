@@ -6,6 +6,7 @@ use haptical_metrics::budget::{Distribution, Input};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
+use crate::units::date;
 
 /// The file of instruments.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -136,34 +137,21 @@ impl Instruments {
     /// What is said of certificates that are past their day.
     pub(super) fn overdue(&self) -> Vec<String> {
         let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-        let now = now.unwrap_or_default();
+        let days = now.unwrap_or_default().as_secs() / 86_400;
         let all = self.instrument.iter();
-        all.filter_map(|own| own.overdue(now)).collect()
+        all.filter_map(|own| own.overdue(days as i64)).collect()
     }
 }
 
 /// Year, month and day of a text as 2026-02-03; none of another.
-fn day(text: &str) -> Option<[u32; 3]> {
+fn day(text: &str) -> Option<(i64, i64, i64)> {
     let parts: Vec<&str> = text.split('-').collect();
     let [year, month, day] = parts.as_slice() else {
         return None;
     };
     let is_written = (year.len(), month.len(), day.len()) == (4, 2, 2);
-    let date = [year.parse().ok()?, month.parse().ok()?, day.parse().ok()?];
-    (is_written && (1..=12).contains(&date[1]) && (1..=31).contains(&date[2])).then_some(date)
-}
-
-/// The day of a time since 1970, of the calendar in use (Hinnant, *chrono-compatible low-level date algorithms*, 2013).
-fn day_of(since_1970: std::time::Duration) -> [u32; 3] {
-    let days = since_1970.as_secs() / 86_400 + 719_468;
-    let (era, of_era) = (days / 146_097, days % 146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * month + 2) / 5 + 1;
-    let month = if month < 10 { month + 3 } else { month - 9 };
-    let year = year + era * 400 + u64::from(month <= 2);
-    [year, month, day].map(|own| u32::try_from(own).unwrap_or(u32::MAX))
+    let date = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
+    (is_written && (1..=12).contains(&date.1) && (1..=31).contains(&date.2)).then_some(date)
 }
 
 impl Instrument {
@@ -189,10 +177,10 @@ impl Instrument {
         Ok(())
     }
 
-    /// Said of a certificate whose day of the next calibration is behind a time.
-    fn overdue(&self, since_1970: std::time::Duration) -> Option<String> {
+    /// Said of a certificate whose day of the next calibration is behind a day, counted from 1970.
+    fn overdue(&self, days: i64) -> Option<String> {
         let due = self.due.as_deref()?;
-        (day(due)? < day_of(since_1970)).then(|| {
+        (day(due)? < date(days)).then(|| {
             format!(
                 "`{}` was due for calibration on {due}: what its certificate says may no longer hold",
                 self.name
@@ -260,21 +248,10 @@ impl Known {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::time::Duration;
 
     #[test]
-    fn days_are_those_of_the_calendar() {
-        // by `date -u -d @SECONDS +%F`
-        for (seconds, date) in [
-            (0, [1970, 1, 1]),
-            (951_782_399, [2000, 2, 28]),
-            (951_782_400, [2000, 2, 29]),
-            (1_798_761_599, [2026, 12, 31]),
-            (4_107_542_400, [2100, 3, 1]),
-        ] {
-            assert_eq!(day_of(Duration::from_secs(seconds)), date);
-        }
-        assert_eq!(day("2026-02-03"), Some([2026, 2, 3]));
+    fn days_are_written_year_month_day() {
+        assert_eq!(day("2026-02-03"), Some((2026, 2, 3)));
         for text in ["2026-2-3", "03.02.2026", "2026-13-01", "2026-02-00", "soon"] {
             assert_eq!(day(text), None, "{text}");
         }
@@ -293,10 +270,10 @@ mod tests {
             .unwrap()
             .instrument
             .remove(0);
-        let at =
-            |date: [u64; 2]| Duration::from_secs(86_400 * (365 * (date[0] - 1970) + 14 + date[1]));
-        assert_eq!(own.overdue(at([2027, 10])), None);
-        assert!(own.overdue(at([2027, 60])).is_some());
+        // by `date -u -d 2027-02-03 +%s`, and the day after
+        let due = 1_801_612_800 / 86_400;
+        assert_eq!(own.overdue(due), None);
+        assert!(own.overdue(due + 1).is_some());
         assert!(read("2027-02-03", "2026-02-03").is_err());
         assert!(read("yesterday", "2026-02-03").is_err());
     }

@@ -1,17 +1,15 @@
 //! A device that was identified with another log, whose numbers are fitted anew here.
 
 use crate::device::Device;
+use crate::files::provenance_of;
 use crate::log::Log;
-
-/// What a file that the command wrote has before each line of its provenance.
-const LINE: &str = "# provenance: ";
 
 /// Said where a device is the result of another log: what moved since is in the numbers that are fitted to this one.
 pub(super) fn refitted(device: &Device, logs: &[&Log]) -> Option<String> {
     let source = device.source();
     let text = source.read_text().ok()?;
-    let lines = || text.lines().map_while(|line| line.strip_prefix(LINE));
-    let command = lines().find_map(|line| line.strip_prefix("command line: haptical "))?;
+    let command =
+        provenance_of(&text).find_map(|line| line.strip_prefix("command line: haptical "))?;
     if !["identify", "diagnose"]
         .iter()
         .any(|own| command.starts_with(own))
@@ -19,7 +17,7 @@ pub(super) fn refitted(device: &Device, logs: &[&Log]) -> Option<String> {
         return None;
     }
     let mut of_logs = logs.iter().filter_map(|log| log.input("log"));
-    let is_same = of_logs.any(|log| lines().any(|line| line.ends_with(&log.sha256)));
+    let is_same = of_logs.any(|log| provenance_of(&text).any(|line| line.ends_with(&log.sha256)));
     (!is_same).then(|| {
         let file = source.label.as_str();
         format!(

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use haptical_effects::correction::{self, NAME, curve_of};
 use haptical_effects::device::{OwnEffect, effects_of};
+use haptical_effects::motor_encoder::ZERO_CHANGED;
 use haptical_effects::{Context, Hook, joint_origin_m};
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
@@ -133,7 +134,7 @@ impl Place<'_> {
                 return Err(NOT_READ);
             }
             _ if ["capstan-slip", "encoder-count-loss"].contains(&spec.name) => return Err(EVENT),
-            _ if spec.name == "zero-changed" => return Err(ONE_OF_TWO),
+            _ if spec.name == ZERO_CHANGED.name => return Err(ONE_OF_TWO),
             _ => {}
         }
         let (amplitudes, shape) = own.amplitudes(context);

@@ -15,7 +15,7 @@ pub use output::{
     MadeFolders, NewFile, check_folder, check_outputs, make_folder, reason, write_all,
 };
 pub use own::{check_own_file, check_own_record, not_own};
-pub(crate) use provenance::{DEVICE_FLAGS, FIT_FLAGS, without_comments};
+pub(crate) use provenance::{DEVICE_FLAGS, FIT_FLAGS, provenance_of, without_comments};
 pub use provenance::{
     OutputFile, Record, Thresholds, UNSEALED, VERSION, is_seal_whole, is_sealed_by, sealed_json,
     sealed_text, shell_word,

@@ -18,6 +18,11 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// they do not know.
 const COMMENT: &str = "# provenance: ";
 
+/// What the lines of provenance at the head of a TOML file say; none where it has none.
+pub(crate) fn provenance_of(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map_while(|line| line.strip_prefix(COMMENT))
+}
+
 /// Behind the writer of a sealed text, before its SHA-256.
 const SEAL: &str = "`; SHA-256 of this file with 64 zeros here: ";
 

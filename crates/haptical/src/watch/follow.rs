@@ -315,10 +315,10 @@ fn first_bytes(file: &mut File) -> std::io::Result<Vec<u8>> {
     Ok(first)
 }
 
-/// Whether a file is gzip, Parquet, MCAP or SQLite.
+/// Whether a file is gzip, Parquet or SQLite.
 fn is_binary(first: &[u8]) -> bool {
-    const MAGIC: [&[u8]; 4] = [b"\x1f\x8b", b"PAR1", b"\x89MCAP", b"SQLite format 3"];
-    MAGIC.iter().any(|magic| first.starts_with(magic))
+    const WHOLE: [&[u8]; 3] = [b"\x1f\x8b", b"PAR1", b"SQLite format 3"];
+    WHOLE.iter().any(|magic| first.starts_with(magic))
 }
 
 /// A folder into which logs arrive; they are judged in the order of their times of change, then of their names.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::intake::LeftOut;
 use super::{CeasedChannel, LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
-use crate::units::Shown;
+use crate::units::{Shown, date};
 
 /// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
 const CALENDAR_S: f64 = 1e9;
@@ -486,23 +486,6 @@ pub(super) fn when(time_s: f64) -> String {
         second / 60 % 60,
         second % 60
     )
-}
-
-/// Year, month and day of a number of days since 1970 (Hinnant, "chrono-compatible low-level date algorithms").
-fn date(days: i64) -> (i64, i64, i64) {
-    let shifted = days + 719_468;
-    let era = shifted.div_euclid(146_097);
-    let of_era = shifted.rem_euclid(146_097);
-    let year = (of_era - of_era / 1460 + of_era / 36_524 - of_era / 146_096) / 365;
-    let of_year = of_era - (365 * year + year / 4 - year / 100);
-    let shifted_month = (5 * of_year + 2) / 153;
-    let day = of_year - (153 * shifted_month + 2) / 5 + 1;
-    let month = if shifted_month < 10 {
-        shifted_month + 3
-    } else {
-        shifted_month - 9
-    };
-    (year + era * 400 + i64::from(month <= 2), month, day)
 }
 
 #[cfg(test)]

@@ -141,7 +141,7 @@ impl List<'_> {
 }
 
 /// The words of a name before its last numbers, and these: `T_1_2` is `t` and 1, 2.
-fn stem_and_numbers(name: &str) -> Option<(Vec<String>, Vec<usize>)> {
+pub(super) fn stem_and_numbers(name: &str) -> Option<(Vec<String>, Vec<usize>)> {
     let words = words(name);
     let is_number = |word: &String| word.parse::<usize>().is_ok();
     let front = words.len()

@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use super::Joint;
-use super::names::{Meaning, OfJoint, kind_of, of_device, words};
+use super::groups::stem_and_numbers;
+use super::names::{Meaning, OfJoint, kind_of, of_device};
 use crate::table::{Cells, Table};
 
 /// Words of a list of names.
@@ -15,12 +16,17 @@ const POSITIONS: [&str; 4] = ["position", "positions", "pos", "angle"];
 /// The words of a list's name but the last, and the number of an element.
 type Element = (Vec<String>, usize);
 
-/// The words before the last one, that one, and the number of an element.
-fn element(name: &str) -> Option<(Vec<String>, String, usize)> {
-    let mut words = words(name);
-    let number = words.pop()?.parse().ok()?;
-    let last = words.pop()?;
-    Some((words, last, number))
+/// An element of a list, and the last word of the list's name: `joint_names` stands beside `positions`.
+fn element(name: &str) -> Option<(Element, String)> {
+    let (mut front, numbers) = stem_and_numbers(name)?;
+    let [number] = numbers[..] else {
+        return None;
+    };
+    let last = front.pop()?;
+    if front.last().is_some_and(|word| word == "joint") {
+        front.pop();
+    }
+    Some(((front, number), last))
 }
 
 /// The one text of a column; none of several.
@@ -38,37 +44,30 @@ pub(super) fn of(table: &Table, joints: &[Joint]) -> BTreeMap<usize, (Option<Mea
         let Cells::Texts(cells) = &column.cells else {
             continue;
         };
-        if let Some((mut front, last, number)) = element(&column.name)
+        if let Some((element, last)) = element(&column.name)
             && NAMES.contains(&last.as_str())
         {
-            // `joint_names` beside `positions`
-            if front.last().is_some_and(|word| word == "joint") {
-                front.pop();
-            }
-            names.insert((front, number), (&column.name, only(cells)));
+            names.insert(element, (&column.name, only(cells)));
         }
     }
     let mut found = BTreeMap::new();
     for (place, column) in table.columns.iter().enumerate() {
-        let Some((mut front, last, number)) = element(&column.name) else {
+        let Some((element, last)) = element(&column.name) else {
             continue;
         };
-        if front.last().is_some_and(|word| word == "joint") {
-            front.pop();
-        }
         let is_position = POSITIONS.contains(&last.as_str());
         let kind = match kind_of(std::slice::from_ref(&last)) {
             Some(kind) => kind,
             None if is_position => OfJoint::Angle,
             None => continue,
         };
-        let Some((of, name)) = names.get(&(front, number)) else {
+        let Some((of, name)) = names.get(&element) else {
             continue;
         };
         let (meaning, why) = match name {
             None => (None, format!("`{of}` is not the same in all rows")),
             Some(name) if joints.is_empty() => (
-                Some(Meaning::Joint(kind, number)),
+                Some(Meaning::Joint(kind, element.1)),
                 format!(
                     "CHECK the order: `{of}` says `{name}`; --device puts the joints in the device's"
                 ),

@@ -60,7 +60,7 @@ pub(super) fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
         let (name, joint, in_drive) = match engine.base.parameters[position] {
             ParameterId::Link { row, parameter } => {
                 let joint = row.checked_sub(1);
-                match joint.is_some_and(|joint| is_zero(device, joint, parameter)) {
+                match joint.is_some_and(|joint| zero_of(device, joint) == Some(parameter)) {
                     true => (JOINT_OFFSET.name, joint, false),
                     false => (LINK_GEOMETRY.name, joint, false),
                 }
@@ -89,16 +89,17 @@ pub(super) fn groups(engine: &Engine<'_>, resized: Vec<Resized>) -> Vec<Group> {
     groups
 }
 
-/// Whether a number of a joint's own row is the joint's zero.
-fn is_zero(device: &Device, joint: usize, parameter: Parameter) -> bool {
-    let joint = device.joints.get(joint).map(|joint| joint.joint_type);
-    matches!(
-        (joint, parameter),
-        (Some(JointType::Revolute), Parameter::Theta) | (Some(JointType::Prismatic), Parameter::D)
-    )
+/// Which number of its own row is a joint's zero.
+pub(super) fn zero_of(device: &Device, joint: usize) -> Option<Parameter> {
+    let joint = device.joints.get(joint)?;
+    Some(match joint.joint_type {
+        JointType::Revolute => Parameter::Theta,
+        JointType::Prismatic => Parameter::D,
+    })
 }
 
-fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
+/// The name of a number of a joint's drive.
+pub(super) fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
     let is_capstan = matches!(
         device.joints[joint].transmission_error,
         TransmissionError::Capstan(_)

@@ -256,15 +256,8 @@ impl Earlier<'_, '_> {
         beside: &[usize],
         others: &[usize],
     ) -> Option<()> {
-        let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
-            terms.iter().any(|term| term.name == own.0.effect.name())
-        };
-        let sensors = self.sensors.iter().filter(is_displaced);
-        let mut chosen: Vec<usize> = (self.nuisances.iter())
-            .chain(terms.iter().flat_map(|term| &term.columns))
-            .chain(sensors.flat_map(|(_, columns)| columns))
-            .chain(self.zeros_of(terms))
-            .copied()
+        let mut chosen: Vec<usize> = (self.nuisances.iter().copied())
+            .chain(self.columns_of(terms))
             .collect();
         let is_new = |column: &&usize| !chosen.contains(column);
         let beside: Vec<usize> = beside.iter().filter(is_new).copied().collect();
@@ -300,35 +293,35 @@ impl Earlier<'_, '_> {
         Some(())
     }
 
-    /// Columns of the terms that are zeros and no free numbers.
-    fn zeros_of(&self, terms: &[BaseTerm]) -> impl Iterator<Item = &usize> {
-        let is_term = |zero: &Zero| {
-            let is_own = |term: &BaseTerm| {
-                term.columns.is_empty()
-                    && term.joint == Some(zero.joint)
-                    && !term.changed.is_empty()
-            };
-            terms.iter().any(is_own)
+    /// Columns of terms: of free numbers first, term by term, then of sensors at another place, then of zeros that are no free
+    /// numbers.
+    fn columns_of(&self, terms: &[BaseTerm]) -> Vec<usize> {
+        let is_displaced = |sensor: &Displaced| {
+            let name = sensor.effect.name();
+            terms.iter().any(|term| term.name == name)
         };
-        let zeros = self.zeros.iter();
-        zeros
-            .filter(move |(zero, _)| is_term(zero))
-            .map(|(_, column)| column)
+        let is_own = |zero: &Zero| {
+            let is_of = |term: &BaseTerm| {
+                term.columns.is_empty()
+                    && term.name == JOINT_OFFSET.name
+                    && term.joint == Some(zero.joint)
+            };
+            terms.iter().any(is_of)
+        };
+        let sensors = self.sensors.iter();
+        let sensors = sensors.filter(|(sensor, _)| is_displaced(sensor));
+        let zeros = self.zeros.iter().filter(|(zero, _)| is_own(zero));
+        (terms.iter().flat_map(|term| &term.columns))
+            .chain(sensors.flat_map(|(_, columns)| columns))
+            .chain(zeros.map(|(_, column)| column))
+            .copied()
+            .collect()
     }
 
     /// Whether terms, with what was free `beside` them, leave a part of the difference that has no name.
     fn is_partial(&self, terms: &[BaseTerm], beside: &[usize], total: f64) -> bool {
-        let is_displaced = |own: &&(&Displaced, Vec<usize>)| {
-            terms.iter().any(|term| term.name == own.0.effect.name())
-        };
-        let sensors = self.sensors.iter().filter(is_displaced);
-        let of_terms = terms.iter().flat_map(|term| &term.columns);
-        let mut named: Vec<usize> = of_terms
-            .chain(sensors.flat_map(|(_, columns)| columns))
-            .chain(self.zeros_of(terms))
-            .chain(beside)
-            .copied()
-            .collect();
+        let mut named = self.columns_of(terms);
+        named.extend(beside);
         named.sort_unstable();
         named.dedup();
         let left = total - self.explained(&named);

@@ -39,19 +39,33 @@ impl Earlier<'_, '_> {
         let other_joint = all[1..].iter().find(|other| other.0 > explained - AS_WELL);
         let other_joint = other_joint.map(|_| JOINT_OFFSET.name.to_owned());
         let rivals = other_joint.into_iter().chain(self.of_the_rig(explained));
-        let (value, number) = self.changed_zero((parameter, column), others)?;
+        Some(BaseTerm {
+            in_drive,
+            confusable_with: rivals.collect(),
+            is_all: true,
+            ..self.zero_term(joint, (parameter, column), explained, others)?
+        })
+    }
+
+    /// A zero that is another one.
+    pub(super) fn zero_term(
+        &self,
+        joint: usize,
+        zero: (ParameterId, usize),
+        explained: f64,
+        others: &[usize],
+    ) -> Option<BaseTerm> {
+        let (value, number) = self.changed_zero(zero, others)?;
+        let column = Some(zero.1).filter(|column| *column < self.count);
         Some(BaseTerm {
             name: JOINT_OFFSET.name,
             joint: Some(joint),
             explained,
             parameters: BTreeMap::from([(number.parameter.clone(), value)]),
-            in_drive,
-            confusable_with: rivals.collect(),
-            is_all: true,
-            columns: (column < self.count)
-                .then_some(column)
-                .into_iter()
-                .collect(),
+            in_drive: false,
+            confusable_with: Vec::new(),
+            is_all: false,
+            columns: column.into_iter().collect(),
             earlier: BTreeMap::new(),
             changed: vec![number],
         })
@@ -70,7 +84,7 @@ impl Earlier<'_, '_> {
     }
 
     /// What a zero is and changed by if nothing else did; the interval counts that `others` may differ too.
-    pub(super) fn changed_zero(
+    fn changed_zero(
         &self,
         (parameter, column): (ParameterId, usize),
         others: &[usize],

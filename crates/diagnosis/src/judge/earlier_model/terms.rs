@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use haptical_effects::base_model::JOINT_OFFSET;
-
 use super::displaced::Displaced;
 use super::groups::{Group, chance};
 use super::zeros::Zero;
@@ -90,20 +88,7 @@ impl Earlier<'_, '_> {
                 self.place_of(sensor, (columns, &with), gain, &[])
             }
             Term::Zero(zero, [column]) => {
-                let (value, number) =
-                    self.changed_zero((zero.parameter, column), &self.others())?;
-                Some(BaseTerm {
-                    name: JOINT_OFFSET.name,
-                    joint: Some(zero.joint),
-                    explained: gain,
-                    parameters: BTreeMap::from([(number.parameter.clone(), value)]),
-                    in_drive: false,
-                    confusable_with: Vec::new(),
-                    is_all: false,
-                    columns: Vec::new(),
-                    earlier: BTreeMap::new(),
-                    changed: vec![number],
-                })
+                self.zero_term(zero.joint, (zero.parameter, column), gain, &self.others())
             }
         });
         terms.collect()

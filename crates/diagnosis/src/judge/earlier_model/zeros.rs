@@ -1,15 +1,14 @@
 //! Zeros of joints that the recording does not tell from the place of a sensor or a tool, and so are no numbers of the base
 //! model: against an earlier model, which has all of them, they may be what changed (docs/diagnosis.md, "Earlier model").
 
-use haptical_effects::{Effect, catalogue};
-use haptical_model::kinematics::Parameter;
-use haptical_model::{Device, JointType, ParameterId, TransmissionKind};
+use haptical_effects::base_model::JOINT_OFFSET;
+use haptical_effects::catalogue;
+use haptical_effects::motor_encoder::ZERO_CHANGED;
+use haptical_model::ParameterId;
 
+use super::groups::{term_name, zero_of};
 use crate::engine::Engine;
 use crate::engine::part::dense;
-
-/// The effect whose law a zero that is another one throughout the recording has.
-const LAW: &str = "zero-changed";
 
 /// The zero of a joint.
 #[derive(Debug, Clone)]
@@ -21,34 +20,27 @@ pub(crate) struct Zero {
     pub(crate) column: Vec<f64>,
 }
 
-/// Whether a number is the zero of a joint's drive.
-fn is_zero_of_drive(device: &Device, parameter: ParameterId, joint: usize) -> bool {
-    let is_parallelogram = device.joints[joint].transmission == TransmissionKind::Parallelogram;
-    matches!(parameter, ParameterId::Transmission { joint: of, index: 0 } if of == joint)
-        && !is_parallelogram
-}
-
 /// The zeros that are not among the free numbers, but those of joints whose drive has a free zero.
 pub(crate) fn zeros(engine: &Engine<'_>) -> Vec<Zero> {
     let (context, base) = (&engine.context, &engine.base);
     let device = context.device;
     let is_free = |joint: usize, parameter: ParameterId| {
-        base.free.iter().any(|&position| {
-            let own = base.parameters[position];
-            own == parameter || is_zero_of_drive(device, own, joint)
-        })
+        base.free
+            .iter()
+            .any(|&position| match base.parameters[position] {
+                ParameterId::Transmission { joint: of, index } if of == joint => {
+                    term_name(device, joint, index) == JOINT_OFFSET.name
+                }
+                own => own == parameter,
+            })
     };
     let effects = catalogue(device).into_iter();
-    let effects = effects.filter(|effect| effect.name() == LAW);
-    let found = effects.filter_map(|effect: Box<dyn Effect>| {
+    let effects = effects.filter(|effect| effect.name() == ZERO_CHANGED.name);
+    let found = effects.filter_map(|effect| {
         let joint = effect.joint()?;
-        let parameter = match device.joints.get(joint)?.joint_type {
-            JointType::Revolute => Parameter::Theta,
-            JointType::Prismatic => Parameter::D,
-        };
         let parameter = ParameterId::Link {
             row: device.own_row(joint)?,
-            parameter,
+            parameter: zero_of(device, joint)?,
         };
         if is_free(joint, parameter) {
             return None;
