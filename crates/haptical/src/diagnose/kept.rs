@@ -1,6 +1,6 @@
 //! The gap that a second recording keeps, which is not that of the first.
 
-use haptical_diagnosis::{Diagnosis, SECOND_RECORDING, Verdict};
+use haptical_diagnosis::{Diagnosis, NoReduction, SECOND_RECORDING, Verdict};
 
 use crate::units::Shown;
 
@@ -14,11 +14,12 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
     }
     let channels = diagnosis.gap.channels.iter();
     let kept = channels.filter(|gap| {
-        gap.held_out
-            && gap.rms_after > gap.noise_floor_ci95[1]
-            && gap
-                .reduction_percent
-                .is_none_or(|closed| closed < CLOSED_IN_BOTH_PERCENT)
+        // where nothing says how large the noise is, nothing says that a gap is left
+        let is_open = match gap.reduction_percent {
+            Some(closed) => closed < CLOSED_IN_BOTH_PERCENT,
+            None => gap.no_reduction == Some(NoReduction::NoGap),
+        };
+        gap.held_out && gap.rms_after > gap.noise_floor_ci95[1] && is_open
     });
     let said = kept.map(|gap| {
         let shown = Shown::fine(&gap.unit);
@@ -69,6 +70,15 @@ mod tests {
             said.contains("keeps a gap (out2: 1.100 mrad left, noise "),
             "{said}"
         );
+        diagnosis.gap.channels[1].reduction_percent = None;
+        for (why, is_kept) in [
+            (NoReduction::NoGap, true),
+            (NoReduction::NoiseUnknown, false),
+        ] {
+            diagnosis.gap.channels[1].no_reduction = Some(why);
+            let said = verdict_sentence(&diagnosis);
+            assert_eq!(said.contains("keeps a gap"), is_kept, "{said}");
+        }
         diagnosis.gap.channels[1].reduction_percent = Some(97.0);
         assert!(!verdict_sentence(&diagnosis).contains("keeps a gap"));
     }

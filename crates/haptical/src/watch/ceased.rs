@@ -2,6 +2,8 @@
 
 use serde::Serialize;
 
+use super::state::when;
+
 /// A channel without readings, though the arm moves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CeasedChannel {
@@ -9,6 +11,17 @@ pub struct CeasedChannel {
     pub channel: String,
     /// Time of its last reading.
     pub last_read_s: f64,
+}
+
+impl CeasedChannel {
+    /// A sentence.
+    pub(super) fn line(&self) -> String {
+        format!(
+            "No reading of {} since {}, though the arm moved: from there on it is not judged.",
+            self.channel,
+            when(self.last_read_s)
+        )
+    }
 }
 
 /// Rows since each component was last read.

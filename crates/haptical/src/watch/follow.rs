@@ -266,6 +266,9 @@ impl Tail {
         let mut fed = Fed::default();
         self.is_done = new.is_whole || is_last;
         fed.grew = !new.text.is_empty();
+        fed.events.extend(new.why_none.map(|why| WatchEvent::Note {
+            text: format!("no rows yet: {why}"),
+        }));
         let mut cutter = Cutter::behind(new.behind);
         for piece in new.text.chunks(PIECE_BYTES) {
             fed.events.extend(watch.parts(cutter.take(piece), 0)?);

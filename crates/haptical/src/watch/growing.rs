@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use haptical_data::{BagOptions, LogShape, read_bag_from, write_log_to};
+use haptical_data::{DataError, LoadedLog, LogShape, write_log_to};
 use haptical_model::Recording;
 
 use crate::error::Error;
@@ -25,6 +25,8 @@ pub(super) struct Growing {
     /// Rows that were judged.
     rows: usize,
     is_whole: bool,
+    /// Why there are no rows yet, as it was said last.
+    said: Option<String>,
 }
 
 /// New rows as a text with a header, and whether there are no more to come.
@@ -34,6 +36,8 @@ pub(super) struct NewRows {
     /// Rows before them.
     pub(super) behind: usize,
     pub(super) is_whole: bool,
+    /// Why there are none, where that was not said before.
+    pub(super) why_none: Option<String>,
 }
 
 impl Growing {
@@ -61,17 +65,21 @@ impl Growing {
         };
         let whole = is_complete(path, bytes).map_err(unreadable)?;
         let file = File::open(path).map_err(unreadable)?;
-        let options = BagOptions {
-            is_growing: !whole,
-            ..BagOptions::default()
-        };
         let name = path.display().to_string();
-        let read = read_bag_from(BufReader::new(file).take(bytes), &name, &options, shape);
+        let read = read_messages(BufReader::new(file).take(bytes), &name, !whole, shape);
         self.read_bytes = bytes;
         let log = match read {
             Ok(log) => log,
-            // the first messages of each topic are not there yet
-            Err(_) if !whole && !is_last => return Ok(NewRows::default()),
+            // the first messages of each topic may not be there yet
+            Err(error) if !whole && !is_last => {
+                let why = error.to_string();
+                let is_new = self.said.as_ref() != Some(&why);
+                self.said = Some(why.clone());
+                return Ok(NewRows {
+                    why_none: is_new.then_some(why),
+                    ..NewRows::default()
+                });
+            }
             Err(error) => return Err(Error::from(error)),
         };
         let recording = log.recording;
@@ -90,8 +98,35 @@ impl Growing {
             text,
             behind,
             is_whole: whole,
+            why_none: None,
         })
     }
+}
+
+/// The rows of the messages that are there.
+#[cfg(feature = "mcap")]
+fn read_messages(
+    reader: impl Read,
+    name: &str,
+    is_growing: bool,
+    shape: &LogShape,
+) -> Result<LoadedLog, DataError> {
+    let options = haptical_data::BagOptions {
+        is_growing,
+        ..haptical_data::BagOptions::default()
+    };
+    haptical_data::read_bag_from(reader, name, &options, shape)
+}
+
+/// Says that this build reads no MCAP.
+#[cfg(not(feature = "mcap"))]
+fn read_messages(
+    reader: impl Read,
+    name: &str,
+    _is_growing: bool,
+    shape: &LogShape,
+) -> Result<LoadedLog, DataError> {
+    haptical_data::read_log_from(reader, name, shape)
 }
 
 /// Rows that no later message can belong to.

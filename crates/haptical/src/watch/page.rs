@@ -36,13 +36,7 @@ impl WatchState {
             let lines = WatchEvent::Cause(cause.clone()).line();
             answer.extend(lines.lines().map(|line| Block::Paragraph(line.to_owned())));
         }
-        answer.extend(self.ceased.iter().map(|own| {
-            Block::Paragraph(format!(
-                "No reading of {} since {}, though the arm moved: from there on it is not judged.",
-                own.channel,
-                when(own.last_read_s)
-            ))
-        }));
+        answer.extend(self.ceased.iter().map(|own| Block::Paragraph(own.line())));
         let mut facts = vec![
             format!(
                 "{} rows, the last at {}",

@@ -374,11 +374,7 @@ impl WatchState {
             text += &(WatchEvent::Cause(cause.clone()).line() + "\n");
         }
         for own in &self.ceased {
-            text += &format!(
-                "No reading of {} since {}, though the arm moved: from there on it is not judged.\n",
-                own.channel,
-                when(own.last_read_s)
-            );
+            text += &(own.line() + "\n");
         }
         if self.left_out.unreadable + self.left_out.out_of_order > 0 {
             text += &format!(

@@ -96,8 +96,8 @@ impl Earlier<'_, '_> {
             .collect();
         if column >= self.count {
             // a sum of the others is known where the one that most of it is made of is held: what that one is, its rivals tell
-            let held = self.columns.largest_part(column, &others)?;
-            others.retain(|other| *other != held);
+            let held = self.columns.largest_part(column, &others);
+            others.retain(|other| Some(*other) != held);
         }
         let covariance = covariance + self.columns.covariance_given(&chosen, &others)?;
         let last = chosen.len() - 1;

@@ -122,14 +122,15 @@ fn answer(
 /// Commands that go on from here, as one would type them where this one was typed.
 fn commands(result: &Identified, calibration: &Calibration) -> Vec<(String, String)> {
     let record = &result.provenance;
-    let log = record.inputs.iter().find(|input| input.flag == "log");
-    let diagnose = match log.filter(|_| !result.effects.is_empty()) {
+    let logs = record.inputs.iter().filter(|input| input.flag == "log");
+    let logs = logs.map(|log| format!(" --log {}", shell_word(&log.file)));
+    let diagnose = match result.effects.is_empty() {
+        true => format!("haptical diagnose{} --out gap", record.typed(&FIT_FLAGS)),
         // the given device lacks the effects, and the gap that they were found in is kept
-        Some(log) => format!(
-            "haptical diagnose --device identified.toml --log {} --out gap-after",
-            shell_word(&log.file)
+        false => format!(
+            "haptical diagnose --device identified.toml{} --out gap-after",
+            logs.collect::<String>()
         ),
-        None => format!("haptical diagnose{} --out gap", record.typed(&FIT_FLAGS)),
     };
     let mut commands = vec![(
         "Which effect causes what is left, or that none does:".to_owned(),
