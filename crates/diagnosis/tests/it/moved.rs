@@ -3,7 +3,7 @@
 use haptical_diagnosis::{Diagnosis, Options, Verdict, diagnose};
 use haptical_model::kinematics::Link;
 use haptical_model::kinematics::nalgebra::{
-    Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3,
+    Isometry3, Matrix3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3,
 };
 use haptical_model::{Device, Evaluation, Placement, Recording, Tracker};
 
@@ -301,6 +301,39 @@ fn a_zero_that_no_recording_tells_alone_is_told_against_an_earlier_model() {
             .any(|rival| rival.starts_with("tracker-moved"));
         assert_eq!(is_base, joint == 0, "{:?}", cause.confusable_with);
     }
+}
+
+/// What the target is turned by is no number of the device and no shift of the tool: a difference that bears no name is a gap.
+#[test]
+fn a_difference_without_a_name_is_no_sound_device() {
+    let one = Session {
+        runs: 1,
+        rows_of_a_run: 2400,
+        ..Session::default()
+    };
+    let model = diagnosed(&recorded(&one, Isometry3::identity(), still)).device;
+    let later = Session { seed: 9, ..one };
+    let mut recording = recorded(&later, Isometry3::identity(), still);
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::new(3e-3, 2e-3, 0.0));
+    let parts = recording.orientation_wxyz.as_mut().unwrap();
+    for row in 0..parts[0].len() {
+        let [w, i, j, k] = parts.each_ref().map(|part| part[row]);
+        let own = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k)) * turn;
+        for (part, value) in parts.iter_mut().zip([own.w, own.i, own.j, own.k]) {
+            part[row] = value;
+        }
+    }
+    let options = Options {
+        model: Some(&model),
+        ..Options::default()
+    };
+    let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+    assert_eq!(
+        diagnosis.verdict,
+        Verdict::Unknown,
+        "{}",
+        summary(&diagnosis)
+    );
 }
 
 /// A number of a link.

@@ -177,3 +177,25 @@ fn an_error_shows_at_each_rows_own_tool_and_base() {
         }
     }
 }
+
+/// A tracker whose metre is short reads all of a place by a share too much, in its own frame, and turns nothing.
+#[test]
+fn a_scale_is_that_of_the_place_in_the_trackers_frame() {
+    let rig = placed();
+    let context = context(&rig.device, &rig.recording);
+    let names = names(&context);
+    let signal = context.tracker_scaled();
+    for row in [0, 97, 500] {
+        let output: Vec<f64> = context.output.iter().map(|column| column[row]).collect();
+        let place = seen(&rig.device, &output).translation.vector;
+        for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
+            let position = on(&signal, &names, &format!("position.{letter}"), row);
+            assert!((position - place[axis]).abs() < 1e-12, "{letter}");
+        }
+    }
+    let turned = names
+        .iter()
+        .position(|name| name == "orientation.x")
+        .unwrap();
+    assert!(signal.on(turned).is_none());
+}

@@ -149,3 +149,48 @@ fn is_complete(path: &Path, bytes: u64) -> std::io::Result<bool> {
     file.read_exact(&mut last)?;
     Ok(last == MAGIC)
 }
+
+#[cfg(all(test, feature = "mcap"))]
+mod tests {
+    use super::*;
+
+    /// The file as it was at each of its sizes: rows wait for their poses, why there are none is said once, and each row comes once.
+    #[test]
+    fn each_row_of_a_file_that_grows_comes_once() {
+        let fixtures = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/tests/fixtures");
+        let bytes = std::fs::read(format!("{fixtures}/none.mcap")).unwrap();
+        let joint = |name: &str| haptical_data::JointShape {
+            name: name.to_owned(),
+            prismatic: false,
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+        };
+        let shape = LogShape {
+            joints: vec![joint("shoulder"), joint("elbow")],
+            cable_count: 0,
+            hands: Vec::new(),
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("bag.mcap");
+        let rows = |new: &NewRows| String::from_utf8_lossy(&new.text).lines().count();
+        let mut growing = Growing::default();
+        let (mut said, mut judged) = (0, 0);
+        for size in [200, 1500, 4000, 8000, bytes.len()] {
+            std::fs::write(&path, &bytes[..size]).unwrap();
+            let new = growing
+                .look(&path, &shape, (size as u64, false, false))
+                .unwrap();
+            said += usize::from(new.why_none.is_some());
+            assert_eq!(new.behind, judged);
+            judged += rows(&new).saturating_sub(1);
+            assert_eq!(new.is_whole, size == bytes.len());
+        }
+        // half a second long, so that all wait for the end
+        assert_eq!((judged, said), (40, 1));
+        std::fs::write(&path, &bytes[..8000]).unwrap();
+        let last = Growing::default()
+            .look(&path, &shape, (8000, true, true))
+            .unwrap();
+        assert!((10..40).contains(&rows(&last)), "{}", rows(&last));
+    }
+}

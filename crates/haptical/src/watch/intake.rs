@@ -1,5 +1,7 @@
 //! Lines to rows: those that are no rows, or out of order, are left out and counted.
 
+use std::path::Path;
+
 use haptical_data::{DataError, LoadedLog, LogShape, read_log_from};
 use haptical_model::{Device as Model, Recording};
 
@@ -268,4 +270,25 @@ fn in_own_run(line: &str, run_at: usize) -> String {
         .and_then(|()| writer.into_inner().ok());
     let text = written.map(|bytes| String::from_utf8_lossy(&bytes).trim_end().to_owned());
     text.unwrap_or_else(|| line.to_owned())
+}
+
+/// A log of torques alone, or of postures that touch.
+pub(super) fn nothing_to_watch(recording: &Recording, file: &Path) -> Error {
+    let has_torques = recording.torque_nm.iter().any(Option::is_some);
+    let what = match has_torques {
+        true => {
+            "the log has torques and nothing that says where the links are: torques of a moving arm are not watched"
+        }
+        false => "the log has no reading that the device predicts",
+    };
+    let next = match has_torques {
+        true => {
+            "judge it with `haptical diagnose`, or record an external encoder (out1_rad), a cable (cable_m) or a tracker \
+                 (x_m, y_m, z_m) too"
+        }
+        false => {
+            "record an external encoder (out1_rad), a cable (cable_m) or a tracker (x_m, y_m, z_m)"
+        }
+    };
+    Error::in_file("nothing-to-watch", what, file, next)
 }

@@ -14,7 +14,7 @@ mod state;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 
-use haptical_calibration::{CalibrationError, check_reach};
+use haptical_calibration::{CalibrationError, channels, check_reach};
 use haptical_data::{LogShape, read_log_from};
 use haptical_model::{Device as Model, Recording};
 use haptical_monitor::{Event, Monitor, Phase, Settings};
@@ -28,7 +28,7 @@ pub use self::state::{
 };
 
 use self::cause::cause;
-use self::intake::{Intake, Rows};
+use self::intake::{Intake, Rows, nothing_to_watch};
 use self::kept::Kept;
 use self::lines::Lines;
 use self::motion::moved_since;
@@ -419,6 +419,8 @@ impl Watch {
         let recording = known.as_ref().unwrap_or(recording);
         let residuals = match predicted_residuals(&mut model, recording, (&paths.0, &paths.1)) {
             Ok((residuals, _)) => residuals,
+            // no channel is read: the rows count, and what ceased is said
+            Err(_) if channels(&model, recording).is_err() => Vec::new(),
             Err(error) => {
                 self.intake.left_out.unreadable += (recording.len() - before) as u64;
                 let first = &mut self.intake.left_out.first;
@@ -575,25 +577,4 @@ impl Watch {
         let numbers = self.monitor.as_ref().map_or(0, Monitor::numbers_held);
         numbers + self.kept.len() + self.places.len()
     }
-}
-
-/// A log of torques alone, or of postures that touch.
-fn nothing_to_watch(recording: &Recording, file: &std::path::Path) -> Error {
-    let has_torques = recording.torque_nm.iter().any(Option::is_some);
-    let what = match has_torques {
-        true => {
-            "the log has torques and nothing that says where the links are: torques of a moving arm are not watched"
-        }
-        false => "the log has no reading that the device predicts",
-    };
-    let next = match has_torques {
-        true => {
-            "judge it with `haptical diagnose`, or record an external encoder (out1_rad), a cable (cable_m) or a tracker \
-                 (x_m, y_m, z_m) too"
-        }
-        false => {
-            "record an external encoder (out1_rad), a cable (cable_m) or a tracker (x_m, y_m, z_m)"
-        }
-    };
-    Error::in_file("nothing-to-watch", what, file, next)
 }

@@ -29,6 +29,7 @@ mod simulated_rigs;
 mod so101;
 #[path = "../../examples/tracker.rs"]
 mod tracker;
+mod tracker_scale;
 #[path = "../../examples/two_step.rs"]
 mod two_step;
 mod watch;

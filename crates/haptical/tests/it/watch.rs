@@ -347,3 +347,32 @@ fn a_whole_log_can_be_the_reference() {
     assert_eq!(refused.name(), "short-reference");
     assert!(refused.what().contains("300 rows are too few"), "{refused}");
 }
+
+/// An encoder that is taken off leaves nothing to judge by, which is no calibration that is true.
+#[test]
+fn a_channel_that_is_no_longer_read_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    let mut rows = Rows::new();
+    std::fs::write(&path, HEADER.to_owned() + &rows.text(6000, 0.0)).unwrap();
+    let (mut feed, mut watch) = (Feed::open(&path).unwrap(), watch());
+    drain(&mut feed, &mut watch, false);
+    assert_eq!(watch.verdict(), WatchVerdict::True);
+    let without: String = rows
+        .text(1000, 0.0)
+        .lines()
+        .filter_map(|line| Some(format!("{},\n", line.rsplit_once(',')?.0)))
+        .collect();
+    append(&path, &without);
+    drain(&mut feed, &mut watch, true);
+    let state = watch.state();
+    let [ceased] = state.ceased.as_slice() else {
+        panic!("{:?}", state.ceased);
+    };
+    assert_eq!(
+        (ceased.channel.as_str(), ceased.last_read_s),
+        ("out1", 599.9)
+    );
+    assert_eq!(state.verdict, WatchVerdict::NotJudged);
+    assert!(state.summary().contains("No reading of out1 since"));
+}
