@@ -111,6 +111,7 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
         let rows = own.rows.iter().zip(own.residuals.chunks_exact(width));
         let rows: Vec<(usize, Vec<f64>)> =
             rows.map(|(row, values)| (*row, values.to_vec())).collect();
+        blank(&mut predicted, own.channel, &rows);
         put(&mut predicted, own.channel, &rows);
         if own.outside_range > 0 {
             warnings.push(format!(
@@ -229,6 +230,28 @@ fn measured(recording: &Recording, channel: &str, row: usize, axis: usize) -> Op
     let mut all = outputs.chain(cables);
     let (_, column) = all.find(|(name, _)| name == channel)?;
     column.as_ref().map(|column| column[row])
+}
+
+/// Leaves no reading where there is no prediction.
+fn blank(recording: &mut Recording, channel: Channel, predicted: &[(usize, Vec<f64>)]) {
+    let mut is_kept = vec![false; recording.len()];
+    predicted.iter().for_each(|(row, _)| is_kept[*row] = true);
+    let blank = |column: &mut Vec<f64>| {
+        let cells = column.iter_mut().zip(&is_kept);
+        for (cell, _) in cells.filter(|(_, is_kept)| !**is_kept) {
+            *cell = f64::NAN;
+        }
+    };
+    match channel {
+        Channel::Output { joint } => recording.output[joint].iter_mut().for_each(blank),
+        Channel::Cable { index } => recording.cable_m[index].iter_mut().for_each(blank),
+        Channel::Position => recording.position_m.iter_mut().flatten().for_each(blank),
+        Channel::Orientation => {
+            let parts = recording.orientation_wxyz.iter_mut().flatten();
+            parts.for_each(blank);
+        }
+        _ => {}
+    }
 }
 
 /// Adds the residuals to what was measured.

@@ -1,4 +1,5 @@
-//! Products and differences of vectors, some numbers at a time.
+//! Products and differences of vectors, some numbers at a time. What is said register by register is so at every level of
+//! optimisation: the users' command is linked for its size, where a compiler puts no numbers side by side by itself.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -77,16 +78,23 @@ impl WithSimd for Dot<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let count = self.a.len().min(self.b.len());
-        let (a, a_rest) = self.a[..count].as_chunks::<SUMS>();
-        let (b, b_rest) = self.b[..count].as_chunks::<SUMS>();
-        let mut sums = [0.0; SUMS];
-        for (a, b) in a.iter().zip(b) {
-            for lane in 0..SUMS {
-                sums[lane] += a[lane] * b[lane];
+        let (a, a_rest) = self.a[..count].split_at(count - count % SUMS);
+        let (b, b_rest) = self.b[..count].split_at(count - count % SUMS);
+        // registers of four numbers are two of them, and so on
+        let registers = SUMS / S::F64_LANES;
+        let (a, b) = (S::as_simd_f64s(a).0, S::as_simd_f64s(b).0);
+        let mut partial = [simd.splat_f64s(0.0); SUMS];
+        for (a, b) in a.chunks_exact(registers).zip(b.chunks_exact(registers)) {
+            for register in 0..registers {
+                let product = simd.mul_f64s(a[register], b[register]);
+                partial[register] = simd.add_f64s(partial[register], product);
             }
         }
+        let mut sums = [0.0; SUMS];
+        let into = S::as_mut_simd_f64s(&mut sums).0;
+        into.copy_from_slice(&partial[..registers]);
         let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
         sums.iter().sum::<f64>() + rest
     }
@@ -105,7 +113,14 @@ impl WithSimd for TakeOff<'_> {
         let Self { vector, direction } = self;
         let (a, b) = (direction, &*vector);
         let along = Dot { a, b }.with_simd(simd);
-        subtract(vector, along, direction);
+        let count = direction.len().min(vector.len());
+        let (into, into_rest) = S::as_mut_simd_f64s(&mut vector[..count]);
+        let (x, x_rest) = S::as_simd_f64s(&direction[..count]);
+        let factor = simd.splat_f64s(along);
+        for (into, x) in into.iter_mut().zip(x) {
+            *into = simd.sub_f64s(*into, simd.mul_f64s(factor, *x));
+        }
+        subtract(into_rest, along, x_rest);
         along
     }
 }

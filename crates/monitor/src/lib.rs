@@ -4,6 +4,7 @@
 
 mod block;
 mod change;
+mod course;
 mod detector;
 mod error;
 mod monitor;
@@ -11,6 +12,7 @@ mod reference;
 mod unclipped;
 
 pub use change::{Change, Shape, change};
+pub use course::Course;
 pub use detector::{Detector, RATES};
 pub use error::MonitorError;
 pub use monitor::{ComponentState, Event, Monitor, Phase, RING_BLOCKS, Settings, Shift};

@@ -100,7 +100,7 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("intervals") {
         intervals::section(many, devices)?;
     }
-    if runs("noise-memory") {
+    if runs("noise-memory") && !arguments.quick {
         noise_memory::section(many, devices.min(200))?;
     }
     if runs("effects") && !arguments.quick {

@@ -1,7 +1,7 @@
 //! False alarms and delays of the watch over simulated days, one row a second, noise with memory included.
 
 use anyhow::{Context, Result, ensure};
-use haptical::monitor::{Event, Monitor, Settings};
+use haptical::monitor::{Course, Event, Monitor, Settings};
 use haptical_report::{Cell, Table};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -56,15 +56,18 @@ impl Shifted {
         }
     }
 
-    /// At a row of a day, of which each is somewhere else in the course.
     fn at(self, row: u32, day: u64) -> f64 {
         if !self.follows_posture {
             return self.rms;
         }
-        let begins = 1e3 * day as f64;
-        let sines = COURSE.map(|rate| (rate * (begins + f64::from(row))).sin());
-        self.rms * sines.iter().sum::<f64>()
+        self.rms * postures(day, row).iter().sum::<f64>()
     }
+}
+
+/// Joints at a row of a day, of which each begins somewhere else in the course.
+fn postures(day: u64, row: u32) -> [f64; 2] {
+    let begins = 1e3 * day as f64;
+    COURSE.map(|rate| (rate * (begins + f64::from(row))).sin())
 }
 
 /// AR(1) noise of standard deviation 1.
@@ -261,7 +264,9 @@ fn day(seed: u64, memory: f64) -> Result<Day> {
 
 fn shifted(mut monitor: Monitor, (day, memory): (u64, f64), shift: Shifted) -> Result<Found> {
     let mut noise = Noise::new(day ^ 0x5A5A, memory);
+    let mut course = Course::default();
     for row in 0..DAY {
+        course.push(f64::from(row), postures(day, row).into_iter());
         let moved = if row < CHANGE {
             0.0
         } else {
@@ -271,7 +276,9 @@ fn shifted(mut monitor: Monitor, (day, memory): (u64, f64), shift: Shifted) -> R
             continue;
         }
         let early = row < CHANGE;
-        let (change, [from, _, to], _) = monitor.change().context("an alarm without a block")?;
+        let (change, [from, _, to], _) = monitor
+            .change(course.spell_s())
+            .context("an alarm without a block")?;
         let holds = from <= f64::from(CHANGE) && f64::from(CHANGE) <= to.max(f64::from(row));
         let is_step = change.shape == haptical::monitor::Shape::Step;
         return Ok(Found {

@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 
 use super::batch::Case;
 
-/// Clean recordings with another verdict than `no-gap`, of 12, that a quick check lets pass.
+/// Clean recordings with another verdict than `no-gap`, of 6, that a quick check lets pass.
 const CLEAN_FAULTS: usize = 1;
 /// Share of torques and forces of no catalogue that may be answered `no-gap`.
 const FOREIGN_UNSEEN: f64 = 0.5;

@@ -1,6 +1,7 @@
 //! The messages of an MCAP file.
 
 use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use mcap::McapError;
 use mcap::io::MessageReader;
@@ -27,10 +28,16 @@ pub(super) fn read_topics(
         let added = messages.add_decompressor(decompressor);
         added.map_err(|error| failed(name, error))?;
     }
-    for message in messages {
-        let message = match message {
-            Err(error) if is_growing && is_end(&error) => break,
-            message => message.map_err(|error| failed(name, error))?,
+    loop {
+        // a library that meets what it does not expect may panic; its reader is dropped then
+        let next = catch_unwind(AssertUnwindSafe(|| messages.next())).map_err(|_| {
+            let (format, what) = ("MCAP", "its parts contradict".to_owned());
+            Place::file(name).error(Fault::Damaged { format, what })
+        })?;
+        let message = match next {
+            None => break,
+            Some(Err(error)) if is_growing && is_end(&error) => break,
+            Some(message) => message.map_err(|error| failed(name, error))?,
         };
         let channel = &message.channel;
         let schema = channel.schema.as_deref().map(|schema| schema.name.as_str());

@@ -414,6 +414,18 @@ fn a_cut_file_is_refused_at_every_length() {
     }
 }
 
+/// A record that says it is longer than its chunk: the library that reads it counted below zero.
+#[test]
+fn a_record_longer_than_its_chunk_is_survived() {
+    let sound = std::fs::read(fixture("none.mcap")).unwrap();
+    for place in [111, 1410, 1648] {
+        let mut content = sound.clone();
+        content[place] = 3;
+        let refused = read(&content, &BagOptions::default()).unwrap_err();
+        assert_eq!(refused.kind(), "damaged", "{place}: {refused}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
 

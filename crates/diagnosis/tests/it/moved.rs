@@ -303,6 +303,32 @@ fn a_zero_that_no_recording_tells_alone_is_told_against_an_earlier_model() {
     }
 }
 
+/// A model that was fitted to positions alone does not say how the target is turned: a recording with orientations too is compared by
+/// its positions.
+#[test]
+fn orientations_of_which_the_earlier_model_knows_nothing_are_left_out() {
+    let one = Session {
+        runs: 1,
+        rows_of_a_run: 2400,
+        ..Session::default()
+    };
+    let before = Recording {
+        orientation_wxyz: None,
+        ..recorded(&one, Isometry3::identity(), still)
+    };
+    let model = diagnosed(&before).device;
+    let later = Session { seed: 9, ..one };
+    let recording = recorded(&later, Isometry3::identity(), still);
+    assert!(recording.orientation_wxyz.is_some());
+    let options = Options {
+        model: Some(&model),
+        ..Options::default()
+    };
+    let diagnosis = diagnose(&device(), &recording, &options).unwrap();
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::NoGap, "{summary}");
+}
+
 /// What the target is turned by is no number of the device and no shift of the tool: a difference that bears no name is a gap.
 #[test]
 fn a_difference_without_a_name_is_no_sound_device() {

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use haptical_calibration::{CalibrationError, channels, check_reach};
 use haptical_data::{LogShape, read_log_from};
 use haptical_model::{Device as Model, Recording};
-use haptical_monitor::{Event, Monitor, Phase, Settings};
+use haptical_monitor::{Course, Event, Monitor, Phase, Settings};
 
 pub use self::cause::WatchCause;
 pub use self::ceased::CeasedChannel;
@@ -121,6 +121,7 @@ pub struct Watch {
     intake: Intake,
     /// Joints at the last row that was a reading of its own.
     last_joints: Vec<f64>,
+    course: Course,
     ceased: ceased::Ceased,
     kept: Kept,
     file: String,
@@ -179,6 +180,7 @@ impl Watch {
             shape: LogShape::from(&device.model),
             intake: Intake::new(),
             last_joints: Vec::new(),
+            course: Course::default(),
             ceased: ceased::Ceased::default(),
             kept: Kept::new(options.keep_rows.max(CONTEXT_ROWS)),
             file: String::new(),
@@ -447,6 +449,8 @@ impl Watch {
             let Some(monitor) = &mut self.monitor else {
                 return Ok(());
             };
+            let joints = recording.joint.iter().map(|column| column[row]);
+            self.course.push(self.last_s, joints);
             let is_new = moved_since(&mut self.last_joints, recording, row);
             let event = match is_new {
                 true => {

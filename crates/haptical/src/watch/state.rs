@@ -261,7 +261,7 @@ impl Watch {
 
     pub(super) fn alarm_entry(&self) -> Option<WatchAlarm> {
         let monitor = self.monitor.as_ref()?;
-        let (change, [from, since, to], row) = monitor.change()?;
+        let (change, [from, since, to], row) = monitor.change(self.course.spell_s())?;
         let place = self.places.iter().rev().find(|(first, _, _)| *first < row);
         let (file, line) = match place {
             Some((first, file, line)) => (file.clone(), line + (row - first).saturating_sub(1)),

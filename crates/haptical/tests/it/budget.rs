@@ -144,7 +144,7 @@ fn a_cable_fixes_no_position_and_instruments_are_checked() {
 /// Where an effect was fitted too, the handle moves with its numbers: logs that differ in their noise alone scatter as the budget says.
 #[test]
 fn a_fitted_effect_has_its_part_in_the_budget() {
-    const LOGS: u64 = 24;
+    const LOGS: u64 = 12;
     let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/../cli/assets");
     let path = format!("{assets}/arm6.urdf");
     let device = Device::load(&path).unwrap();
@@ -213,6 +213,6 @@ fn a_fitted_effect_has_its_part_in_the_budget() {
     let off = mean / (stated / (LOGS as f64).sqrt());
     assert!(off.abs() < 3.5, "{off}");
     let ratio = scatter / stated;
-    // 23 degrees of freedom: between 0.66 and 1.37 with 99 %
-    assert!((0.66..1.37).contains(&ratio), "{ratio}");
+    // 11 degrees of freedom: between 0.48 and 1.57 with 99 %
+    assert!((0.48..1.57).contains(&ratio), "{ratio}");
 }

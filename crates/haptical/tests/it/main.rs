@@ -25,6 +25,7 @@ mod moving_sets;
 mod next_poses;
 #[path = "../../examples/own_effect.rs"]
 mod own_effect;
+mod replay;
 mod simulated_rigs;
 mod so101;
 #[path = "../../examples/tracker.rs"]

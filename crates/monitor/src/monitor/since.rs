@@ -13,8 +13,9 @@ impl Monitor {
 
     /// Since when the features are others, with the time that was given with its first row, and the number of that row; none
     /// before a block was judged. The interval holds the change in 95 % of changes; where it ends with the last block, it ends with the
-    /// last row.
-    pub fn change(&self) -> Option<(Change, [f64; 3], u64)> {
+    /// last row. It begins earlier by `hidden`, in the unit of the times: for as long a change may not show, as it is none at the postures
+    /// ([`Course`](crate::Course)); 0 for one that is the same at each.
+    pub fn change(&self, hidden: f64) -> Option<(Change, [f64; 3], u64)> {
         let width = 2 * self.scales.len();
         let flat: Vec<f64> = self.ring.iter().copied().collect();
         let found = change(
@@ -30,8 +31,9 @@ impl Monitor {
                 .map(|mark| mark.time)
         };
         // a change within a block makes the block after it the first whole one
+        let shows = time(found.interval[0].saturating_sub(1))?;
         let times = [
-            time(found.interval[0].saturating_sub(1))?,
+            (shows - hidden).max(self.marks.front()?.time),
             time(found.first)?,
             match self.marks.get(found.interval[1] + 1) {
                 Some(mark) => mark.time,

@@ -44,7 +44,7 @@ fn a_mean_that_moves_and_a_size_that_grows_are_alarms() {
                 .push(f64::from(row), &[factor * noise.next() + shift])
                 .unwrap();
         }
-        let (change, _, _) = monitor.change().unwrap();
+        let (change, _, _) = monitor.change(0.0).unwrap();
         let shifts = monitor.shifts(change.first);
         let moved = shifts[0].mean_since - shifts[0].mean_before;
         assert!(
@@ -81,7 +81,7 @@ fn the_change_is_placed_and_its_shape_told() {
             };
             monitor.push(row as f64, &[noise.next() + moved]).unwrap();
         }
-        let (change, [from, first, to], _) = monitor.change().unwrap();
+        let (change, [from, first, to], _) = monitor.change(0.0).unwrap();
         assert_eq!(change.shape, shape);
         assert!(from <= 8000.0 && 8000.0 <= to, "{from} {to}");
         assert!(
@@ -106,7 +106,7 @@ fn a_large_shift_is_told_with_its_size() {
                 .unwrap();
         }
         assert_eq!(monitor.phase(), Phase::Alarmed);
-        let (change, _, _) = monitor.change().unwrap();
+        let (change, _, _) = monitor.change(0.0).unwrap();
         let shift = monitor.shifts(monitor.whole_since(&change).0)[0];
         let moved = shift.mean_since - shift.mean_before;
         assert!((moved - size).abs() < 1.5 * shift.half_width, "{shift:?}");
@@ -130,7 +130,7 @@ fn the_first_alarm_says_no_more_than_it_knows() {
         let alarm = rows_until_alarm(&mut monitor, 4000, |row| {
             noise.next() + if row as u64 >= start { 30.0 } else { 0.0 }
         });
-        let (change, [from, _, to], _) = monitor.change().unwrap();
+        let (change, [from, _, to], _) = monitor.change(0.0).unwrap();
         let shift = monitor.shifts(monitor.whole_since(&change).0)[0];
         let moved = shift.mean_since - shift.mean_before;
         assert!(

@@ -70,7 +70,7 @@ fn the_program_in_python_finds_the_same() {
     for (own, other) in evidence.iter().zip(until) {
         near(*own, other, 1e-8);
     }
-    let (found, _, _) = monitor.change().unwrap();
+    let (found, _, _) = monitor.change(0.0).unwrap();
     let since: Vec<u64> = case["since"]
         .as_array()
         .unwrap()

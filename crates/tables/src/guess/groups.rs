@@ -166,7 +166,7 @@ pub(super) fn of(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
             lists.entry(stem).or_default().push((numbers, column));
         }
     }
-    let mut found = BTreeMap::new();
+    let mut found = quaternions_by_letter(table);
     for (stem, mut elements) in lists {
         elements.sort();
         let columns: Vec<usize> = elements.into_iter().map(|(_, column)| column).collect();
@@ -185,6 +185,49 @@ pub(super) fn of(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
         };
         for (column, meaning) in meanings {
             found.insert(column, (meaning, why.clone()));
+        }
+    }
+    found
+}
+
+/// `x`, `y`, `z`, `w` with the same words before them, of length 1: the first three are no place.
+fn quaternions_by_letter(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
+    let mut fronts: BTreeMap<Vec<String>, [Option<usize>; 4]> = BTreeMap::new();
+    for (column, own) in table.columns.iter().enumerate() {
+        let mut front = words(&own.name);
+        let last = front.pop();
+        let letter = ["w", "x", "y", "z"].iter();
+        let letter = letter
+            .clone()
+            .position(|letter| last.as_deref() == Some(letter));
+        if let Some(letter) = letter
+            && kind_of(&front) != Some(OfJoint::Command)
+        {
+            fronts.entry(front).or_default()[letter].get_or_insert(column);
+        }
+    }
+    let mut found = BTreeMap::new();
+    for (stem, columns) in fronts {
+        let [Some(w), Some(x), Some(y), Some(z)] = columns else {
+            continue;
+        };
+        let columns = vec![w, x, y, z];
+        let numbers = columns.iter();
+        let numbers = numbers.map(|&column| table.columns[column].cells.numbers());
+        let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
+            continue;
+        };
+        let list = List {
+            stem,
+            columns,
+            numbers,
+        };
+        if list.is_quaternion([0, 1, 2, 3]) {
+            let parts = list.columns.iter().enumerate();
+            found.extend(parts.map(|(part, column)| {
+                let why = "x, y, z and w are of length 1, a quaternion".to_owned();
+                (*column, (Meaning::Quaternion(part), why))
+            }));
         }
     }
     found

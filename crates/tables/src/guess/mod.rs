@@ -5,6 +5,7 @@ mod layout;
 mod lists;
 mod named_lists;
 mod names;
+mod rivals;
 pub(crate) mod units;
 mod write;
 
@@ -53,11 +54,6 @@ pub fn guess(tables: &[Table], joints: &[Joint]) -> String {
                 unknown.push((file, column, why));
                 continue;
             };
-            if let Some(there) = found.iter().find(|own| own.meaning == meaning) {
-                let other = &run[there.file].columns[there.column].name;
-                unknown.push((file, column, format!("`{other}` is {meaning} already")));
-                continue;
-            }
             found.push(Proposal {
                 file,
                 column,
@@ -67,6 +63,7 @@ pub fn guess(tables: &[Table], joints: &[Joint]) -> String {
             });
         }
     }
+    unknown.append(&mut rivals::resolve(&mut found, run, joints));
     names::renumber(&mut found);
     names::slides(&mut found, joints);
     let mut dropped = names::incomplete(&mut found);

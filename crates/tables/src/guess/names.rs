@@ -278,7 +278,7 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     let is_place = POSITION.contains(&whole.as_str())
         || front
             .iter()
-            .all(|word| POSITION.contains(word) || *word == "pose");
+            .all(|word| POSITION.contains(word) || ["pose", "actual", "measured"].contains(word));
     axis.filter(|_| is_place).map(Meaning::Position)
 }
 

@@ -172,7 +172,7 @@ fn column(run: &[Table], own: &Proposal, text: &mut String) {
     match &own.scale {
         Scale::None => {}
         Scale::Unit(unit) => text.push_str(&format!("unit = {}\n", quoted(unit))),
-        Scale::Counts => text.push_str("counts_per_turn = 4096   # SAY how many are a turn of the joint: counts of the encoder times the gear's ratio\nzero_counts = 0\n"),
+        Scale::Counts => text.push_str("counts_per_turn = 0   # SAY how many are a turn of the joint: counts of the encoder times the gear's ratio\nzero_counts = 0\n"),
     }
 }
 

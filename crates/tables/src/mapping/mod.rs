@@ -308,6 +308,11 @@ impl ColumnRule {
         if self.zero_counts.is_some() && self.counts_per_turn.is_none() {
             return Err(format!("`{first}` has zero_counts without counts_per_turn"));
         }
+        if self.counts_per_turn == Some(0.0) {
+            return Err(format!(
+                "`{first}` needs its counts_per_turn: how many counts of the encoder are a turn of the joint, with the gear's ratio"
+            ));
+        }
         let given = [self.factor, self.counts_per_turn];
         if given
             .iter()

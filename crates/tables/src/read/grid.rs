@@ -1,5 +1,6 @@
 //! Rows of cells to named columns: which lines are names and units, which columns are numbers, lists within cells.
 
+use super::clock;
 use super::dialect::usual;
 use super::number::{is_missing, is_number, is_unit, number};
 use crate::error::TableError;
@@ -79,7 +80,8 @@ pub(super) fn to_table(
     })
 }
 
-/// Adds a column: numbers if all its cells are, its elements if all cells are lists of the same length, else texts.
+/// Adds a column: numbers if all its cells are, seconds if all are times of a clock, its elements if all are lists of the same length,
+/// else texts.
 fn push_column<'c, C: Iterator<Item = &'c str>>(
     columns: &mut Vec<Column>,
     name: String,
@@ -98,6 +100,14 @@ fn push_column<'c, C: Iterator<Item = &'c str>>(
             name,
             unit,
             cells: Cells::Numbers(numbers),
+        });
+        return;
+    }
+    if let Some(seconds) = clock::column(cells()) {
+        columns.push(Column {
+            name,
+            unit: Some("s".to_owned()),
+            cells: Cells::Numbers(seconds),
         });
         return;
     }
@@ -154,14 +164,15 @@ fn unit_in(name: &str) -> Option<String> {
     crate::mapping::Unit::parse(inner.trim()).map(|_| inner.trim().to_owned())
 }
 
-/// Whether a row is one of readings: half of its filled cells are numbers or lists of them.
+/// Whether a row is one of readings: half of its filled cells are numbers, times or lists of numbers, or each says that it has none.
 fn is_data(row: &Row) -> bool {
     let filled = row.cells.iter().filter(|cell| !is_missing(cell));
-    let numbers = filled
-        .clone()
-        .filter(|cell| is_number(cell) || list(cell).is_some());
-    let numbers = numbers.count();
-    numbers > 0 && 2 * numbers >= filled.count()
+    let is_reading =
+        |cell: &str| is_number(cell) || clock::seconds(cell).is_some() || list(cell).is_some();
+    let readings = filled.clone().filter(|cell| is_reading(cell)).count();
+    let filled = filled.count();
+    let says_none = filled == 0 && row.cells.iter().all(|cell| !cell.is_empty());
+    says_none || (readings > 0 && 2 * readings >= filled)
 }
 
 fn head(grid: &Grid, width: usize, reading: &Reading, name: &str) -> Result<Head, TableError> {

@@ -1,5 +1,6 @@
 //! A file to a table, by its first bytes and its content.
 
+mod clock;
 mod decode;
 mod dialect;
 mod grid;
@@ -205,14 +206,15 @@ fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
     let named = columns.names.into_iter().zip(columns.cells);
     let columns_of = named.map(|(name, cells)| {
         let is_text = cells.iter().any(|cell| matches!(cell, JsonCell::Text(_)));
-        let cells = match is_text {
-            false => Cells::Numbers(cells.iter().map(json_number).collect()),
-            true => Cells::Texts(cells.into_iter().map(json_text).collect()),
-        };
+        if !is_text {
+            return Column::numbers(name, cells.iter().map(json_number).collect());
+        }
+        let texts: Vec<String> = cells.into_iter().map(json_text).collect();
+        let seconds = clock::column(texts.iter().map(String::as_str));
         Column {
             name,
-            unit: None,
-            cells,
+            unit: seconds.is_some().then(|| "s".to_owned()),
+            cells: seconds.map_or(Cells::Texts(texts), Cells::Numbers),
         }
     });
     let mut table = Table {

@@ -11,7 +11,8 @@ fn proposed(texts: &[&str], joints: &[(&str, bool)]) -> Vec<(String, String, Opt
         .iter()
         .map(|(name, slides)| ((*name).to_owned(), *slides))
         .collect();
-    let text = guess(&tables, &joints);
+    // what is left to a person
+    let text = guess(&tables, &joints).replace("counts_per_turn = 0 ", "counts_per_turn = 4096 ");
     let mapping =
         Mapping::from_toml(&text, "columns.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     let rules = mapping.column.into_iter();
@@ -265,4 +266,68 @@ fn two_clocks_are_matched_by_time_though_the_rows_are_as_many() {
     let matching = |place: &str| guess(&[table(joints), table(place)], &[]);
     assert!(matching(&at(0.01)).contains("match = \"time\""));
     assert!(matching(&at(0.02)).contains("match = \"row\""));
+}
+
+/// A place that was commanded is no measurement, and stands before the measured one in some files.
+#[test]
+fn what_was_measured_is_taken_before_what_was_commanded() {
+    is(
+        "target_x,target_y,target_z,actual_x,actual_y,actual_z,q1\n1,2,3,1.1,2.1,3.1,0.5\n1,2,4,1.1,2.1,4.1,0.6\n",
+        &[
+            ("theta1_rad", "q1", ""),
+            ("x_m", "actual_x", ""),
+            ("y_m", "actual_y", ""),
+            ("z_m", "actual_z", ""),
+        ],
+    );
+}
+
+#[test]
+fn a_column_counted_from_0_does_not_move_the_joints() {
+    let joints = [("theta1_rad", "J1", ""), ("theta2_rad", "J2", "")];
+    is("J1,J2,Q0\n0.1,0.2,7\n0.3,0.4,7\n", &joints);
+    is("Q0,J1,J2\n7,0.1,0.2\n7,0.3,0.4\n", &joints);
+}
+
+#[test]
+fn four_letters_of_length_1_are_a_quaternion_and_no_place() {
+    let text = guess(
+        &[table("J1,X,Y,Z,W\n0.1,0.6,0,0,0.8\n0.2,0,0.6,0,0.8\n")],
+        &[],
+    );
+    let mapping = Mapping::from_toml(&text, "columns.toml").unwrap();
+    assert_eq!(mapping.orientation.unwrap().from, ["W", "X", "Y", "Z"]);
+    assert_eq!(mapping.column.len(), 1, "{text}");
+}
+
+#[test]
+fn times_of_a_clock_are_seconds() {
+    let text = "time,q1\n2026-11-27T12:00:00.25Z,nan\n2026-11-27T12:00:00.50Z,0.2\n";
+    is(text, &[("t_s", "time", ""), ("theta1_rad", "q1", "")]);
+    assert_eq!(
+        crate::support::numbers(&table(text))[0],
+        ("time", &[1_795_780_800.25, 1_795_780_800.5][..])
+    );
+}
+
+/// A first row without a reading is no line of names.
+#[test]
+fn a_first_row_without_readings_is_a_row() {
+    let read = table("q1,q2\nnan,nan\n0.1,0.2\n");
+    assert_eq!((read.columns[0].name.as_str(), read.lines.len()), ("q1", 2));
+}
+
+/// How many counts are a turn is for a person to say: no number is right by itself.
+#[test]
+fn counts_of_an_encoder_are_refused_until_a_turn_is_said() {
+    let text = guess(&[table("q1\n100000\n-20000\n")], &[]);
+    let refused = Mapping::from_toml(&text, "columns.toml").unwrap_err();
+    assert!(
+        refused
+            .what
+            .contains("`theta1_rad` needs its counts_per_turn"),
+        "{refused}"
+    );
+    let said = text.replace("counts_per_turn = 0 ", "counts_per_turn = 4096 ");
+    assert!(Mapping::from_toml(&said, "columns.toml").is_ok());
 }

@@ -113,7 +113,10 @@ fn mappings_that_contradict_themselves_are_refused() {
             &format!("{joint}unit = 'deg'\ncounts_per_turn = 10\n"),
             "both unit and counts",
         ),
-        (&format!("{joint}counts_per_turn = 0\n"), "other than 0"),
+        (
+            &format!("{joint}counts_per_turn = 0\n"),
+            "needs its counts_per_turn",
+        ),
         (
             &format!("{joint}zero_counts = 4\n"),
             "without counts_per_turn",
