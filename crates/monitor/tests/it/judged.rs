@@ -89,6 +89,11 @@ fn the_change_is_placed_and_its_shape_told() {
             "{first}"
         );
         assert!(!change.may_be_older);
+        // what may have hidden for a minute began up to a minute earlier, and not before the first row that was judged
+        let (_, [hidden, _, end], _) = monitor.change(60.0).unwrap();
+        assert_eq!([hidden, end], [from - 60.0, to]);
+        let (_, [oldest, ..], _) = monitor.change(1e9).unwrap();
+        assert!((0.0..4000.0).contains(&oldest), "{oldest}");
     }
 }
 

@@ -19,7 +19,18 @@ struct List<'t> {
     numbers: Vec<&'t [f64]>,
 }
 
-impl List<'_> {
+impl<'t> List<'t> {
+    /// Of columns; none where one has no numbers.
+    fn of_columns(table: &'t Table, stem: Vec<String>, columns: Vec<usize>) -> Option<Self> {
+        let numbers = columns.iter();
+        let numbers = numbers.map(|&column| table.columns[column].cells.numbers());
+        Some(Self {
+            stem,
+            numbers: numbers.collect::<Option<_>>()?,
+            columns,
+        })
+    }
+
     fn says(&self, word: &str) -> bool {
         self.stem.iter().any(|own| own == word)
     }
@@ -170,17 +181,8 @@ pub(super) fn of(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
     for (stem, mut elements) in lists {
         elements.sort();
         let columns: Vec<usize> = elements.into_iter().map(|(_, column)| column).collect();
-        let numbers = columns.iter();
-        let numbers = numbers.map(|&column| table.columns[column].cells.numbers());
-        let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
-            continue;
-        };
-        let list = List {
-            stem,
-            columns,
-            numbers,
-        };
-        let Some((meanings, why)) = list.meaning() else {
+        let list = List::of_columns(table, stem, columns);
+        let Some((meanings, why)) = list.and_then(|list| list.meaning()) else {
             continue;
         };
         for (column, meaning) in meanings {
@@ -196,10 +198,8 @@ fn quaternions_by_letter(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
     for (column, own) in table.columns.iter().enumerate() {
         let mut front = words(&own.name);
         let last = front.pop();
-        let letter = ["w", "x", "y", "z"].iter();
-        let letter = letter
-            .clone()
-            .position(|letter| last.as_deref() == Some(letter));
+        let letters = ["w", "x", "y", "z"].map(Some);
+        let letter = letters.iter().position(|letter| *letter == last.as_deref());
         if let Some(letter) = letter
             && kind_of(&front) != Some(OfJoint::Command)
         {
@@ -211,22 +211,13 @@ fn quaternions_by_letter(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
         let [Some(w), Some(x), Some(y), Some(z)] = columns else {
             continue;
         };
-        let columns = vec![w, x, y, z];
-        let numbers = columns.iter();
-        let numbers = numbers.map(|&column| table.columns[column].cells.numbers());
-        let Some(numbers) = numbers.collect::<Option<Vec<_>>>() else {
-            continue;
-        };
-        let list = List {
-            stem,
-            columns,
-            numbers,
-        };
-        if list.is_quaternion([0, 1, 2, 3]) {
-            let parts = list.columns.iter().enumerate();
+        let columns = [w, x, y, z];
+        let list = List::of_columns(table, stem, columns.to_vec());
+        if list.is_some_and(|list| list.is_quaternion([0, 1, 2, 3])) {
+            let parts = columns.into_iter().enumerate();
             found.extend(parts.map(|(part, column)| {
                 let why = "x, y, z and w are of length 1, a quaternion".to_owned();
-                (*column, (Meaning::Quaternion(part), why))
+                (column, (Meaning::Quaternion(part), why))
             }));
         }
     }

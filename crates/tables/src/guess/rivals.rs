@@ -1,5 +1,7 @@
 //! Columns that may be the same of a log: one of them is taken, the others are left out with the reason.
 
+use std::collections::BTreeMap;
+
 use super::lists::COMMAND;
 use super::names::{Meaning, OfJoint, of_device, words};
 use super::{Joint, Proposal};
@@ -35,53 +37,54 @@ pub(super) fn resolve(found: &mut Vec<Proposal>, run: &[Table], joints: &[Joint]
 
 /// `J1` to `J6` beside `Q0` are the joints, and `Q0` is none: a list that is counted from 0 stands alone, or is the longest.
 fn numbered_from_zero(found: &mut Vec<Proposal>, run: &[Table], joints: &[Joint]) -> Vec<LeftOut> {
-    let list = |own: &Proposal| match own.meaning {
-        Meaning::Joint(kind, number) => {
+    // of each kind the lists by their words; those that the device names are one list, without words
+    let mut kinds: BTreeMap<OfJoint, BTreeMap<Vec<String>, Joints>> = BTreeMap::new();
+    for (place, own) in found.iter().enumerate() {
+        if let Meaning::Joint(kind, number) = own.meaning {
             let name = &run[own.file].columns[own.column].name;
-            let stem: Vec<String> = match of_device(name, joints) {
+            let mut stem = match of_device(name, joints) {
                 Some(_) => Vec::new(),
-                None => {
-                    let words = words(name).into_iter();
-                    words
-                        .filter(|word| word.parse::<usize>().is_err())
-                        .collect()
-                }
+                None => words(name),
             };
-            Some((kind, stem, number))
+            stem.retain(|word| word.parse::<usize>().is_err());
+            let list = kinds.entry(kind).or_default().entry(stem).or_default();
+            list.is_from_zero |= number == 0;
+            list.places.push(place);
         }
-        _ => None,
-    };
-    let lists: Vec<Option<(OfJoint, Vec<String>, usize)>> = found.iter().map(list).collect();
-    let size = |kind: OfJoint, stem: &[String]| {
-        let own = lists.iter().flatten();
-        own.filter(|list| list.0 == kind && list.1 == stem).count()
-    };
-    let mut left_out = Vec::new();
-    for (kind, stem, _) in lists.iter().flatten().filter(|list| list.2 == 0) {
-        let others = lists.iter().flatten();
-        let others = others.filter(|list| list.0 == *kind && list.1 != *stem);
-        let longest = others.max_by_key(|list| size(*kind, &list.1));
-        let Some(longest) = longest else {
+    }
+    let mut is_left_out = vec![false; found.len()];
+    for lists in kinds.values().filter(|lists| lists.len() > 1) {
+        // of equals one that is counted from 1
+        let size = |(stem, list): &(&Vec<String>, &Joints)| {
+            (stem.is_empty(), list.places.len(), !list.is_from_zero)
+        };
+        let Some((longest, first)) = lists.iter().max_by_key(size) else {
             continue;
         };
-        let loser = match size(*kind, &longest.1) >= size(*kind, stem) || longest.1.is_empty() {
-            true => stem,
-            false => &longest.1,
-        };
-        for (place, list) in lists.iter().enumerate() {
-            let is_loser = list
-                .as_ref()
-                .is_some_and(|list| list.0 == *kind && list.1 == *loser);
-            if is_loser {
-                let own = &found[place];
-                let why = "other columns are numbered as the joints".to_owned();
-                left_out.push((own.file, own.column, why));
+        for (stem, list) in lists.iter().filter(|(stem, _)| *stem != longest) {
+            if list.is_from_zero || (first.is_from_zero && !stem.is_empty()) {
+                list.places
+                    .iter()
+                    .for_each(|place| is_left_out[*place] = true);
             }
         }
     }
+    let mut left_out = Vec::new();
+    let mut is_left_out = is_left_out.into_iter();
     found.retain(|own| {
-        let mut gone = left_out.iter();
-        !gone.any(|(file, column, _)| (*file, *column) == (own.file, own.column))
+        let is_kept = !is_left_out.next().unwrap_or_default();
+        if !is_kept {
+            let why = "other columns are numbered as the joints".to_owned();
+            left_out.push((own.file, own.column, why));
+        }
+        is_kept
     });
     left_out
+}
+
+/// Joints of one list: places among the proposals.
+#[derive(Default)]
+struct Joints {
+    is_from_zero: bool,
+    places: Vec<usize>,
 }

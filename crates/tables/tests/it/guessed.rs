@@ -287,6 +287,15 @@ fn a_column_counted_from_0_does_not_move_the_joints() {
     let joints = [("theta1_rad", "J1", ""), ("theta2_rad", "J2", "")];
     is("J1,J2,Q0\n0.1,0.2,7\n0.3,0.4,7\n", &joints);
     is("Q0,J1,J2\n7,0.1,0.2\n7,0.3,0.4\n", &joints);
+    // the longest list is the joints
+    is(
+        "Q0,Q1,Q2,J1\n0.1,0.2,0.3,7\n0.3,0.4,0.5,7\n",
+        &[
+            ("theta1_rad", "Q0", ""),
+            ("theta2_rad", "Q1", ""),
+            ("theta3_rad", "Q2", ""),
+        ],
+    );
 }
 
 #[test]
