@@ -1,5 +1,5 @@
 //! Products and differences of vectors, some numbers at a time. What is said register by register is so at every level of
-//! optimisation: the users' command is linked for its size, where a compiler puts no numbers side by side by itself.
+//! optimisation, and for the registers of the processor that runs it.
 
 use pulp::{Arch, Simd, WithSimd};
 

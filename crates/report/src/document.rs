@@ -253,15 +253,17 @@ fn in_order(blocks: &[Block]) -> Markup {
 /// Text whose pieces between backticks are names of files, columns and flags.
 pub(crate) fn with_code(text: &str) -> Markup {
     let text = clean(text);
+    // a line does not end between a number and its sign
+    let prose = |piece: &str| piece.replace(" %", "\u{a0}%");
     let pieces: Vec<&str> = text.split('`').collect();
     let is_paired = pieces.len() % 2 == 1;
     html! {
         @if is_paired {
             @for (index, piece) in pieces.iter().enumerate() {
-                @if index % 2 == 1 { code { (piece) } } @else { (piece) }
+                @if index % 2 == 1 { code { (piece) } } @else { (prose(piece)) }
             }
         } @else {
-            (text)
+            (prose(&text))
         }
     }
 }

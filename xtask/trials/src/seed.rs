@@ -6,6 +6,7 @@ use std::str::FromStr;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, bail, ensure};
+use chrono::DateTime;
 use serde::Serialize;
 
 /// The thresholds, from the root of the repository.
@@ -109,27 +110,9 @@ pub(crate) fn head(root: &Path) -> String {
 /// Today in universal time, YYYY-MM-DD.
 pub(crate) fn today() -> String {
     let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH);
-    date(since_epoch.map_or(0, |time| (time.as_secs() / 86_400).cast_signed()))
-}
-
-/// The date of a day counted from 1970-01-01 in the Gregorian calendar. Source: Hinnant,
-/// "chrono-compatible low-level date algorithms", civil_from_days: years begin in March.
-pub(crate) fn date(days: i64) -> String {
-    let shifted = days + 719_468;
-    let era = shifted.div_euclid(146_097);
-    let day_of_era = shifted.rem_euclid(146_097);
-    let year_of_era =
-        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
-    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    let from_march = (5 * day_of_year + 2) / 153;
-    let day = day_of_year - (153 * from_march + 2) / 5 + 1;
-    let month = if from_march < 10 {
-        from_march + 3
-    } else {
-        from_march - 9
-    };
-    let year = year_of_era + era * 400 + i64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02}")
+    let seconds = since_epoch.map_or(0, |time| time.as_secs().cast_signed());
+    let date = DateTime::from_timestamp(seconds, 0).unwrap_or_default();
+    date.format("%Y-%m-%d").to_string()
 }
 
 fn git(root: &Path, arguments: &[&str]) -> Result<String> {

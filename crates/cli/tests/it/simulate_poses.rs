@@ -103,6 +103,18 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         "simulate",
         &[&poses[..], &["--truth", "truth.toml", "--out", "made.csv"]].concat(),
     );
+    // names of parameters count rows, which a URDF has not
+    let said = sandbox.ran(&[
+        "check",
+        "arm.urdf",
+        "made.csv",
+        "--tip",
+        "tool",
+        "--rig",
+        "made.csv.rig.toml",
+    ]);
+    let rows = "The number of a parameter is that of its row: 0 the base, 1 `shoulder_pan`, ";
+    assert!(said.contains(rows), "{said}");
     let log = ["--rig", "made.csv.rig.toml", "--log", "made.csv"];
     with("diagnose", &[&log[..], &["--out", "gap"]].concat());
     let gap = sandbox.json("gap/gap.json");
@@ -113,7 +125,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
     // named by an absolute path: of that the record keeps the last part
     let causes = sandbox.path("gap/gap.json").canonicalize().unwrap();
     let causes = causes.display().to_string();
-    with(
+    let said = with(
         "identify",
         &[
             &log[..],
@@ -121,6 +133,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         ]
         .concat(),
     );
+    assert!(said.contains(rows), "{said}");
     let found = sandbox.json("result/identified.json");
     let number = &found["effects"][0]["parameters"]["stiffness_nm_per_rad"];
     let interval = &number["ci95"];

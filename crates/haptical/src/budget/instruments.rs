@@ -1,12 +1,13 @@
 //! The file of instruments: certificates, what they are known to, and which readings they act on.
 
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
+use chrono::{DateTime, NaiveDate};
 use haptical_metrics::budget::{Distribution, Input};
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
-use crate::units::date;
 
 /// The file of instruments.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
@@ -136,22 +137,21 @@ impl Instruments {
 impl Instruments {
     /// What is said of certificates that are past their day.
     pub(super) fn overdue(&self) -> Vec<String> {
-        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
-        let days = now.unwrap_or_default().as_secs() / 86_400;
+        let now = SystemTime::now().duration_since(UNIX_EPOCH);
+        let seconds = now.unwrap_or_default().as_secs();
+        let Some(today) = DateTime::from_timestamp(seconds.cast_signed(), 0) else {
+            return Vec::new();
+        };
         let all = self.instrument.iter();
-        all.filter_map(|own| own.overdue(days as i64)).collect()
+        all.filter_map(|own| own.overdue(today.date_naive()))
+            .collect()
     }
 }
 
-/// Year, month and day of a text as 2026-02-03; none of another.
-fn day(text: &str) -> Option<(i64, i64, i64)> {
-    let parts: Vec<&str> = text.split('-').collect();
-    let [year, month, day] = parts.as_slice() else {
-        return None;
-    };
-    let is_written = (year.len(), month.len(), day.len()) == (4, 2, 2);
-    let date = (year.parse().ok()?, month.parse().ok()?, day.parse().ok()?);
-    (is_written && (1..=12).contains(&date.1) && (1..=31).contains(&date.2)).then_some(date)
+/// The day of a text as 2026-02-03; none of another.
+fn day(text: &str) -> Option<NaiveDate> {
+    let day = NaiveDate::parse_from_str(text, "%Y-%m-%d").ok()?;
+    (day.to_string() == text).then_some(day)
 }
 
 impl Instrument {
@@ -177,10 +177,10 @@ impl Instrument {
         Ok(())
     }
 
-    /// Said of a certificate whose day of the next calibration is behind a day, counted from 1970.
-    fn overdue(&self, days: i64) -> Option<String> {
+    /// Said of a certificate whose day of the next calibration is over.
+    fn overdue(&self, today: NaiveDate) -> Option<String> {
         let due = self.due.as_deref()?;
-        (day(due)? < date(days)).then(|| {
+        (day(due)? < today).then(|| {
             format!(
                 "`{}` was due for calibration on {due}: what its certificate says may no longer hold",
                 self.name
@@ -251,8 +251,16 @@ mod tests {
 
     #[test]
     fn days_are_written_year_month_day() {
-        assert_eq!(day("2026-02-03"), Some((2026, 2, 3)));
-        for text in ["2026-2-3", "03.02.2026", "2026-13-01", "2026-02-00", "soon"] {
+        assert_eq!(day("2026-02-03"), NaiveDate::from_ymd_opt(2026, 2, 3));
+        for text in [
+            "2026-2-3",
+            "2026- 2- 3",
+            "03.02.2026",
+            "2026-13-01",
+            "2026-02-00",
+            "2026-02-29",
+            "soon",
+        ] {
             assert_eq!(day(text), None, "{text}");
         }
     }
@@ -270,10 +278,9 @@ mod tests {
             .unwrap()
             .instrument
             .remove(0);
-        // by `date -u -d 2027-02-03 +%s`, and the day after
-        let due = 1_801_612_800 / 86_400;
+        let due = NaiveDate::from_ymd_opt(2027, 2, 3).unwrap();
         assert_eq!(own.overdue(due), None);
-        assert!(own.overdue(due + 1).is_some());
+        assert!(own.overdue(due.succ_opt().unwrap()).is_some());
         assert!(read("2027-02-03", "2026-02-03").is_err());
         assert!(read("yesterday", "2026-02-03").is_err());
     }

@@ -27,6 +27,9 @@ pub struct Checked {
     pub log: Option<CheckedLog>,
     /// What is odd about both.
     pub warnings: Vec<String>,
+    /// Which row each number in a parameter's name stands for, where the joints have names of their own; else empty.
+    #[serde(skip)]
+    named_rows: String,
 }
 
 /// A device file.
@@ -160,6 +163,7 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
             source.label.clone(),
         ),
         warnings,
+        named_rows: device.named_rows(),
     })
 }
 

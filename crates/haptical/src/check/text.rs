@@ -6,6 +6,7 @@ use haptical_report::{Cell, ReportError, Table};
 
 use super::{Checked, CheckedJoint, CheckedLog};
 use crate::identify::refused;
+use crate::lines::labelled;
 
 /// Names per line of the list of identifiable parameters.
 const NAMES_PER_LINE: usize = 8;
@@ -28,7 +29,13 @@ impl Display for Checked {
         let joints = joint_table(&device.joints).map_err(|_| Error)?;
         writeln!(text, "{}", joints.to_terminal())?;
         match &self.log {
-            Some(log) => describe_identifiability(text, log),
+            Some(log) => {
+                describe_identifiability(text, log)?;
+                match self.named_rows.is_empty() || !log.good_for.is_empty() {
+                    true => Ok(()),
+                    false => text.write_str(&labelled("", &self.named_rows, 0)),
+                }
+            }
             None => writeln!(text, "The device file is valid."),
         }
     }

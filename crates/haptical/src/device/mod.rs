@@ -112,6 +112,25 @@ impl Device {
         Self::open(&Source::text(text, name), &Equipment::default())
     }
 
+    /// Which row each number in a parameter's name stands for, where the joints have names of their own; else empty.
+    pub(crate) fn named_rows(&self) -> String {
+        let joints = self.model.joints.iter().enumerate();
+        let named: Vec<String> = joints
+            .filter(|(_, joint)| joint.name.parse::<f64>().is_err())
+            .filter_map(|(index, joint)| {
+                let row = self.model.own_row(index)?;
+                Some(format!("{row} `{}`", joint.name))
+            })
+            .collect();
+        match named.is_empty() {
+            true => String::new(),
+            false => format!(
+                "The number of a parameter is that of its row: 0 the base, {}.",
+                named.join(", ")
+            ),
+        }
+    }
+
     /// What of the model's poses only an unknown tracker fixes; nothing where its place and what it sees are known.
     ///
     /// Such a recording is the same for an arm that is moved or turned as a whole, and for another flange: docs/equations.md,

@@ -144,6 +144,7 @@ pub fn identify_as(
     );
     let mut result = identified(&calibration, labels, fit, force, warnings.concat(), record);
     result.moved = moved::moved(device, &calibration, &result.parameters);
+    result.named_rows = device.named_rows();
     effects.extend(held(&device.model, &model));
     result.tell_effects(effects);
     let written = |model: &Model| {

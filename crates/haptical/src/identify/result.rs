@@ -55,6 +55,9 @@ pub struct Identified {
     pub combinations: Vec<Combination>,
     /// Those that kept their nominal values.
     pub not_identified: Vec<NotIdentified>,
+    /// Which row each number in a parameter's name stands for, where the joints have names of their own; else empty.
+    #[serde(skip)]
+    pub(super) named_rows: String,
     /// How the intervals were made; none where nothing but transmissions was fitted.
     pub intervals: Option<Intervals>,
     /// Searches from other places than the device file's values, where the first one was doubted.
@@ -288,6 +291,7 @@ pub(super) fn identified(
         effects: Vec::new(),
         combinations,
         not_identified,
+        named_rows: String::new(),
         intervals: fits.first().map(|first| Intervals {
             channel_noise: fits
                 .iter()

@@ -68,6 +68,9 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     if !result.not_identified.is_empty() {
         writeln!(text, "\nNot identified, kept at the nominal value:")?;
         write!(text, "{}", refused::lines(&result.not_identified))?;
+        if !result.named_rows.is_empty() {
+            write!(text, "{}", labelled("", &result.named_rows, 0))?;
+        }
     }
     Ok(())
 }

@@ -39,9 +39,9 @@ pub struct Planned {
     /// Header of poses.csv.
     #[serde(skip)]
     columns: Vec<String>,
-    /// What the numbers in the names of parameters are of, where the joints have names of their own; else empty.
+    /// Which row each number in a parameter's name stands for, where the joints have names of their own; else empty.
     #[serde(skip)]
-    rows: String,
+    named_rows: String,
 }
 
 /// Plans for a device; `measured` is a log of poses that were measured with the first rig already.
@@ -84,30 +84,11 @@ pub fn plan_as(
         plan,
         warnings,
         provenance,
-        rows: rows(device),
+        named_rows: device.named_rows(),
         columns: joints
             .map(|(index, joint)| format!("theta{}_{}", index + 1, joint.unit()))
             .collect(),
     })
-}
-
-/// The rows of the chain that a file of named joints was read as.
-fn rows(device: &Device) -> String {
-    let joints = device.model.joints.iter().enumerate();
-    let named: Vec<String> = joints
-        .filter(|(_, joint)| joint.name.parse::<f64>().is_err())
-        .filter_map(|(index, joint)| {
-            let row = device.model.own_row(index)?;
-            Some(format!("{row} `{}`", joint.name))
-        })
-        .collect();
-    match named.is_empty() {
-        true => String::new(),
-        false => format!(
-            "The number of a parameter is that of its row: 0 the base, {}.",
-            named.join(", ")
-        ),
-    }
 }
 
 /// Poses of a log.

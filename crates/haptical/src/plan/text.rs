@@ -30,8 +30,8 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
             write!(text, "{}", labelled(label, line, label.len()))?;
         }
     }
-    if !plan.rows.is_empty() {
-        write!(text, "{}", labelled("", &plan.rows, 0))?;
+    if !plan.named_rows.is_empty() {
+        write!(text, "{}", labelled("", &plan.named_rows, 0))?;
     }
     // a table of this many columns in each row is never refused
     let table = table(plan).map_err(|_| std::fmt::Error)?;

@@ -1,14 +1,14 @@
 //! Where a watch stands, as numbers for programs and as lines for people.
 
+use chrono::DateTime;
 use serde::Serialize;
 
 use super::intake::LeftOut;
 use super::{CeasedChannel, LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
-use crate::units::{Shown, date};
+use crate::units::Shown;
 
 /// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
 const CALENDAR_S: f64 = 1e9;
-const DAY_S: f64 = 86_400.0;
 /// Blocks that the present shift of a channel is a mean of.
 const RECENT_BLOCKS: usize = 32;
 /// Components that an alarm names.
@@ -473,15 +473,10 @@ pub(super) fn when(time_s: f64) -> String {
     if !(CALENDAR_S..1e11).contains(&time_s) {
         return format!("t = {time_s:.1} s");
     }
-    let days = (time_s / DAY_S).floor();
-    let (year, month, day) = date(days as i64);
-    let second = (time_s - days * DAY_S).floor() as i64;
-    format!(
-        "{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02} UTC",
-        second / 3600,
-        second / 60 % 60,
-        second % 60
-    )
+    match DateTime::from_timestamp(time_s.floor() as i64, 0) {
+        Some(time) => time.format("%Y-%m-%d %H:%M:%S UTC").to_string(),
+        None => format!("t = {time_s:.1} s"),
+    }
 }
 
 #[cfg(test)]

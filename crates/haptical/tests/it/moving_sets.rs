@@ -45,66 +45,73 @@ fn sets() -> Option<PathBuf> {
 }
 
 #[test]
-fn what_moves_an_arm_is_named() {
+fn what_moves_an_arm_of_a_urdf_is_named() {
+    assert_named("arm_a.urdf");
+}
+
+#[test]
+fn what_moves_an_arm_of_an_mjcf_is_named() {
+    assert_named("arm_a.xml");
+}
+
+fn assert_named(model: &str) {
     let Some(sets) = sets() else { return };
-    for model in ["arm_a.urdf", "arm_a.xml"] {
-        let device = Device::load(sets.join(model)).unwrap();
-        for (set, right, joint) in SETS {
-            let log = Log::read(sets.join(set).join("log.csv.gz"), &device).unwrap();
-            let found = diagnose(&device, &log, &Diagnose::default())
-                .unwrap()
-                .diagnosis;
-            let first = found.causes.first();
-            // a wrist's torque beside a payload is in no other unit
-            let of_units =
-                (found.warnings.iter()).find(|own| own.contains("times what the links ask for"));
-            assert_eq!(of_units, None, "{set}");
-            let told = (
-                found.verdict,
-                first.map(|own| (own.effect.as_str(), own.joint)),
+    let device = Device::load(sets.join(model)).unwrap();
+    for (set, right, joint) in SETS {
+        let log = Log::read(sets.join(set).join("log.csv.gz"), &device).unwrap();
+        let found = diagnose(&device, &log, &Diagnose::default())
+            .unwrap()
+            .diagnosis;
+        let first = found.causes.first();
+        // a wrist's torque beside a payload is in no other unit
+        let of_units =
+            (found.warnings.iter()).find(|own| own.contains("times what the links ask for"));
+        assert_eq!(of_units, None, "{set}");
+        let told = (
+            found.verdict,
+            first.map(|own| (own.effect.as_str(), own.joint)),
+        );
+        let is_right = match right {
+            [] => told == (Verdict::NoGap, None),
+            ["unknown"] => found.verdict == Verdict::Unknown,
+            names => {
+                found.verdict == Verdict::Named
+                    && first.is_some_and(|own| {
+                        names.contains(&own.effect.as_str()) && own.joint == joint
+                    })
+            }
+        };
+        assert!(is_right, "{set} with {model}: {told:?}");
+        for cause in &found.causes {
+            for (_, number, truth) in NUMBERS.iter().filter(|own| own.0 == cause.effect) {
+                let [low, high] = cause.parameters[*number].ci95;
+                assert!(
+                    (low..=high).contains(truth),
+                    "{set} with {model}: {number} [{low}, {high}], truth {truth}"
+                );
+            }
+            // the gap's record and the cause's check are one number
+            let Some(own) = &cause.held_out else { continue };
+            let mut channels = found.gap.channels.iter();
+            let gap = channels.find(|gap| gap.channel == own.channel).unwrap();
+            assert_eq!(
+                (gap.reduction_percent, gap.held_out),
+                (own.reduction_percent, true)
             );
-            let is_right = match right {
-                [] => told == (Verdict::NoGap, None),
-                ["unknown"] => found.verdict == Verdict::Unknown,
-                names => {
-                    found.verdict == Verdict::Named
-                        && first.is_some_and(|own| {
-                            names.contains(&own.effect.as_str()) && own.joint == joint
-                        })
-                }
-            };
-            assert!(is_right, "{set} with {model}: {told:?}");
-            for cause in &found.causes {
-                for (_, number, truth) in NUMBERS.iter().filter(|own| own.0 == cause.effect) {
-                    let [low, high] = cause.parameters[*number].ci95;
-                    assert!(
-                        (low..=high).contains(truth),
-                        "{set} with {model}: {number} [{low}, {high}], truth {truth}"
-                    );
-                }
-                // the gap's record and the cause's check are one number
-                let Some(own) = &cause.held_out else { continue };
-                let mut channels = found.gap.channels.iter();
-                let gap = channels.find(|gap| gap.channel == own.channel).unwrap();
-                assert_eq!(
-                    (gap.reduction_percent, gap.held_out),
-                    (own.reduction_percent, true)
-                );
-            }
-            if let Some(play) = first.filter(|own| own.effect == "backlash") {
-                let width_rad = play.parameters["width_rad"].value;
-                assert!(
-                    (width_rad - 0.006).abs() < 5e-5,
-                    "{model}: {width_rad} rad, truth 0.006"
-                );
-            }
-            if let Some(payload) = first.filter(|own| own.effect == "payload") {
-                let mass_kg = payload.parameters["mass_kg"].value;
-                assert!(
-                    (mass_kg - 4.0).abs() < 0.25,
-                    "{model}: {mass_kg} kg, truth 4"
-                );
-            }
+        }
+        if let Some(play) = first.filter(|own| own.effect == "backlash") {
+            let width_rad = play.parameters["width_rad"].value;
+            assert!(
+                (width_rad - 0.006).abs() < 5e-5,
+                "{model}: {width_rad} rad, truth 0.006"
+            );
+        }
+        if let Some(payload) = first.filter(|own| own.effect == "payload") {
+            let mass_kg = payload.parameters["mass_kg"].value;
+            assert!(
+                (mass_kg - 4.0).abs() < 0.25,
+                "{model}: {mass_kg} kg, truth 4"
+            );
         }
     }
 }

@@ -86,6 +86,15 @@ pub(crate) fn read_joint(
         let advice = "give the distance between the drums' centres";
         return Err(section.missing("drum_distance_m", advice));
     }
+    let parallelogram_lengths_m = section.vector("parallelogram_lengths_m")?;
+    if let Some(lengths_m) = parallelogram_lengths_m
+        && let Some(length_m) = lengths_m
+            .into_iter()
+            .find(|length_m: &f64| *length_m <= 0.0)
+    {
+        let allowed = "all four must be above zero";
+        return Err(section.refuse("parallelogram_lengths_m", length_m.to_string(), allowed));
+    }
     let mut joint = Joint {
         name: section
             .text("name")?
@@ -109,7 +118,7 @@ pub(crate) fn read_joint(
         torque_limit_nm: read_torque_limit(section, joint_type)?,
         torque_offset_nm: read_torque_offset(section, joint_type)?,
         torque_delay_s: section.number("torque_delay_s")?,
-        parallelogram_lengths_m: section.vector("parallelogram_lengths_m")?,
+        parallelogram_lengths_m,
         transmission_error: TransmissionError::default(),
     };
     if let Some(error) = section.table("transmission_error")? {

@@ -1,4 +1,4 @@
-//! The seed of a scored batch in a repository made for the purpose; dates; the log.
+//! The seed of a scored batch in a repository made for the purpose; the log.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::report::bars::measures;
 use crate::report::record::{HEADLINES, LOG, Run, row, with_row};
 use crate::root;
-use crate::seed::{SeedRule, THRESHOLDS, date, head};
+use crate::seed::{SeedRule, THRESHOLDS, head};
 
 fn git(root: &Path, words: &[&str]) -> String {
     let identity = [
@@ -108,23 +108,6 @@ fn a_scored_batch_needs_everything_committed() {
     }
     let number = SeedRule::Number(7).seed(Path::new("/nowhere")).unwrap();
     assert_eq!((number.value, number.frozen_by), (7, None));
-}
-
-/// Days from 1970-01-01: leap days of a century that has one, of one that has none, ends of years.
-#[test]
-fn dates_are_those_of_the_calendar() {
-    for (days, text) in [
-        (0, "1970-01-01"),
-        (-1, "1969-12-31"),
-        (11_016, "2000-02-29"),
-        (11_017, "2000-03-01"),
-        (47_540, "2100-02-28"),
-        (47_541, "2100-03-01"),
-        (20_818, "2026-12-31"),
-        (20_819, "2027-01-01"),
-    ] {
-        assert_eq!(date(days), text);
-    }
 }
 
 fn run(seed: u64) -> Run {

@@ -86,6 +86,9 @@ pub(super) fn not_identified(result: &Identified) -> Result<Vec<Block>, Error> {
          others'; weak: fixed no better than it is plausibly large; held: the samples support a form without it.",
     );
     blocks.push(table.into());
+    if !result.named_rows.is_empty() {
+        blocks.push(Block::Paragraph(result.named_rows.clone()));
+    }
     Ok(blocks)
 }
 
