@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::process::Command;
 use std::str::FromStr;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, bail, ensure};
-use chrono::DateTime;
+use chrono::Utc;
 use serde::Serialize;
 
 /// The thresholds, from the root of the repository.
@@ -109,10 +108,7 @@ pub(crate) fn head(root: &Path) -> String {
 
 /// Today in universal time, YYYY-MM-DD.
 pub(crate) fn today() -> String {
-    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH);
-    let seconds = since_epoch.map_or(0, |time| time.as_secs().cast_signed());
-    let date = DateTime::from_timestamp(seconds, 0).unwrap_or_default();
-    date.format("%Y-%m-%d").to_string()
+    Utc::now().date_naive().to_string()
 }
 
 fn git(root: &Path, arguments: &[&str]) -> Result<String> {

@@ -113,7 +113,7 @@ fn a_urdf_arm_is_planned_simulated_identified_and_diagnosed() {
         "--rig",
         "made.csv.rig.toml",
     ]);
-    let rows = "The number of a parameter is that of its row: 0 the base, 1 `shoulder_pan`, ";
+    let rows = "The number in a parameter's name is its row: 0 is the base, 1 is `shoulder_pan`, ";
     assert!(said.contains(rows), "{said}");
     let log = ["--rig", "made.csv.rig.toml", "--log", "made.csv"];
     with("diagnose", &[&log[..], &["--out", "gap"]].concat());

@@ -1,9 +1,8 @@
 //! The file of instruments: certificates, what they are known to, and which readings they act on.
 
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
 
-use chrono::{DateTime, NaiveDate};
+use chrono::{NaiveDate, Utc};
 use haptical_metrics::budget::{Distribution, Input};
 use serde::{Deserialize, Serialize};
 
@@ -137,14 +136,9 @@ impl Instruments {
 impl Instruments {
     /// What is said of certificates that are past their day.
     pub(super) fn overdue(&self) -> Vec<String> {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH);
-        let seconds = now.unwrap_or_default().as_secs();
-        let Some(today) = DateTime::from_timestamp(seconds.cast_signed(), 0) else {
-            return Vec::new();
-        };
+        let today = Utc::now().date_naive();
         let all = self.instrument.iter();
-        all.filter_map(|own| own.overdue(today.date_naive()))
-            .collect()
+        all.filter_map(|own| own.overdue(today)).collect()
     }
 }
 

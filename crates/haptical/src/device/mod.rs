@@ -119,13 +119,13 @@ impl Device {
             .filter(|(_, joint)| joint.name.parse::<f64>().is_err())
             .filter_map(|(index, joint)| {
                 let row = self.model.own_row(index)?;
-                Some(format!("{row} `{}`", joint.name))
+                Some(format!("{row} is `{}`", joint.name))
             })
             .collect();
         match named.is_empty() {
             true => String::new(),
             false => format!(
-                "The number of a parameter is that of its row: 0 the base, {}.",
+                "The number in a parameter's name is its row: 0 is the base, {}.",
                 named.join(", ")
             ),
         }
