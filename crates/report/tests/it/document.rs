@@ -181,6 +181,16 @@ fn a_notice_has_the_colour_of_its_tone_and_a_fold_is_closed() {
     assert!(folded.contains("<details><summary>more</summary><ul><li>inside</li></ul></details>"));
 }
 
+/// A command that is copied from the page keeps its own spaces.
+#[test]
+fn a_number_and_its_sign_stay_on_one_line() {
+    let said = page(vec![Block::Paragraph("97 % of `a %`".to_owned())]);
+    assert!(
+        said.contains("<p>97\u{a0}% of <code>a %</code></p>"),
+        "{said}"
+    );
+}
+
 #[test]
 fn names_between_backticks_are_set_apart_and_a_single_one_stays() {
     let said = |text: &str| page(vec![Block::Paragraph(text.to_owned())]);
