@@ -188,7 +188,7 @@ impl Document {
                 body {
                     header {
                         h1 { (clean(&self.title)) }
-                        @if !self.lead.is_empty() { p.lead { (clean(&self.lead)) } }
+                        @if !self.lead.is_empty() { p.lead { (with_code(&self.lead)) } }
                     }
                     @if self.sections.len() > 1 && !is_folded { (self.contents()) }
                     main {

@@ -49,7 +49,10 @@ fn a_robot_description_s_rows_are_named_and_redundancy_is_one_line() {
     };
     run(&["init", "arm", "--example", "urdf-arm"]);
     let said = run(&["plan", "--device", "arm/arm6.urdf", "--rig", "arm/rig.toml"]);
-    assert!(said.contains("0 the base, 1 `shoulder_pan`,"), "{said}");
+    assert!(
+        said.contains("0 is the base, 1 is `shoulder_pan`,"),
+        "{said}"
+    );
     let rigs = said.matches("readings a pose").count();
     let redundant = said.matches("nothing that was tried tells d0,").count();
     assert_eq!((rigs, redundant), (2, 2), "{said}");

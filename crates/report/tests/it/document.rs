@@ -189,6 +189,8 @@ fn a_number_and_its_sign_stay_on_one_line() {
         said.contains("<p>97\u{a0}% of <code>a %</code></p>"),
         "{said}"
     );
+    let led = Document::new("A title", "97 % by `a %`", Vec::new()).to_html();
+    assert!(led.contains("97\u{a0}% by <code>a %</code>"), "{led}");
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     output.verdict(
         observable.median > 99.0,
         format!(
-            "position RMS {:.2} mm -> {:.3} mm ({:.1} %); without the rotation that no distance \
+            "position RMS from {:.2} mm to {:.3} mm ({:.1} %); without the rotation that no distance \
              shows {:.2} %",
             before.median * 1e3,
             after.median * 1e3,
@@ -71,7 +71,7 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     output.verdict(
         rest.median > 99.0,
         format!(
-            "orientation RMS {:.2} mrad -> {:.2} mrad ({:.0} %); without that rotation and alpha7 \
+            "orientation RMS from {:.2} mrad to {:.2} mrad ({:.0} %); without that rotation and alpha7 \
              {:.1} %, and {:.1} % if the joint angles were known exactly: 200 distances with this \
              noise fix the wrist's angles no better (see the Cramer-Rao column of Table 3), so 99 % \
              is out of reach for the orientation",
