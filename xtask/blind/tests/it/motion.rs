@@ -31,18 +31,16 @@ fn rates_and_accelerations_are_derivatives() {
         let (angle, rate) = (&motion.angle_rad[joint], &motion.rate_rad_s[joint]);
         let acceleration = &motion.acceleration_rad_s2[joint];
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        let (rate_tolerance, acceleration_tolerance) = (
+            RATE_TOLERANCE * largest(rate),
+            ACCELERATION_TOLERANCE * largest(acceleration),
+        );
         for row in 1..motion.len() - 1 {
             let slope = (angle[row + 1] - angle[row - 1]) * 500.0;
-            assert!(
-                (slope - rate[row]).abs() < RATE_TOLERANCE * largest(rate),
-                "row {row}"
-            );
+            assert!((slope - rate[row]).abs() < rate_tolerance, "row {row}");
             let slope = (rate[row + 1] - rate[row - 1]) * 500.0;
             let error = (slope - acceleration[row]).abs();
-            assert!(
-                error < ACCELERATION_TOLERANCE * largest(acceleration),
-                "row {row}: {error}"
-            );
+            assert!(error < acceleration_tolerance, "row {row}: {error}");
         }
     }
 }
