@@ -1,7 +1,6 @@
 //! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
 
 use haptical_model::{Device, Recording};
-use rayon::prelude::*;
 
 use crate::checks::held_out::{SHORT_LOG, Split, folds};
 use crate::fit_device::fit_prepared_device;
@@ -74,10 +73,7 @@ impl Comparison<'_> {
         let mut before: Vec<ChannelResiduals> = Vec::new();
         let mut after: Vec<ChannelResiduals> = Vec::new();
         // each fold as it is alone, merged in their order
-        let made: Vec<_> = folds
-            .par_iter()
-            .map(|fold| self.of_fold(fold, options))
-            .collect();
+        let made = haptical_parallel::map(&folds, |fold| self.of_fold(fold, options));
         for (fold, made) in folds.iter().zip(made) {
             let made = match made {
                 Ok(made) => made?,

@@ -4,7 +4,6 @@ use haptical_calibration::Channel;
 use haptical_identification::{Identifiability, Status};
 use haptical_model::Evaluation;
 use haptical_model::kinematics::nalgebra::Vector3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::kind::cable_name;
@@ -94,10 +93,9 @@ pub fn suggestions(
     }
     let postures = &postures[..postures.len().min(TRIAL_POSES)];
     let further = further(equipped, postures)?;
-    let trials: Vec<Result<Trial, DesignError>> = further
-        .into_par_iter()
-        .map(|further| trial(equipped, terms, postures, judged, count, further))
-        .collect();
+    let trials = haptical_parallel::map(further, |further| {
+        trial(equipped, terms, postures, judged, count, further)
+    });
     let mut trials: Vec<Trial> = trials.into_iter().collect::<Result<_, _>>()?;
     // of the places of a further cable only the best is reported
     let is_cable = |trial: &Trial| matches!(trial.further.measure, Measure::Cable { .. });

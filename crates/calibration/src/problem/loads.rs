@@ -1,7 +1,6 @@
 //! The drive torques at each row, to which compliant joints yield.
 
 use haptical_model::{Device, Recording};
-use rayon::prelude::*;
 
 use crate::CalibrationError;
 use crate::error::at_row;
@@ -22,10 +21,9 @@ fn held_torques_nm(
         ..Recording::default()
     };
     let rows: Vec<usize> = (0..recording.len()).collect();
-    let parts: Vec<_> = rows
-        .par_chunks(ROWS_AT_ONCE)
-        .map(|part| haptical_model::holding_torques_nm(device, &bare.select(part)))
-        .collect();
+    let parts = haptical_parallel::map(rows.chunks(ROWS_AT_ONCE), |part| {
+        haptical_model::holding_torques_nm(device, &bare.select(part))
+    });
     let mut columns: Option<Vec<Vec<f64>>> = None;
     for part in parts {
         let part = part.map_err(|source| at_row(recording, 0)(source.into()))?;

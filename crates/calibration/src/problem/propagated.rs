@@ -5,7 +5,6 @@ use std::ops::Range;
 use haptical_batch::PoseBatch;
 use haptical_model::kinematics::Parameter;
 use haptical_model::{Device, Evaluation, JointType, Mount, Recording};
-use rayon::prelude::*;
 
 use crate::error::at_row;
 use crate::problem::channel::with_kind;
@@ -41,23 +40,20 @@ pub(crate) fn propagated_variances(
     }
     let mounts = mounts(device, recording, &[channel])?;
     let around = (loads, mounts.as_slice());
-    let starts: Vec<usize> = (0..recording.len()).step_by(ROWS_AT_ONCE).collect();
-    let parts: Vec<Result<Vec<f64>, CalibrationError>> = starts
-        .into_par_iter()
-        .map(|start| {
-            let rows = start..(start + ROWS_AT_ONCE).min(recording.len());
-            // a chain that yields is no plain chain
-            let lanes = match &loads {
-                None => in_lanes(device, recording, channel, rows.clone()),
-                Some(_) => None,
-            };
-            let whole = (device, recording, channel);
-            let tiles = || variances(whole, around, &quanta, &rows);
-            lanes
-                .or_else(tiles)
-                .map_or_else(|| by_row(whole, around, rows), Ok)
-        })
-        .collect();
+    let starts = (0..recording.len()).step_by(ROWS_AT_ONCE);
+    let parts: Vec<Result<Vec<f64>, CalibrationError>> = haptical_parallel::map(starts, |start| {
+        let rows = start..(start + ROWS_AT_ONCE).min(recording.len());
+        // a chain that yields is no plain chain
+        let lanes = match &loads {
+            None => in_lanes(device, recording, channel, rows.clone()),
+            Some(_) => None,
+        };
+        let whole = (device, recording, channel);
+        let tiles = || variances(whole, around, &quanta, &rows);
+        lanes
+            .or_else(tiles)
+            .map_or_else(|| by_row(whole, around, rows), Ok)
+    });
     let mut variances = Vec::with_capacity(recording.len());
     // the first refused row is reported, whichever thread met it first
     for part in parts {

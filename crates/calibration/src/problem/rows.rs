@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix};
 use haptical_model::{Device, Evaluation, ModelError};
-use rayon::prelude::*;
 
 use crate::problem::channel::with_kind;
 use crate::problem::device_problem::Block;
@@ -81,13 +80,12 @@ impl DeviceProblem<'_> {
     ) -> Result<Vec<PartRoom>, IdentificationError> {
         let device = self.device_with(values);
         let rows = self.recording.len();
-        let parts: Vec<usize> = (0..rows.div_ceil(ROWS_AT_ONCE).max(1)).collect();
-        let made = parts.par_iter().map(|&part| {
+        let parts = 0..rows.div_ceil(ROWS_AT_ONCE).max(1);
+        let made = haptical_parallel::map(parts, |part| {
             let mut room = PartRoom::default();
             self.run_part(&device, &part_of(part, ROWS_AT_ONCE, rows), free, &mut room)?;
             Ok(room)
         });
-        let made: Vec<Result<_, IdentificationError>> = made.collect();
         made.into_iter().collect()
     }
 
@@ -107,7 +105,7 @@ impl DeviceProblem<'_> {
             false => (ROWS_AT_ONCE, 1),
         };
         let parts: Vec<usize> = (0..rows.div_ceil(length).max(1)).collect();
-        let made = parts.par_chunks(count).map(|parts| {
+        let made = haptical_parallel::map(parts.chunks(count), |parts| {
             let (mut folded, mut room) = (new(), PartRoom::default());
             for &part in parts {
                 let rows = part_of(part, length, rows);
@@ -116,7 +114,6 @@ impl DeviceProblem<'_> {
             }
             Ok(folded)
         });
-        let made: Vec<Result<T, IdentificationError>> = made.collect();
         made.into_iter().collect()
     }
 

@@ -3,7 +3,6 @@
 use haptical_identification::Triangle;
 use haptical_linalg::{LinalgError, RANK_TOLERANCE};
 use haptical_model::{Joint, TransmissionError, TransmissionKind};
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::CalibrationError;
@@ -190,11 +189,11 @@ impl Parts<'_> {
 
     /// What `look` makes of the derivatives, column by column, and differences of each part, in the parts' order.
     fn each<T: Send>(&self, look: impl Fn(&[Vec<f64>], &[f64]) -> T + Sync) -> Vec<T> {
-        let readings = self.readings.par_chunks(SAMPLES_AT_ONCE);
-        let parts = readings.zip(self.differences.par_chunks(SAMPLES_AT_ONCE));
-        parts
-            .map(|(readings, differences)| look(&self.design(readings), differences))
-            .collect()
+        let readings = self.readings.chunks(SAMPLES_AT_ONCE);
+        let parts = readings.zip(self.differences.chunks(SAMPLES_AT_ONCE));
+        haptical_parallel::map(parts, |(readings, differences)| {
+            look(&self.design(readings), differences)
+        })
     }
 
     /// Zero at a reading that the law refuses.

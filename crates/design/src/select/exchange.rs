@@ -3,7 +3,6 @@
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 
 use crate::select::criterion::Score;
 use crate::select::state::State;
@@ -60,16 +59,13 @@ pub(crate) fn search(
     count: usize,
     search: &Search,
 ) -> Option<Found> {
-    let found: Vec<Option<Found>> = (0..=search.random_starts)
-        .into_par_iter()
-        .map(|start| {
-            let chosen = match start {
-                0 => greedy(rows, score, count)?,
-                _ => random(rows, count, search.seed, start as u64),
-            };
-            exchange(rows, score, chosen, search.passes)
-        })
-        .collect();
+    let found = haptical_parallel::map(0..=search.random_starts, |start| {
+        let chosen = match start {
+            0 => greedy(rows, score, count)?,
+            _ => random(rows, count, search.seed, start as u64),
+        };
+        exchange(rows, score, chosen, search.passes)
+    });
     // the first of equals, whichever thread came first
     let found = found.into_iter().flatten();
     found.reduce(|best, other| {

@@ -5,7 +5,6 @@ use haptical_effects::correction::{Curve, NAME, Over, coefficients_key};
 use haptical_effects::device::settle;
 use haptical_model::transmission::spline::Splines;
 use haptical_model::{Device, DeviceEffect, Recording};
-use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::DiagnosisError;
@@ -253,7 +252,7 @@ fn normal(engine: &Engine<'_>, joint: usize, places: &[f64], [from, to]: [f64; 2
         }
         dense
     };
-    let columns: Vec<Vec<f64>> = splines.par_iter().map(across).collect();
+    let columns: Vec<Vec<f64>> = haptical_parallel::map(&splines, across);
     let mut normal = Normal::new(COEFFICIENTS);
     for stream in 0..context.streams.len() {
         for (block, place) in system.layout.range(stream).enumerate() {

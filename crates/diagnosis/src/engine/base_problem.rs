@@ -6,7 +6,6 @@ use haptical_calibration::{Channel, DeviceProblem, Weights};
 use haptical_effects::Stream;
 use haptical_identification::{Matrix, Problem};
 use haptical_model::{Device, Recording};
-use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
@@ -146,10 +145,8 @@ impl<'a> BaseProblem<'a> {
     ) -> Result<Evaluated, DiagnosisError> {
         self.base.interrupt.check()?;
         let derivatives = derivatives && !self.base.parameters.is_empty();
-        let groups = self.groups.par_iter();
-        let made = groups.map(|group| group.evaluate(values, derivatives));
-        // the first group that is refused is reported, whichever thread met it first
-        let made: Vec<Result<_, DiagnosisError>> = made.collect();
+        let made: Vec<Result<_, DiagnosisError>> =
+            haptical_parallel::map(&self.groups, |group| group.evaluate(values, derivatives));
         let mut residuals = Vec::with_capacity(made.len());
         let mut matrices = Vec::with_capacity(made.len());
         for (group, made) in self.groups.iter().zip(made) {

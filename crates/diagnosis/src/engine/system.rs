@@ -6,8 +6,6 @@ use haptical_effects::{Context, Signal};
 use haptical_linalg::{Direction, SparseColumns};
 pub(crate) use haptical_linalg::{dot, take_off};
 
-use rayon::prelude::*;
-
 use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
@@ -287,7 +285,7 @@ pub(crate) fn compress_columns(
         }
         Direction::from_part(first, column)
     };
-    let columns: Vec<Direction> = chosen.par_iter().map(of_parameter).collect();
+    let columns: Vec<Direction> = haptical_parallel::map(chosen, of_parameter);
     SparseColumns::new(blocks.count(), columns)
 }
 

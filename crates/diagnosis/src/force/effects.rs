@@ -2,7 +2,6 @@
 
 use haptical_effects::signal::local_motion;
 use haptical_effects::{Absorbed, Effect, Family, Follows, Hook, Shape, drive_catalogue};
-use rayon::prelude::*;
 
 use super::along::Along;
 use super::base::Base;
@@ -86,7 +85,7 @@ impl<'e, 'a> Effects<'e, 'a> {
         let shaped =
             tested.flat_map(|&index| self.shapes(index).into_iter().map(move |s| (index, s)));
         let shaped: Vec<(usize, f64)> = shaped.collect();
-        shaped.into_par_iter().map(at).collect()
+        haptical_parallel::map(shaped, at)
     }
 
     /// Scores of candidates that are possible, after they have caught up with the model.

@@ -1,7 +1,6 @@
 //! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
 use haptical_effects::{Context, Effect, Family, Follows};
-use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
@@ -93,14 +92,12 @@ pub(crate) fn rivals(
         .copied()
         .filter(|score| is_near(score))
         .collect();
-    let refits: Vec<(usize, Refit, f64)> = near
-        .into_par_iter()
-        .take(REFITTED)
-        .map(|score| {
-            let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
-            Ok::<_, DiagnosisError>((score.effect, fitted, cost))
-        })
-        .collect::<Result<_, _>>()?;
+    let refits = haptical_parallel::map(near.into_iter().take(REFITTED), |score| {
+        let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
+        Ok((score.effect, fitted, cost))
+    });
+    let refits: Vec<(usize, Refit, f64)> =
+        refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
     for score in others {
         let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
         let explained = refit.map_or(score.score, |(_, _, cost)| score.score.max(empty - cost));

@@ -8,7 +8,6 @@ use std::ops::Range;
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Line};
 use haptical_metrics::median;
-use rayon::prelude::*;
 
 use super::spectrum::Spectrum;
 use crate::thresholds::lines::{
@@ -27,14 +26,10 @@ pub(crate) fn lines(context: &Context<'_>, residual: &[Vec<f64>]) -> Vec<Line> {
         return Vec::new();
     };
     let slowest_hz = FASTER_THAN_MOTION * motion_hz(context, time_s);
-    let streams: Vec<Vec<Series>> = residual
-        .par_iter()
-        .map(|values| series(values, time_s, &context.runs))
-        .collect();
-    let peaks: Vec<Vec<Peak>> = streams
-        .par_iter()
-        .map(|runs| peaks(runs, slowest_hz, residual.len()))
-        .collect();
+    let streams: Vec<Vec<Series>> =
+        haptical_parallel::map(residual, |values| series(values, time_s, &context.runs));
+    let peaks: Vec<Vec<Peak>> =
+        haptical_parallel::map(&streams, |runs| peaks(runs, slowest_hz, residual.len()));
     let mut channels: Vec<Channel> = context.streams.iter().map(|s| s.channel).collect();
     channels.dedup();
     let of_channel = |channel: Channel| {
@@ -281,11 +276,10 @@ fn refined(channel: Channel, axes: &[&[Series]], peak: &Peak) -> Option<Line> {
     let longest_s = runs().map(Series::length_s).fold(0.0, f64::max);
     let step_hz = 1.0 / (FINENESS * longest_s.max(1.0 / peak.bin_hz));
     let steps = (peak.bin_hz / step_hz).ceil() as i32;
-    let tried: Vec<(f64, f64)> = (-steps..=steps)
-        .into_par_iter()
-        .map(|step| peak.hz + f64::from(step) * step_hz)
-        .map(|hz| (hz, energy(hz)))
-        .collect();
+    let tried: Vec<(f64, f64)> = haptical_parallel::map(-steps..=steps, |step| {
+        let hz = peak.hz + f64::from(step) * step_hz;
+        (hz, energy(hz))
+    });
     let (hz, most) = tried
         .into_iter()
         .reduce(|a, b| if b.1 > a.1 { b } else { a })?;

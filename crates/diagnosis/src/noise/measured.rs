@@ -2,7 +2,6 @@
 
 use haptical_calibration::Channel;
 use haptical_effects::Context;
-use rayon::prelude::*;
 
 use crate::engine::base_problem::BaseProblem;
 use crate::noise::repeats::{Repeats, pooled};
@@ -26,18 +25,15 @@ pub(crate) fn estimate_noise(
 ) -> (Vec<Noise>, Vec<Option<Vec<f64>>>) {
     let lost = parameters as f64 / context.streams.len().max(1) as f64;
     let repeats = Repeats::new(context);
-    let scaled: Vec<Scaled> = (0..context.streams.len())
-        .into_par_iter()
-        .map(|stream| {
-            Scaled::new(
-                context,
-                stream,
-                &residual[stream],
-                &problem.sd[stream],
-                &usable[stream],
-            )
-        })
-        .collect();
+    let scaled: Vec<Scaled> = haptical_parallel::map(0..context.streams.len(), |stream| {
+        Scaled::new(
+            context,
+            stream,
+            &residual[stream],
+            &problem.sd[stream],
+            &usable[stream],
+        )
+    });
     let rounding =
         |stream: usize| rounding_share(&problem.sd[stream], own[stream], &usable[stream]);
     let of_repeats: Vec<Option<Noise>> = scaled
@@ -45,32 +41,29 @@ pub(crate) fn estimate_noise(
         .enumerate()
         .map(|(stream, scaled)| repeats.noise(&scaled.values, rounding(stream)))
         .collect();
-    scaled
-        .into_par_iter()
-        .enumerate()
-        .map(|(stream, scaled)| {
-            let channel = context.streams[stream].channel;
-            let streams = context.streams.iter().zip(&of_repeats);
-            let of_channel: Vec<&Noise> = streams
-                .filter(|(other, _)| other.channel == channel)
-                .filter_map(|(_, noise)| noise.as_ref())
-                .collect();
-            let of_repeats = pooled(&of_channel).or_else(|| of_repeats[stream].clone());
-            let known = Known {
-                runs: &context.runs,
-                ordered: context.ordered,
-                repeats: of_repeats.as_ref(),
-                are_of_one_side: repeats.are_of_one_side,
-                lost,
-                stated: is_stated(context.device, channel),
-                rounding: rounding(stream),
-            };
-            let mut found = noise::estimate(&scaled.values, &known);
-            let by_speed = scaled.by_speed;
-            found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
-            (found, by_speed.map(|(scale, _)| scale))
-        })
-        .unzip()
+    let measured = haptical_parallel::map(scaled.into_iter().enumerate(), |(stream, scaled)| {
+        let channel = context.streams[stream].channel;
+        let streams = context.streams.iter().zip(&of_repeats);
+        let of_channel: Vec<&Noise> = streams
+            .filter(|(other, _)| other.channel == channel)
+            .filter_map(|(_, noise)| noise.as_ref())
+            .collect();
+        let of_repeats = pooled(&of_channel).or_else(|| of_repeats[stream].clone());
+        let known = Known {
+            runs: &context.runs,
+            ordered: context.ordered,
+            repeats: of_repeats.as_ref(),
+            are_of_one_side: repeats.are_of_one_side,
+            lost,
+            stated: is_stated(context.device, channel),
+            rounding: rounding(stream),
+        };
+        let mut found = noise::estimate(&scaled.values, &known);
+        let by_speed = scaled.by_speed;
+        found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
+        (found, by_speed.map(|(scale, _)| scale))
+    });
+    measured.into_iter().unzip()
 }
 
 /// A stream's residuals over their stated deviation, and over what the speed makes of it.

@@ -1,7 +1,6 @@
 //! Refits of the effects that contend for the next cause: close ones are all refitted, and the costs decide.
 
 use haptical_effects::Shape;
-use rayon::prelude::*;
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Model, Refit};
@@ -42,22 +41,20 @@ impl Selector<'_> {
                 0
             })
             .collect();
-        let refits: Vec<Tried> = near
-            .par_iter()
-            .map(|score| {
-                let before = tried.iter().find(|tried| tried.effect == score.effect);
-                if let Some(before) = before {
-                    return Ok(before.clone());
-                }
-                let (refit, cost) = self.refit_with(&grown.refit.model, &grown.system, score)?;
-                let effect = score.effect;
-                Ok(Tried {
-                    effect,
-                    refit,
-                    cost,
-                })
+        let refits = haptical_parallel::map(&near, |score| {
+            let before = tried.iter().find(|tried| tried.effect == score.effect);
+            if let Some(before) = before {
+                return Ok(before.clone());
+            }
+            let (refit, cost) = self.refit_with(&grown.refit.model, &grown.system, score)?;
+            let effect = score.effect;
+            Ok(Tried {
+                effect,
+                refit,
+                cost,
             })
-            .collect::<Result<_, DiagnosisError>>()?;
+        });
+        let refits: Vec<Tried> = refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
         tried.extend_from_slice(&refits);
         let (system, refits) = (
             &grown.system,
@@ -114,19 +111,18 @@ impl Selector<'_> {
         } else {
             vec![cause.shape]
         };
-        let refits: Vec<(Refit, f64)> = shapes
-            .into_par_iter()
-            .map(|shape| {
-                let mut with = model.clone();
-                with.causes.push(Cause {
-                    shape,
-                    ..cause.clone()
-                });
-                let fitted = self.engine.refit(self.effects, &with)?;
-                let cost = self.cost(&fitted);
-                Ok::<_, DiagnosisError>((fitted, cost))
-            })
-            .collect::<Result<_, _>>()?;
+        let refits = haptical_parallel::map(shapes, |shape| {
+            let mut with = model.clone();
+            with.causes.push(Cause {
+                shape,
+                ..cause.clone()
+            });
+            let fitted = self.engine.refit(self.effects, &with)?;
+            let cost = self.cost(&fitted);
+            Ok((fitted, cost))
+        });
+        let refits: Vec<(Refit, f64)> =
+            refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
         // of equals the first
         let best = refits
             .into_iter()

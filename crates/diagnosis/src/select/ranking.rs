@@ -1,7 +1,6 @@
 //! Every effect that may be picked next, best first.
 
 use haptical_effects::{Effect, Shape, under_load};
-use rayon::prelude::*;
 
 use super::Selector;
 use crate::engine::model::{Cause, Model};
@@ -16,36 +15,28 @@ impl Selector<'_> {
     /// Every effect's best score, best first by [`Selector::criterion`].
     pub(crate) fn scan(&mut self, system: &System, model: &Model) -> Vec<Score> {
         let known = self.engine.system.basis.len();
-        let mut scores: Vec<Score> = Vec::new();
-        self.candidates
-            .par_iter_mut()
-            .map(|candidate| {
-                candidate.reset(system, known);
-                candidate.score(system)
-            })
-            .collect_into_vec(&mut scores);
+        let mut scores: Vec<Score> = haptical_parallel::map(&mut self.candidates, |candidate| {
+            candidate.reset(system, known);
+            candidate.score(system)
+        });
         let largest = scores.iter().map(|score| score.score).fold(0.0, f64::max);
-        let events: Vec<Score> = self
-            .tested
-            .par_iter()
-            .filter_map(|&index| {
-                let effect = self.effects[index].as_ref();
-                let context = &self.engine.context;
-                if effect.spec().shape != Shape::Event {
-                    return None;
-                }
-                let instants = Instants::new(system, context, effect, index);
-                let score = instants.one_step()?;
-                let several =
-                    score.score > WORTH_MORE_STEPS && score.score > MORE_STEPS_SHARE * largest;
-                Some(if several {
-                    instants.with_more_steps(score)
-                } else {
-                    score
-                })
+        let events = self.tested.iter().copied().filter(|&index| {
+            let effect = self.effects[index].as_ref();
+            effect.spec().shape == Shape::Event
+        });
+        let events = haptical_parallel::map(events, |index| {
+            let effect = self.effects[index].as_ref();
+            let instants = Instants::new(system, &self.engine.context, effect, index);
+            let score = instants.one_step()?;
+            let several =
+                score.score > WORTH_MORE_STEPS && score.score > MORE_STEPS_SHARE * largest;
+            Some(if several {
+                instants.with_more_steps(score)
+            } else {
+                score
             })
-            .collect();
-        scores.extend(events);
+        });
+        scores.extend(events.into_iter().flatten());
         scores.retain(|score| self.is_eligible(score, model));
         scores.sort_by(|a, b| self.criterion(b).total_cmp(&self.criterion(a)));
         let mut seen = vec![false; self.effects.len()];

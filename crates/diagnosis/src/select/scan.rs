@@ -3,7 +3,6 @@
 
 use haptical_effects::{Context, Effect, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use crate::engine::layout::Layout;
 use crate::engine::model::Cause;
@@ -207,19 +206,16 @@ pub(crate) fn candidates(
     effects: &[Box<dyn Effect>],
     tested: &[usize],
 ) -> Vec<Candidate> {
-    tested
-        .par_iter()
-        .filter(|&&index| {
-            let spec = effects[index].spec();
-            spec.shape != Shape::Event && !spec.is_found_beside
-        })
-        .flat_map_iter(|&index| {
-            let effect = effects[index].as_ref();
-            let zero = vec![0.0; effect.spec().amplitudes];
-            effect
-                .shapes(context)
-                .into_iter()
-                .map(move |shape| Candidate::new(system, context, effect, index, &zero, shape))
-        })
-        .collect()
+    let lasting = tested.iter().copied().filter(|&index| {
+        let spec = effects[index].spec();
+        spec.shape != Shape::Event && !spec.is_found_beside
+    });
+    let made = haptical_parallel::map(lasting, |index| {
+        let effect = effects[index].as_ref();
+        let zero = vec![0.0; effect.spec().amplitudes];
+        let shapes = effect.shapes(context).into_iter();
+        let made = shapes.map(|shape| Candidate::new(system, context, effect, index, &zero, shape));
+        made.collect::<Vec<Candidate>>()
+    });
+    made.into_iter().flatten().collect()
 }

@@ -11,7 +11,6 @@ use haptical_model::{Device, Recording, Statics};
 use haptical_servo::{
     Finding, JointAnswer, JointLog, Predicted, Untested, diagnose_joint, torque_gain,
 };
-use rayon::prelude::*;
 
 use crate::answer::Diagnosis;
 use crate::{DiagnosisError, Options};
@@ -65,20 +64,17 @@ pub(crate) fn diagnose(
         .validation
         .map(|second| Columns::new(device, second));
     let first = Columns::new(device, recording);
-    let asked: Vec<Asked> = (0..device.joints.len())
-        .into_par_iter()
-        .map(|joint| {
-            let answer = first.of(joint, diagnose_joint);
-            let second = (second.as_ref().zip(answer.as_ref().ok()))
-                .map(|(second, answer)| second.of(joint, |log| answer.predict(log)));
-            Asked {
-                joint,
-                answer,
-                torque: first.of(joint, torque_gain),
-                second,
-            }
-        })
-        .collect();
+    let asked: Vec<Asked> = haptical_parallel::map(0..device.joints.len(), |joint| {
+        let answer = first.of(joint, diagnose_joint);
+        let second = (second.as_ref().zip(answer.as_ref().ok()))
+            .map(|(second, answer)| second.of(joint, |log| answer.predict(log)));
+        Asked {
+            joint,
+            answer,
+            torque: first.of(joint, torque_gain),
+            second,
+        }
+    });
     let whys = asked.iter().filter_map(|own| {
         let why = own.answer.as_ref().err()?;
         Some((why, format!("joint {}: {why}", own.joint + 1)))

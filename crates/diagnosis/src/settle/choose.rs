@@ -1,7 +1,5 @@
 //! The choice of pieces: greedy, then exchanges (Fedorov 1972), for the least odds of any candidate that may be true.
 
-use rayon::prelude::*;
-
 use super::gram::{Gram, Odds};
 use crate::thresholds::chance::NAMED_PROBABILITY;
 
@@ -57,10 +55,9 @@ pub(super) fn choose(
     let lost = inseparable(&[&odds_of(&whole)]);
     let score = |gram: &Gram| score(&odds_of(gram), &lost);
     let best = |without: &Gram| -> Option<(usize, f64)> {
-        let scored: Vec<Option<f64>> = pieces
-            .par_iter()
-            .map(|piece| piece.as_ref().map(|piece| score(&without.plus(piece))))
-            .collect();
+        let scored = haptical_parallel::map(pieces, |piece| {
+            piece.as_ref().map(|piece| score(&without.plus(piece)))
+        });
         let there = scored.into_iter().enumerate();
         let there = there.filter_map(|(index, score)| Some((index, score?)));
         // the first of equals

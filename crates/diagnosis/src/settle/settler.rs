@@ -8,7 +8,6 @@ use haptical_effects::{Context, Effect, Family, catalogue};
 use haptical_identification::Interrupt;
 use haptical_linalg::SparseColumns;
 use haptical_model::{Device, Recording};
-use rayon::prelude::*;
 
 use super::choose::choose;
 use super::gram::{Gram, Odds, Places};
@@ -163,10 +162,8 @@ impl Settler {
     /// # Errors
     /// [`DiagnosisError::NothingToSettle`] where no piece is left.
     pub fn pieces(&self, pieces: &[Recording]) -> Result<Pieces, DiagnosisError> {
-        let shown: Vec<Option<Shown>> = pieces
-            .par_iter()
-            .map(|piece| self.shown_by(piece).ok())
-            .collect();
+        let shown: Vec<Option<Shown>> =
+            haptical_parallel::map(pieces, |piece| self.shown_by(piece).ok());
         if shown.iter().all(Option::is_none) {
             return Err(DiagnosisError::NothingToSettle {
                 why: "the device has no value along any of the motions that could be recorded"

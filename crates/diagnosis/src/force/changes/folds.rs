@@ -4,7 +4,6 @@
 //! by what the fullest hypothesis leaves of it, so that torques which no hypothesis describes do not drown the others.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use rayon::prelude::*;
 
 use super::blocks::Pair;
 use super::columns::Columns;
@@ -52,7 +51,7 @@ impl Folds {
                 .collect();
             Normal::new(columns, &pair.reading[channel], channel, &rows)
         };
-        let all: Vec<Normal> = places.par_iter().map(normal).collect();
+        let all: Vec<Normal> = haptical_parallel::map(&places, normal);
         let parts: Vec<Vec<Normal>> = all
             .chunks(channels.max(1))
             .map(<[Normal]>::to_vec)
@@ -192,10 +191,8 @@ impl Folds {
         let mut columns = columns.to_vec();
         columns.retain(|&column| self.length[column] > 0.0);
         let folds = 0..self.parts.len();
-        let without: Vec<Vec<f64>> = folds
-            .into_par_iter()
-            .map(|fold| self.solve(&columns, Some(fold)))
-            .collect();
+        let without: Vec<Vec<f64>> =
+            haptical_parallel::map(folds, |fold| self.solve(&columns, Some(fold)));
         let left = self.parts.iter().zip(&without).map(|(parts, numbers)| {
             let parts = parts.iter().zip(&self.weight);
             parts

@@ -4,7 +4,6 @@
 use haptical_effects::{Effect, Family, Shape};
 use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
 use crate::engine::model::Cause;
 use crate::engine::segments::{Segments, Unseen};
@@ -69,10 +68,10 @@ impl Selector<'_> {
             .map(|candidate| vec![candidate])
             .collect();
         found.extend(self.groups(taken));
-        let found = found.into_par_iter();
-        found
-            .filter_map(|members| self.significant(&members, system, segments))
-            .collect()
+        let found = haptical_parallel::map(found, |members| {
+            self.significant(&members, system, segments)
+        });
+        found.into_iter().flatten().collect()
     }
 
     fn candidate(&self, effect: usize, shape: Option<f64>) -> Option<&Candidate> {

@@ -2,7 +2,6 @@
 //! others.
 
 use haptical_effects::{Effect, Family, Hook};
-use rayon::prelude::*;
 
 use crate::engine::model::Cause;
 use crate::engine::segments::Segments;
@@ -47,13 +46,16 @@ impl Selector<'_> {
         let (own, others): (Vec<_>, Vec<_>) = effects
             .flat_map(|effect| self.covariates_beside(effect))
             .partition(|(is_own, _)| *is_own);
-        let (own, others) = (own.into_par_iter(), others.into_par_iter());
         !is_beaten
             && !causes
                 .iter()
                 .any(|cause| self.gain_varies(cause, with, wrong, segments))
-            && !own.any(|(_, function)| self.depends_on(function, with, wrong, segments))
-            && others.all(|(_, function)| self.gains_beside(function, taken, with, segments))
+            && !haptical_parallel::any(own, |(_, function)| {
+                self.depends_on(function, with, wrong, segments)
+            })
+            && !haptical_parallel::any(others, |(_, function)| {
+                !self.gains_beside(function, taken, with, segments)
+            })
     }
 
     /// Whether causes gain on unseen rows beside free functions of another covariate of their joint, too: one that stands in for
@@ -142,7 +144,7 @@ impl Selector<'_> {
         let is_elsewhere = |place: &Place| place.joint.is_none_or(|joint| !joints.contains(&joint));
         let places: Vec<Place> = self.places().filter(is_elsewhere).collect();
         let square = dot(&taken.system.residual, &taken.system.residual);
-        places.into_par_iter().any(|place| {
+        haptical_parallel::any(places, |place| {
             let Some(free) = self.with_free_functions(&taken.system, covariates_at(place)) else {
                 return false;
             };
