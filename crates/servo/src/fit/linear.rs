@@ -1,41 +1,87 @@
-//! Least squares of a few columns.
+//! Least squares of a few columns, all fixed but one.
+
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Held;
 
-/// Sums of products.
-pub(crate) struct Normal;
+/// Columns of a model and their products on the rows that are not held out.
+#[derive(Debug)]
+pub(crate) struct Columns<'c> {
+    /// In the order of the solution; `None` is the one that is not fixed.
+    columns: Vec<Option<&'c [f64]>>,
+    products: DMatrix<f64>,
+    /// Rows before and after those that are held out.
+    seen: [Range<usize>; 2],
+}
 
-impl Normal {
-    /// Coefficients on the rows that are not held out, and the residual on all rows.
-    pub(crate) fn solve(columns: &[&[f64]], target: &[f64], held: &Held) -> (Vec<f64>, Vec<f64>) {
-        let count = columns.len();
-        if count == 0 {
-            return (Vec::new(), target.to_vec());
-        }
-        let is_seen = |row: &usize| held.as_ref().is_none_or(|held| !held.contains(row));
-        let rows: Vec<usize> = (0..target.len()).filter(is_seen).collect();
-        // about their means, so that a constant beside sines of small angles is no cancellation
-        let product = |a: &[f64], b: &[f64]| rows.iter().map(|&row| a[row] * b[row]).sum::<f64>();
-        let mut matrix = DMatrix::from_fn(count, count, |i, j| {
-            if j > i {
-                0.0
-            } else {
-                product(columns[i], columns[j])
+impl<'c> Columns<'c> {
+    /// Of so many rows each.
+    pub(crate) fn new(columns: Vec<Option<&'c [f64]>>, rows: usize, held: &Held) -> Self {
+        let held = held.clone().unwrap_or(rows..rows);
+        let seen = [0..held.start.min(rows), held.end.min(rows)..rows];
+        let products = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+            match (columns[i], columns[j]) {
+                (Some(a), Some(b)) if j <= i => product(&seen, a, b),
+                _ => 0.0,
             }
         });
+        Self {
+            columns,
+            products,
+            seen,
+        }
+    }
+
+    /// Coefficients on the rows that are not held out, and the residual on all rows.
+    pub(crate) fn solve(&self, free: &[f64], target: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+        let count = self.columns.len();
+        if count == 0 {
+            return (Vec::new(), target);
+        }
+        let column = |place: usize| self.columns[place].unwrap_or(free);
+        let mut matrix = self.products.clone();
+        if let Some(own) = self.columns.iter().position(Option::is_none) {
+            for other in 0..count {
+                let (low, high) = (own.min(other), own.max(other));
+                matrix[(high, low)] = product(&self.seen, column(high), column(low));
+            }
+        }
         matrix.fill_upper_triangle_with_lower_triangle();
-        let right = DVector::from_fn(count, |i, _| product(columns[i], target));
+        let right = DVector::from_fn(count, |i, _| product(&self.seen, column(i), &target));
         let solution = solve_scaled(matrix, &right);
-        let residual = (0..target.len())
-            .map(|row| {
-                let predicted = columns.iter().zip(&solution);
-                target[row] - predicted.map(|(column, c)| column[row] * c).sum::<f64>()
-            })
-            .collect();
+        let mut residual = vec![0.0; target.len()];
+        for (place, coefficient) in solution.iter().enumerate() {
+            for (sum, value) in residual.iter_mut().zip(column(place)) {
+                *sum += value * coefficient;
+            }
+        }
+        for (own, target) in residual.iter_mut().zip(&target) {
+            *own = target - *own;
+        }
         (solution, residual)
     }
+
+    /// Sum over the rows that are not held out.
+    pub(crate) fn squares(&self, residual: &[f64]) -> f64 {
+        product(&self.seen, residual, residual)
+    }
+
+    /// Mean over the rows that are not held out.
+    pub(crate) fn mean(&self, values: impl Fn(usize) -> f64) -> f64 {
+        let [before, after] = self.seen.clone();
+        let count = (before.len() + after.len()).max(1);
+        before.chain(after).map(values).sum::<f64>() / count as f64
+    }
+}
+
+/// Row by row in their order, so that it is the same with nothing held out as with an empty range.
+fn product(seen: &[Range<usize>; 2], a: &[f64], b: &[f64]) -> f64 {
+    let [before, after] = seen.clone();
+    let before = a[before.clone()].iter().zip(&b[before]);
+    let after = a[after.clone()].iter().zip(&b[after]);
+    before.chain(after).map(|(a, b)| a * b).sum()
 }
 
 /// Solves normal equations, columns scaled to 1 and the weakest directions held by a ridge of 1e-9.

@@ -1,15 +1,16 @@
 //! One fit of a servo's laws to a joint: numbers that enter linearly in closed form, the others by a search.
 
+mod evaluator;
 pub(crate) mod linear;
 pub(crate) mod search;
 
 use std::ops::Range;
 
-use crate::effect::{droop, friction, lag, latency, offset, saturation};
+use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::thresholds::MOST_LAG_S;
 
-use self::linear::Normal;
+use self::evaluator::Evaluator;
 use self::search::AXES;
 
 /// Which laws a model has.
@@ -69,6 +70,7 @@ pub(crate) struct Fit {
 #[derive(Debug)]
 pub(crate) struct Problem<'s> {
     series: &'s Series,
+    ones: Vec<f64>,
     droop: Vec<Vec<f64>>,
 }
 
@@ -83,6 +85,7 @@ impl<'s> Problem<'s> {
     /// With a droop that depends on these angles, the joint's own first.
     pub(crate) fn with_droop(series: &'s Series, angles: &[bool]) -> Self {
         Self {
+            ones: offset::column(series.len()),
             droop: droop::columns(series, angles),
             series,
         }
@@ -91,50 +94,32 @@ impl<'s> Problem<'s> {
     /// What a fit to another log of the joint predicts of this one; the joint starts where it stands.
     pub(crate) fn predicted(&self, terms: Terms, fit: &Fit) -> Vec<f64> {
         let series = self.series;
-        let mut followed = self.driven(fit.shape);
+        let mut evaluator = Evaluator::new(self, terms, &None);
+        let mut followed = evaluator.driven(fit.shape).to_vec();
         for piece in series.pieces() {
             let first = series.response[piece.start] - fit.offset;
             friction::followed(piece, fit.shape.half_width, first, &mut followed);
         }
-        let ones = offset::column(if terms.offset { series.len() } else { 0 });
-        let columns = self.columns(terms, &ones, &followed);
+        let columns = self.columns(terms);
         let mut predicted = match terms.gain {
             true => vec![0.0; series.len()],
             false => followed.clone(),
         };
         for (column, coefficient) in columns.iter().zip(&fit.solution) {
-            for (sum, value) in predicted.iter_mut().zip(*column) {
+            for (sum, value) in predicted.iter_mut().zip(column.unwrap_or(&followed)) {
                 *sum += coefficient * value;
             }
         }
         predicted
     }
 
-    /// The command as delay, lag and limit let it through.
-    fn driven(&self, shape: Shape) -> Vec<f64> {
-        let series = self.series;
-        let mut input = vec![0.0; series.len()];
-        for piece in series.pieces() {
-            latency::delayed(
-                &series.command,
-                &series.time_s,
-                piece.clone(),
-                shape.delay_s,
-                &mut input,
-            );
-            lag::lagged(&series.time_s, piece.clone(), shape.lag_s, &mut input);
-            saturation::limited(&series.time_s, piece, shape.slowness, &mut input);
-        }
-        input
-    }
-
-    /// Columns that enter linearly.
-    fn columns<'c>(&'c self, terms: Terms, ones: &'c [f64], followed: &'c [f64]) -> Vec<&'c [f64]> {
-        let mut columns: Vec<&[f64]> = Vec::new();
-        columns.extend(terms.offset.then_some(ones));
-        columns.extend(terms.gain.then_some(followed));
+    /// Columns that enter linearly, in the order of their numbers; `None` is what is followed.
+    fn columns(&self, terms: Terms) -> Vec<Option<&[f64]>> {
+        let mut columns: Vec<Option<&[f64]>> = Vec::new();
+        columns.extend(terms.offset.then_some(Some(self.ones.as_slice())));
+        columns.extend(terms.gain.then_some(None));
         let free = terms.droop.then_some(&self.droop).into_iter().flatten();
-        columns.extend(free.map(Vec::as_slice));
+        columns.extend(free.map(|column| Some(column.as_slice())));
         columns
     }
 
@@ -186,7 +171,8 @@ impl<'s> Problem<'s> {
             least,
             most,
         };
-        let mut squares = |at: [f64; AXES]| self.evaluate(terms, shape_of(at, terms), held).squares;
+        let mut evaluator = Evaluator::new(self, terms, held);
+        let mut squares = |at: [f64; AXES]| evaluator.fit(shape_of(at, terms)).squares;
         let found = starts
             .iter()
             .map(|start| {
@@ -195,74 +181,12 @@ impl<'s> Problem<'s> {
             })
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let at = found.map_or([0.0; AXES], |(at, _)| at);
-        self.evaluate(terms, shape_of(at, terms), held)
+        evaluator.fit(shape_of(at, terms))
     }
 
     /// The fit of the linear numbers, at given numbers of the shape.
     pub(crate) fn evaluate(&self, terms: Terms, shape: Shape, held: &Held) -> Fit {
-        let series = self.series;
-        let rows = series.len();
-        let input = self.driven(shape);
-        let mut offset = match terms.offset {
-            true => mean_outside(held, |row| series.response[row] - input[row], rows),
-            false => 0.0,
-        };
-        let mut fit = None;
-        for _ in 0..2 {
-            let mut followed = input.clone();
-            for piece in series.pieces() {
-                let first = series.response[piece.start] - offset;
-                friction::followed(piece, shape.half_width, first, &mut followed);
-            }
-            let own = self.linear(terms, shape, &followed, held);
-            let moved = (own.offset - offset).abs();
-            offset = own.offset;
-            fit = Some(own);
-            if !terms.friction || moved < 1e-5 {
-                break;
-            }
-        }
-        fit.unwrap_or_else(|| self.linear(terms, shape, &input, held))
-    }
-
-    fn linear(&self, terms: Terms, shape: Shape, followed: &[f64], held: &Held) -> Fit {
-        let response = &self.series.response;
-        let rows = response.len();
-        let ones = offset::column(if terms.offset { rows } else { 0 });
-        let columns = self.columns(terms, &ones, followed);
-        let target: Vec<f64> = match terms.gain {
-            true => response.clone(),
-            false => (response.iter().zip(followed))
-                .map(|(a, b)| a - b)
-                .collect(),
-        };
-        let (solution, residual) = Normal::solve(&columns, &target, held);
-        let mut numbers = solution.iter().copied();
-        let mut offset = if terms.offset {
-            numbers.next().unwrap_or(0.0)
-        } else {
-            0.0
-        };
-        let gain = if terms.gain {
-            numbers.next().unwrap_or(1.0)
-        } else {
-            1.0
-        };
-        let droop: Vec<f64> = numbers.collect();
-        // at the middle of the motion, where a gain moves nothing
-        offset += (gain - 1.0) * crate::log::mean(followed);
-        for (column, coefficient) in self.droop.iter().zip(&droop) {
-            offset += coefficient * crate::log::mean(column);
-        }
-        Fit {
-            shape,
-            offset,
-            gain,
-            droop,
-            solution,
-            squares: squares_outside(held, &residual),
-            residual,
-        }
+        Evaluator::new(self, terms, held).fit(shape)
     }
 
     /// How far the droop moves the joint \[rad\]: the standard deviation of its course.
@@ -277,23 +201,6 @@ impl<'s> Problem<'s> {
         let middle = crate::log::mean(&course);
         crate::log::rms(&course.iter().map(|at| at - middle).collect::<Vec<_>>())
     }
-}
-
-/// Sum of squares on the rows of a fit.
-fn squares_outside(held: &Held, residual: &[f64]) -> f64 {
-    let is_seen = |row: &usize| held.as_ref().is_none_or(|held| !held.contains(row));
-    let rows = (0..residual.len()).filter(is_seen);
-    rows.map(|row| residual[row] * residual[row]).sum()
-}
-
-fn mean_outside(held: &Held, value: impl Fn(usize) -> f64, rows: usize) -> f64 {
-    let is_seen = |row: &usize| held.as_ref().is_none_or(|held| !held.contains(row));
-    let (sum, count) = (0..rows)
-        .filter(is_seen)
-        .fold((0.0, 0.0), |(sum, count), row| {
-            (sum + value(row), count + 1.0)
-        });
-    sum / f64::max(count, 1.0)
 }
 
 fn shape_of([delay_s, lag_s, half_width, slowness]: [f64; AXES], terms: Terms) -> Shape {
