@@ -15,10 +15,10 @@ enum Slot<I, T> {
 
 /// What `of` makes of each item, in the items' order, whichever thread made it.
 ///
-/// For items whose work is much longer than taking a lock, which each costs twice.
+/// All items are collected first. Each takes a lock twice: its work should be much longer than that.
 ///
 /// # Panics
-/// If `of` does, once all items that were begun are done.
+/// If `of` does. Other items may still be begun before the caller sees it.
 ///
 /// ```
 /// let lengths = haptical_parallel::map(["a", "bcd"], str::len);
@@ -55,7 +55,7 @@ pub fn map<I: Send, T: Send>(
     .collect()
 }
 
-/// Whether `is` holds of one of the items. Once it does of one, no other is begun.
+/// Whether `is` holds of one of the items. A thread that has seen that it does of one begins no other.
 ///
 /// # Panics
 /// As [`map`].

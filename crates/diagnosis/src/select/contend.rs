@@ -104,6 +104,7 @@ impl Selector<'_> {
         system: &System,
         score: &Score,
     ) -> Result<(Refit, f64), DiagnosisError> {
+        self.engine.base.interrupt.check()?;
         let cause = Cause::from(&self.sharpened(system, score));
         let effect = self.effects[score.effect].as_ref();
         let shapes = if effect.spec().shape == Shape::Sides {

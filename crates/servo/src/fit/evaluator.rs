@@ -87,7 +87,7 @@ impl<'p> Evaluator<'p> {
         if !self.terms.friction {
             return self.linear(shape, input);
         }
-        let mut followed = input.clone();
+        let mut followed = Vec::with_capacity(input.len());
         let mut follow = |offset: f64| {
             followed.clone_from(input);
             for piece in series.pieces() {
