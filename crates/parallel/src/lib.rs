@@ -1,5 +1,6 @@
+//! Loops on all cores: what a function makes of many items, in the items' order.
+//!
 #![doc = include_str!("../README.md")]
-#![forbid(unsafe_code)]
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};

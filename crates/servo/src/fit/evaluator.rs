@@ -142,3 +142,110 @@ impl<'p> Evaluator<'p> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::JointLog;
+    use crate::log::Series;
+
+    /// A joint that follows sines late and rests 0.3 rad beside them, with rows that jump in between.
+    fn series() -> Series {
+        let time_s: Vec<f64> = (0..600).map(|row| 0.02 * f64::from(row)).collect();
+        let course = |t: &f64| 0.6 * (1.3 * t).sin() + 0.3 * (2.9 * t).cos();
+        let command: Vec<f64> = time_s.iter().map(course).collect();
+        let mut response: Vec<f64> = time_s.iter().map(|t| course(&(t - 0.07)) + 0.3).collect();
+        response[200..300].iter_mut().for_each(|at| *at += 0.5);
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&command),
+            response: &response,
+            ..JointLog::default()
+        };
+        Series::new(&log).unwrap()
+    }
+
+    const TERMS: Terms = Terms {
+        offset: true,
+        delay: true,
+        lag: true,
+        friction: true,
+        saturation: true,
+        ..Terms::NONE
+    };
+
+    #[test]
+    fn a_shape_after_another_is_fitted_as_it_is_alone() {
+        let series = series();
+        let problem = Problem::new(&series);
+        let mut shape = Shape {
+            delay_s: 0.04,
+            lag_s: 0.03,
+            half_width: 0.05,
+            slowness: 0.8,
+        };
+        let mut evaluator = Evaluator::new(&problem, TERMS, &None);
+        evaluator.fit(shape);
+        let changes: [fn(&mut Shape); 5] = [
+            |shape| shape.delay_s = 0.06,
+            |shape| shape.lag_s = 0.05,
+            |shape| shape.slowness = 0.9,
+            |shape| shape.half_width = 0.08,
+            |shape| shape.delay_s = 0.02,
+        ];
+        for change in changes {
+            let before = evaluator.fit(shape).residual;
+            change(&mut shape);
+            let after = evaluator.fit(shape);
+            assert_ne!(after.residual, before, "{shape:?}");
+            assert_eq!(after, problem.evaluate(TERMS, shape, &None), "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn rows_that_are_held_out_have_no_part_in_a_fit() {
+        let series = series();
+        let problem = Problem::new(&series);
+        let offset = Terms {
+            offset: true,
+            ..Terms::NONE
+        };
+        let fit = problem.evaluate(offset, Shape::default(), &Some(200..300));
+        let seen = (0..600).filter(|row| !(200..300).contains(row));
+        let errors: Vec<f64> = seen
+            .map(|row| series.response[row] - series.command[row])
+            .collect();
+        assert!((fit.offset - mean(&errors)).abs() < 1e-7, "{}", fit.offset);
+        let squares: f64 = errors.iter().map(|at| (at - fit.offset).powi(2)).sum();
+        assert!((fit.squares / squares - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_joint_starts_where_it_stands_beside_its_offset() {
+        let series = series();
+        let problem = Problem::new(&series);
+        let shape = Shape {
+            half_width: 0.2,
+            ..Shape::default()
+        };
+        let terms = Terms {
+            offset: true,
+            friction: true,
+            ..Terms::NONE
+        };
+        let mut evaluator = Evaluator::new(&problem, terms, &None);
+        let first = evaluator
+            .columns
+            .mean(|row| series.response[row] - series.command[row]);
+        let follow = |offset: f64| {
+            let mut followed = series.command.clone();
+            let start = series.response[0] - offset;
+            friction::followed(0..series.len(), shape.half_width, start, &mut followed);
+            evaluator.linear(shape, &followed)
+        };
+        let once = follow(first);
+        let twice = follow(once.offset);
+        assert!((once.offset - first).abs() > 1e-5 && once != twice);
+        assert_eq!(evaluator.fit(shape), twice);
+    }
+}
