@@ -8,17 +8,12 @@ use anyhow::{Context, Result, bail, ensure};
 use chrono::Utc;
 use serde::Serialize;
 
-/// The thresholds, from the root of the repository.
-pub(crate) const THRESHOLDS: &str = "crates/diagnosis/src/thresholds.rs";
-/// What must be committed before a scored batch.
-const COMMITTED: [&str; 4] = [
-    THRESHOLDS,
-    "crates/diagnosis/src",
-    "crates/effects/src",
-    "xtask/blind/src",
-];
-/// What may not change between the freeze and the batch without being said.
-const JUDGED: [&str; 2] = ["crates/diagnosis/src", "crates/effects/src"];
+/// The thresholds of every crate, from the root of the repository.
+pub(crate) const THRESHOLDS: &str = ":(glob)crates/*/src/thresholds.rs";
+/// What is handed a recording: it and every crate that it depends on can change a verdict.
+const JUDGE: &str = "diagnosis";
+/// What makes the recordings.
+const GENERATOR: &str = "xtask/blind/src";
 /// Hexadecimal digits of the commit that make the seed.
 const DIGITS: usize = 8;
 
@@ -68,9 +63,15 @@ impl SeedRule {
 }
 
 fn of_commit(root: &Path) -> Result<Seed> {
-    let mut status = vec!["status", "--porcelain", "--"];
-    status.extend(COMMITTED);
-    let changed = git(root, &status)?;
+    let judged = judged(root);
+    let with_paths = |words: &[&'static str], further: &[&'static str]| -> Vec<String> {
+        let words = words.iter().chain(further).map(|&word| word.to_owned());
+        words.chain(judged.iter().cloned()).collect()
+    };
+    let changed = git(
+        root,
+        &with_paths(&["status", "--porcelain", "--"], &[GENERATOR]),
+    )?;
     ensure!(
         changed.is_empty(),
         "--seed commit needs these committed, for a scored batch is one that can be repeated:\n{changed}"
@@ -82,14 +83,52 @@ fn of_commit(root: &Path) -> Result<Seed> {
     let value = u64::from_str_radix(digits, 16)
         .with_context(|| format!("`{commit}` is not the name of a commit"))?;
     let since = format!("{commit}..HEAD");
-    let [diagnosis, effects] = JUDGED;
-    let log = ["log", "--format=%H", &since, "--", diagnosis, effects];
+    let log = [
+        "log".to_owned(),
+        "--format=%H".to_owned(),
+        since,
+        "--".to_owned(),
+    ];
+    let log: Vec<String> = log.into_iter().chain(judged).collect();
     let changes = git(root, &log)?;
     Ok(Seed {
         value,
         frozen_by: Some(commit),
         changes_since: changes.lines().count(),
     })
+}
+
+/// Sources that can change a verdict: of the judge and of every crate of ours among its dependencies and theirs.
+pub(crate) fn judged(root: &Path) -> Vec<String> {
+    let mut names = vec![JUDGE.to_owned()];
+    let mut index = 0;
+    while let Some(name) = names.get(index) {
+        index += 1;
+        // a crate without a manifest has no dependencies
+        let manifest = root.join("crates").join(name).join("Cargo.toml");
+        let manifest = std::fs::read_to_string(manifest).unwrap_or_default();
+        let lines = manifest
+            .lines()
+            .skip_while(|line| *line != "[dependencies]")
+            .skip(1);
+        for line in lines.take_while(|line| !line.starts_with('[')) {
+            let Some(other) = line.strip_prefix("haptical-") else {
+                continue;
+            };
+            let other = other
+                .split(['.', ' ', '='])
+                .next()
+                .unwrap_or(other)
+                .to_owned();
+            if !names.contains(&other) {
+                names.push(other);
+            }
+        }
+    }
+    names
+        .iter()
+        .map(|name| format!("crates/{name}/src"))
+        .collect()
 }
 
 /// The commit at hand, in short, and whether files differ from it; `none` outside a repository.
@@ -111,11 +150,12 @@ pub(crate) fn today() -> String {
     Utc::now().date_naive().to_string()
 }
 
-fn git(root: &Path, arguments: &[&str]) -> Result<String> {
+fn git<S: AsRef<str>>(root: &Path, arguments: &[S]) -> Result<String> {
+    let arguments: Vec<&str> = arguments.iter().map(AsRef::as_ref).collect();
     let output = Command::new("git")
         .arg("-C")
         .arg(root)
-        .args(arguments)
+        .args(&arguments)
         .output()
         .context("git cannot be run")?;
     ensure!(

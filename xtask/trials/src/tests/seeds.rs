@@ -6,7 +6,9 @@ use std::process::Command;
 use crate::report::bars::measures;
 use crate::report::record::{HEADLINES, LOG, Run, row, with_row};
 use crate::root;
-use crate::seed::{SeedRule, THRESHOLDS, head};
+use crate::seed::{SeedRule, head};
+
+const THRESHOLDS: &str = "crates/motion/src/thresholds.rs";
 
 fn git(root: &Path, words: &[&str]) -> String {
     let identity = [
@@ -48,7 +50,7 @@ fn the_seed_is_the_commit_that_froze_the_thresholds() {
     write(root, "crates/diagnosis/src/lib.rs", "a");
     commit(root, "code");
     let refused = SeedRule::Commit.seed(root).expect_err("no thresholds yet");
-    assert!(refused.to_string().contains(THRESHOLDS), "{refused}");
+    assert!(refused.to_string().contains("thresholds"), "{refused}");
 
     write(root, THRESHOLDS, "z = 1");
     let frozen = commit(root, "thresholds");
@@ -62,6 +64,16 @@ fn the_seed_is_the_commit_that_froze_the_thresholds() {
     write(root, "README.md", "unrelated");
     commit(root, "words");
     write(root, "crates/effects/src/lib.rs", "b");
+    commit(root, "code that nothing judges by");
+    let same = SeedRule::Commit.seed(root).unwrap();
+    assert_eq!((same.value, same.changes_since), (seed.value, 0));
+
+    write(
+        root,
+        "crates/diagnosis/Cargo.toml",
+        "[dependencies]\nhaptical-effects.workspace = true\n",
+    );
+    write(root, "crates/effects/src/lib.rs", "c");
     commit(root, "more code");
     let later = SeedRule::Commit.seed(root).unwrap();
     assert_eq!((later.value, later.changes_since), (seed.value, 1));
@@ -82,18 +94,32 @@ fn a_scored_batch_needs_everything_committed() {
     write(root, "crates/effects/src/lib.rs", "a");
     write(root, "xtask/blind/src/lib.rs", "a");
     write(root, "docs/note.md", "a");
+    let manifest = "[package]\nname = \"haptical-diagnosis\"\n[dependencies]\nhaptical-effects.workspace = true\n\
+                    haptical-motion = { path = \"../motion\" }\nserde = \"1\"\n[dev-dependencies]\nhaptical-data.workspace = true\n";
+    write(root, "crates/diagnosis/Cargo.toml", manifest);
+    write(
+        root,
+        "crates/motion/Cargo.toml",
+        "[dependencies]\nhaptical-dynamics.workspace = true\n",
+    );
+    write(root, "crates/dynamics/src/lib.rs", "a");
     commit(root, "all");
     write(root, "docs/note.md", "b");
     let commit = git(root, &["rev-parse", "--short=8", "HEAD"]);
     assert_eq!(head(root), commit, "a note changes no answer");
-    write(root, "crates/linalg/src/lib.rs", "new");
+    write(root, "crates/data/src/lib.rs", "new");
     assert_eq!(head(root), format!("{commit} with changes"));
-    assert!(SeedRule::Commit.seed(root).is_ok(), "a note is not judged");
+    assert!(
+        SeedRule::Commit.seed(root).is_ok(),
+        "what its tests alone need is not judged"
+    );
     for path in [
         THRESHOLDS,
         "crates/diagnosis/src/lib.rs",
         "crates/diagnosis/src/new.rs",
         "crates/effects/src/lib.rs",
+        "crates/motion/src/lib.rs",
+        "crates/dynamics/src/lib.rs",
         "xtask/blind/src/lib.rs",
     ] {
         write(root, path, "changed");
@@ -155,5 +181,28 @@ fn headlines_are_among_the_figures() {
             .iter()
             .filter(|one| one.group == group && one.name == name);
         assert_eq!(found.count(), 1, "{group}: {name}");
+    }
+}
+
+#[test]
+fn every_crate_below_the_diagnosis_is_guarded() {
+    let judged = crate::seed::judged(&root());
+    for name in [
+        "diagnosis",
+        "effects",
+        "motion",
+        "servo",
+        "calibration",
+        "dynamics",
+        "linalg",
+        "kinematics",
+    ] {
+        assert!(
+            judged.contains(&format!("crates/{name}/src")),
+            "{name}: {judged:?}"
+        );
+    }
+    for name in ["simulator", "cli", "haptical"] {
+        assert!(!judged.contains(&format!("crates/{name}/src")), "{name}");
     }
 }
