@@ -1,7 +1,7 @@
 //! Curves with a penalty on their bends (P-splines, Eilers & Marx 1996): the smoothness that predicts rows best that the fit did
 //! not see (docs/diagnosis-corrections.md).
 
-use nalgebra::{DMatrix, DVector};
+use haptical_linalg::{NormalEquations, NormalSolution};
 
 /// Parts that rows are cut into, in order of time.
 pub(crate) const PARTS: usize = 40;
@@ -21,9 +21,7 @@ pub(crate) struct Normal {
 
 #[derive(Clone)]
 struct Part {
-    matrix: DMatrix<f64>,
-    right: DVector<f64>,
-    squares: f64,
+    sums: NormalEquations,
     rows: f64,
 }
 
@@ -42,35 +40,30 @@ pub(crate) struct Smooth {
 impl Part {
     fn empty(size: usize) -> Self {
         Self {
-            matrix: DMatrix::zeros(size, size),
-            right: DVector::zeros(size),
-            squares: 0.0,
+            sums: NormalEquations::new(size),
             rows: 0.0,
         }
     }
 
-    /// Squares of what coefficients leave.
-    fn left(&self, coefficients: &DVector<f64>) -> f64 {
-        let along = coefficients.dot(&self.right);
-        let own = coefficients.dot(&(&self.matrix * coefficients));
-        (self.squares - 2.0 * along + own).max(0.0)
+    /// Every coefficient, fitted with a penalty on the second differences; `scale` is what the data say of one.
+    fn fit(&self, scale: f64, penalty: f64) -> NormalSolution {
+        let mut sums = self.sums.clone();
+        let size = sums.columns();
+        let weight = (penalty * scale).sqrt();
+        for first in 0..(size + 1).saturating_sub(DIFFERENCE.len()) {
+            let mut row = vec![0.0; size + 1];
+            for (place, factor) in DIFFERENCE.iter().enumerate() {
+                row[first + place] = weight * factor;
+            }
+            sums.add_row(&row);
+        }
+        sums.solve(&(0..size).collect::<Vec<_>>(), |_| PULL * scale)
     }
 
-    /// The products with a penalty on the second differences, `scale` of which is what the data say of a coefficient.
-    fn penalised(&self, scale: f64, penalty: f64) -> DMatrix<f64> {
-        let mut matrix = self.matrix.clone();
-        let size = matrix.nrows();
-        for first in 0..(size + 1).saturating_sub(DIFFERENCE.len()) {
-            for (a, own) in DIFFERENCE.iter().enumerate() {
-                for (b, other) in DIFFERENCE.iter().enumerate() {
-                    matrix[(first + a, first + b)] += penalty * scale * own * other;
-                }
-            }
-        }
-        for at in 0..size {
-            matrix[(at, at)] += PULL * scale;
-        }
-        matrix
+    /// Squares of what coefficients leave.
+    fn left(&self, coefficients: &[f64]) -> f64 {
+        let all: Vec<usize> = (0..coefficients.len()).collect();
+        self.sums.left(&all, coefficients)
     }
 }
 
@@ -82,30 +75,20 @@ impl Normal {
         }
     }
 
-    /// Adds a reading of a part with its row of all columns, of which many may be 0.
+    /// Adds a reading of a part with its row of all columns.
     pub(crate) fn add(&mut self, part: usize, row: &[f64], reading: f64) {
         let part = &mut self.parts[part.min(PARTS - 1)];
-        let full: Vec<usize> = (0..row.len())
-            .filter(|&column| row[column] != 0.0)
-            .collect();
-        for &a in &full {
-            for &b in &full {
-                part.matrix[(a, b)] += row[a] * row[b];
-            }
-            part.right[a] += row[a] * reading;
-        }
-        part.squares += reading * reading;
+        let whole: Vec<f64> = row.iter().copied().chain([reading]).collect();
+        part.sums.add_row(&whole);
         part.rows += 1.0;
     }
 
     /// The sum of the parts that are picked.
     fn sum(&self, is_in: impl Fn(usize) -> bool) -> Part {
-        let mut sum = Part::empty(self.parts[0].right.len());
+        let mut sum = Part::empty(self.parts[0].sums.columns());
         let parts = self.parts.iter().enumerate();
         for (_, part) in parts.filter(|(index, _)| is_in(*index)) {
-            sum.matrix += &part.matrix;
-            sum.right += &part.right;
-            sum.squares += part.squares;
+            sum.sums.add(&part.sums, 1.0);
             sum.rows += part.rows;
         }
         sum
@@ -114,7 +97,9 @@ impl Normal {
     /// The curve whose penalty predicts unseen rows best; none where nothing decides it.
     pub(crate) fn smooth(&self) -> Option<Smooth> {
         let whole = self.sum(|_| true);
-        let scale = whole.matrix.trace() / whole.right.len() as f64;
+        let size = whole.sums.columns();
+        let trace: f64 = (0..size).map(|at| whole.sums.product(at, at)).sum();
+        let scale = trace / size as f64;
         if !(scale > 0.0 && scale.is_finite()) {
             return None;
         }
@@ -122,24 +107,25 @@ impl Normal {
             .map(|fold| self.sum(|part| part % FOLDS != fold))
             .collect();
         let unseen = |penalty: f64| {
-            let solved = folds.iter().map(|seen| {
-                let decomposed = seen.penalised(scale, penalty).cholesky()?;
-                Some(decomposed.solve(&seen.right))
-            });
-            let solved: Vec<DVector<f64>> = solved.collect::<Option<_>>()?;
+            let solved: Vec<_> = folds.iter().map(|seen| seen.fit(scale, penalty)).collect();
             let parts = self.parts.iter().enumerate();
-            let left = parts.map(|(index, part)| part.left(&solved[index % FOLDS]));
-            Some(left.collect::<Vec<f64>>())
+            let left = parts.map(|(index, part)| part.left(solved[index % FOLDS].coefficients()));
+            left.collect::<Vec<f64>>()
         };
         let penalties = (0..=PENALTIES).map(|step| 10.0_f64.powf(0.5 * f64::from(step) - 4.0));
-        let tried = penalties.filter_map(|penalty| Some((penalty, unseen(penalty)?)));
+        let tried = penalties.map(|penalty| (penalty, unseen(penalty)));
         let total = |left: &[f64]| left.iter().sum::<f64>();
         let (penalty, with) = tried.min_by(|a, b| total(&a.1).total_cmp(&total(&b.1)))?;
-        let decomposed = whole.penalised(scale, penalty).cholesky()?;
-        let without = self.parts.iter().map(|part| part.squares);
+        let fit = whole.fit(scale, penalty);
+        let inverse = fit.inverse();
+        let row = |a: usize| (0..size).map(move |b| (a, b));
+        let smoother = (0..size)
+            .flat_map(row)
+            .map(|(a, b)| inverse[(a, b)] * whole.sums.product(a, b));
+        let without = self.parts.iter().map(|part| part.sums.target_square());
         Some(Smooth {
-            coefficients: decomposed.solve(&whole.right).iter().copied().collect(),
-            effective: decomposed.solve(&whole.matrix).trace(),
+            coefficients: fit.coefficients().to_vec(),
+            effective: smoother.sum(),
             unseen: without.zip(with).map(|(a, b)| [a, b]).collect(),
             rows: whole.rows,
         })

@@ -1,17 +1,13 @@
 //! Least squares on subsets of one set of columns, from their products.
 
-use nalgebra::{DMatrix, DVector};
-
-use crate::engine::system::dot;
+use haptical_linalg::{Matrix, NormalEquations, NormalSolution};
+use nalgebra::DMatrix;
 
 /// Products of columns with each other and with a target.
 #[derive(Debug)]
 pub(crate) struct Columns {
-    /// Of columns of length 1.
-    normal: DMatrix<f64>,
-    right: DVector<f64>,
+    sums: NormalEquations,
     pub(crate) norms: Vec<f64>,
-    square: f64,
     readings: usize,
 }
 
@@ -22,101 +18,74 @@ const RIDGE: f64 = 1e-11;
 
 impl Columns {
     pub(crate) fn new(columns: &[&[f64]], target: &[f64]) -> Self {
-        let norms: Vec<f64> = columns
-            .iter()
-            .map(|column| dot(column, column).sqrt().max(1e-300))
-            .collect();
-        let count = columns.len();
+        let sums = NormalEquations::from_columns(columns, target);
+        let norm = |column: usize| sums.product(column, column).sqrt().max(1e-300);
         Self {
-            normal: DMatrix::from_fn(count, count, |a, b| {
-                dot(columns[a], columns[b]) / (norms[a] * norms[b])
-            }),
-            right: DVector::from_fn(count, |index, _| dot(columns[index], target) / norms[index]),
-            norms,
-            square: dot(target, target),
+            norms: (0..columns.len()).map(norm).collect(),
+            sums,
             readings: target.len(),
         }
     }
 
-    fn part(&self, chosen: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
-        let part = DMatrix::from_fn(chosen.len(), chosen.len(), |a, b| {
-            self.normal[(chosen[a], chosen[b])] + if a == b { RIDGE } else { 0.0 }
-        });
-        let side = DVector::from_fn(chosen.len(), |a, _| self.right[chosen[a]]);
-        (part, side)
+    fn fit(&self, chosen: &[usize]) -> NormalSolution {
+        let ridge = |column: usize| RIDGE * self.norms[column].powi(2);
+        self.sums.solve(chosen, ridge)
     }
 
     /// Squared length of the target's part in the span of the chosen columns.
     pub(crate) fn explained(&self, chosen: &[usize]) -> f64 {
-        if chosen.is_empty() {
-            return 0.0;
-        }
-        let (part, side) = self.part(chosen);
-        match part.cholesky() {
-            Some(factor) => side.dot(&factor.solve(&side)),
-            None => 0.0,
-        }
+        self.fit(chosen).explained()
     }
 
     /// Coefficients of the chosen columns and their covariance; what they leave counts as noise where it is
     /// more than noise.
-    pub(crate) fn solution(&self, chosen: &[usize]) -> Option<(Vec<f64>, DMatrix<f64>)> {
-        let (part, side) = self.part(chosen);
-        let factor = part.cholesky()?;
-        let solved = factor.solve(&side);
-        let left = self.square - side.dot(&solved);
+    pub(crate) fn solution(&self, chosen: &[usize]) -> (Vec<f64>, DMatrix<f64>) {
+        let fit = self.fit(chosen);
         let freedom = self.readings.saturating_sub(chosen.len()).max(1) as f64;
-        let misfit = (left / freedom).max(1.0);
-        let norm = |k: usize| self.norms[chosen[k]];
-        let values = (0..chosen.len()).map(|k| solved[k] / norm(k)).collect();
-        let mut covariance = factor.inverse() * misfit;
-        for a in 0..chosen.len() {
-            for b in 0..chosen.len() {
-                covariance[(a, b)] /= norm(a) * norm(b);
-            }
-        }
-        Some((values, covariance))
+        let misfit = (fit.rest_square() / freedom).max(1.0);
+        let covariance = first(&fit.inverse(), chosen.len()) * misfit;
+        (fit.coefficients().to_vec(), covariance)
     }
 
     /// Covariance of the first columns' coefficients where the others are free, for noise of unit size;
     /// others that depend on those before them are left out.
     pub(crate) fn covariance_given(
         &self,
-        first: &[usize],
+        first_columns: &[usize],
         others: &[usize],
-    ) -> Option<DMatrix<f64>> {
-        let mut chosen = first.to_vec();
+    ) -> DMatrix<f64> {
+        let mut chosen = first_columns.to_vec();
         for &other in others {
-            let (part, _) = self.part(&chosen);
-            let along = DVector::from_fn(chosen.len(), |k, _| self.normal[(chosen[k], other)]);
-            let explained = along.dot(&part.cholesky()?.solve(&along));
-            if 1.0 - explained > INDEPENDENT {
+            let left = self.sums.across(&self.fit(&chosen), &[other])[(0, 0)];
+            if left > INDEPENDENT * self.norms[other].powi(2) {
                 chosen.push(other);
             }
         }
-        let inverse = self.part(&chosen).0.cholesky()?.inverse();
-        Some(DMatrix::from_fn(first.len(), first.len(), |a, b| {
-            inverse[(a, b)] / (self.norms[first[a]] * self.norms[first[b]])
-        }))
+        first(&self.fit(&chosen).inverse(), first_columns.len())
     }
 
     /// Of others the one that most of a column is made of: where the column is a sum of them, it stands in that one's place.
     pub(crate) fn largest_part(&self, column: usize, others: &[usize]) -> Option<usize> {
-        let (part, _) = self.part(others);
-        let along = DVector::from_fn(others.len(), |k, _| self.normal[(others[k], column)]);
-        let shares = part.cholesky()?.solve(&along);
-        (!others.is_empty()).then(|| others[shares.iamax()])
+        let along: Vec<f64> = (others.iter())
+            .map(|&other| self.sums.product(other, column))
+            .collect();
+        let shares = self.fit(others).inverse_times(&along);
+        let size = |place: &usize| (shares[*place] * self.norms[others[*place]]).abs();
+        let places = (0..others.len()).max_by(|a, b| size(a).total_cmp(&size(b)));
+        places.map(|place| others[place])
     }
 
     /// Standard deviation of each column's coefficient with all others free, for noise of unit size.
     pub(crate) fn deviations(&self, count: usize) -> Vec<f64> {
         let all: Vec<usize> = (0..count).collect();
-        let (part, _) = self.part(&all);
-        match part.try_inverse() {
-            Some(inverse) => (0..count)
-                .map(|k| inverse[(k, k)].max(0.0).sqrt() / self.norms[k])
-                .collect(),
-            None => vec![0.0; count],
-        }
+        let inverse = self.fit(&all).inverse();
+        (0..count)
+            .map(|k| inverse[(k, k)].max(0.0).sqrt())
+            .collect()
     }
+}
+
+/// The first rows and columns of a matrix.
+fn first(matrix: &Matrix, count: usize) -> DMatrix<f64> {
+    DMatrix::from_fn(count, count, |a, b| matrix[(a, b)])
 }

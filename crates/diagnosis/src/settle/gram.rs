@@ -1,6 +1,7 @@
 //! Products of all columns of a recording, which add from recording to recording, and the odds that they give.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use haptical_linalg::{Matrix, NormalEquations};
+use nalgebra::DMatrix;
 
 /// What keeps directions that no row shows from being divided by: a share of a column's squared length.
 const RIDGE: f64 = 1e-9;
@@ -142,47 +143,35 @@ impl Gram {
             if count == 0 {
                 return told(0.0);
             }
-            let mut own = DMatrix::from_fn(count, count, |i, j| left[(slope + i, slope + j)]);
-            let along = DVector::from_fn(count, |i, _| left[(slope + i, signal)]);
-            for i in 0..count {
-                own[(i, i)] +=
-                    RIDGE * self.products[(first + slope + i, first + slope + i)] + 1e-300;
-            }
-            told(Cholesky::new(own).map_or(0.0, |own| along.dot(&own.solve(&along))))
+            let place = |i: usize| if i == count { signal } else { slope + i };
+            let sums = NormalEquations::from_products(count, |i, j| left[(place(i), place(j))]);
+            let slopes: Vec<usize> = (0..count).collect();
+            let ridge = |i: usize| {
+                let column = first + slope + i;
+                RIDGE * self.products[(column, column)] + 1e-300
+            };
+            told(sums.solve(&slopes, ridge).explained())
         });
         pairs.collect()
     }
 
     /// Products of the candidates' columns across the common ones.
-    fn without_common(&self, places: &Places) -> DMatrix<f64> {
+    fn without_common(&self, places: &Places) -> Matrix {
         let (first, count) = (places.common, places.count());
-        let rest = self
-            .products
-            .view((first, first), (count - first, count - first));
-        let rest = rest.into_owned();
-        if first == 0 {
-            return rest;
-        }
-        // scaled, so that a length and an angle have the same say
-        let scale = DVector::from_fn(first, |i, _| 1.0 / self.products[(i, i)].max(1e-300).sqrt());
-        let mut common = DMatrix::from_fn(first, first, |i, j| {
-            self.products[(i, j)] * scale[i] * scale[j]
+        let sums = NormalEquations::from_products(count, |a, b| match a < count {
+            true => self.products[(a, b)],
+            false => 0.0,
         });
-        for i in 0..first {
-            common[(i, i)] += RIDGE;
-        }
-        let across = DMatrix::from_fn(first, count - first, |i, j| {
-            self.products[(i, first + j)] * scale[i]
-        });
-        match Cholesky::new(common) {
-            Some(common) => rest - across.tr_mul(&common.solve(&across)),
-            None => rest,
-        }
+        let common: Vec<usize> = (0..first).collect();
+        let fit = sums.solve(&common, |column| RIDGE * sums.product(column, column));
+        sums.across(&fit, &(first..count).collect::<Vec<_>>())
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::DVector;
+
     use super::*;
 
     /// Least squares by QR of nalgebra: another way to the same distance.

@@ -11,6 +11,7 @@ mod extremes;
 mod faer_traps;
 mod lanes;
 mod nalgebra_oracle;
+mod normal_equations;
 mod ordered_columns;
 mod planted;
 mod refusals;

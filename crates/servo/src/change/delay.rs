@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use haptical_linalg::NormalEquations;
+
 use super::scan::{Likely, Scan};
-use super::sums::{ORDER, Prefix, Sums};
+use super::sums::{ORDER, Prefix, fitted, rows};
 use crate::thresholds::{DELAY_NATS, NEAR_MOVES, NEAR_S, SHARE_OF_FREE};
 
 /// Rows by which a delay is looked for at.
@@ -24,14 +26,14 @@ const BROAD_NATS: f64 = 1.0;
 /// Sums with the inputs some rows later.
 struct Shifted {
     prefix: Prefix,
-    whole: Sums,
+    whole: NormalEquations,
 }
 
 /// Rows on either side of a change, as they are and with the inputs later after it.
 struct Sides {
-    before: Sums,
-    after: Sums,
-    later: Sums,
+    before: NormalEquations,
+    after: NormalEquations,
+    later: NormalEquations,
 }
 
 impl Scan<'_> {
@@ -92,9 +94,11 @@ impl Scan<'_> {
     /// stretches that say most.
     fn is_broad(&self, sides: &Sides, (row, shift): (usize, isize), window: usize) -> bool {
         let regression = self.regression;
-        let unchanged = sides.before.plus(&sides.after, 1.0).fitted().1;
-        let (squares, late) = sides.before.plus(&sides.later, 1.0).fitted();
-        let count = sides.before.rows() + sides.later.rows();
+        let unchanged = fitted(&sides.before.plus(&sides.after, 1.0));
+        let unchanged = unchanged.coefficients();
+        let late = fitted(&sides.before.plus(&sides.later, 1.0));
+        let (squares, late) = (late.rest_square(), late.coefficients());
+        let count = rows(&sides.before) + rows(&sides.later);
         let variance = squares / count.max(1.0) + regression.rounding;
         let gained = |at: usize| {
             let shift = if at < row { 0.0 } else { shift as f64 };
@@ -102,7 +106,7 @@ impl Scan<'_> {
                 let off = regression.position(at) - regression.predicted(solution, at, shift)?;
                 Some(off * off)
             };
-            Some(square(&unchanged, 0.0)? - square(&late, shift)?)
+            Some(square(unchanged, 0.0)? - square(late, shift)?)
         };
         let end = (row + ORDER).saturating_add(window).min(regression.rows);
         let stretches = [row.saturating_sub(window)..row, row + ORDER..end];
@@ -150,7 +154,7 @@ impl Scan<'_> {
             return bonus;
         };
         let deviation = self.deviation().max(1e-300);
-        let solution = self.all.fitted().1;
+        let solution = fitted(&self.all).coefficients().to_vec();
         let surprise = |row: usize| {
             let predicted = regression.predicted(&solution, row, 0.0)?;
             let off = (regression.position(row) - predicted) / deviation;
@@ -176,7 +180,7 @@ impl Scan<'_> {
         let before = self.regression.up_to(&self.own, row);
         let squares = |shift: f64| {
             let later = (self.regression).of_rows(row + ORDER..self.regression.rows, shift);
-            before.plus(&later, 1.0).fitted().0
+            fitted(&before.plus(&later, 1.0)).rest_square()
         };
         let (mut size, mut least, mut step) = (likely.size, squares(likely.size), 0.5);
         while step > 0.1 {
@@ -203,18 +207,20 @@ impl Sides {
     /// What the likelihood gains by inputs that are later.
     fn nats(&self, scan: &Scan<'_>) -> f64 {
         let late = self.before.plus(&self.later, 1.0);
-        self.nats_of(scan, late.fitted().0)
+        self.nats_of(scan, fitted(&late).rest_square())
     }
 
     fn nats_of(&self, scan: &Scan<'_>, squares: f64) -> f64 {
         let unchanged = self.before.plus(&self.after, 1.0);
-        scan.nats_of(unchanged.rows(), unchanged.fitted().0, squares)
+        scan.nats_of(rows(&unchanged), fitted(&unchanged).rest_square(), squares)
     }
 
     /// Whether that is most of what a regression of its own after the change explains.
     fn is_mostly_late(&self, scan: &Scan<'_>) -> bool {
-        let after = self.after.fitted().0.min(self.later.fitted().0);
-        let free = self.nats_of(scan, after + self.before.fitted().0);
+        let after = fitted(&self.after)
+            .rest_square()
+            .min(fitted(&self.later).rest_square());
+        let free = self.nats_of(scan, after + fitted(&self.before).rest_square());
         self.nats(scan) > SHARE_OF_FREE * free
     }
 }

@@ -1,7 +1,9 @@
 //! The likelihood of each change at each row: generalised likelihood ratios of a regression (Basseville & Nikiforov, Detection of
 //! Abrupt Changes, 1993, 2.4 and 7.2).
 
-use super::sums::{ORDER, Prefix, Regression, Sums};
+use haptical_linalg::NormalEquations;
+
+use super::sums::{ORDER, Prefix, Regression, fitted, rows, with_step};
 use crate::thresholds::{LONG_REST_S, PLACE_NATS, PLACE_SHARE, SAME_NATS, SAME_SHARE};
 
 /// Factors that a gain is looked for at.
@@ -29,7 +31,7 @@ pub(super) struct Likely {
 pub(super) struct Scan<'r> {
     pub(super) regression: &'r Regression,
     pub(super) own: Prefix,
-    pub(super) all: Sums,
+    pub(super) all: NormalEquations,
     /// Squares that one regression for the whole log leaves.
     squares: f64,
     /// Rows that one regression predicts worst: a jump lies between the points of a grid.
@@ -40,9 +42,10 @@ impl<'r> Scan<'r> {
     pub(super) fn new(regression: &'r Regression) -> Self {
         let own = regression.prefix(0.0);
         let all = regression.up_to(&own, regression.rows);
-        let (squares, solution) = all.fitted();
+        let whole = fitted(&all);
+        let solution = whole.coefficients();
         let surprise = |&row: &usize| {
-            let predicted = regression.predicted(&solution, row, 0.0)?;
+            let predicted = regression.predicted(solution, row, 0.0)?;
             Some(((regression.position(row) - predicted).abs(), row))
         };
         let mut wild: Vec<(f64, usize)> = (0..regression.rows)
@@ -53,7 +56,7 @@ impl<'r> Scan<'r> {
         wild.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         wild.truncate(WILD);
         Self {
-            squares,
+            squares: whole.rest_square(),
             wild: wild.into_iter().map(|(_, row)| row).collect(),
             regression,
             own,
@@ -62,8 +65,7 @@ impl<'r> Scan<'r> {
     }
 
     fn count(&self) -> f64 {
-        let regressors = self.regression.regressors();
-        self.all.at(regressors - 1, regressors - 1)
+        rows(&self.all)
     }
 
     /// What the likelihood gains where less is left than by one regression.
@@ -150,7 +152,7 @@ impl<'r> Scan<'r> {
     }
 
     /// Sums before a row, and of the rows that have nothing of what was before it in their past.
-    fn sides(&self, row: usize) -> [Sums; 2] {
+    fn sides(&self, row: usize) -> [NormalEquations; 2] {
         let before = self.regression.up_to(&self.own, row);
         let clear = (row + ORDER).min(self.regression.rows);
         let up_to = self.regression.up_to(&self.own, clear);
@@ -158,30 +160,30 @@ impl<'r> Scan<'r> {
     }
 
     /// The position is read with another offset from a row on, and with another gain.
-    fn of_level(&self, row: usize, factor: f64) -> Sums {
+    fn of_level(&self, row: usize, factor: f64) -> NormalEquations {
         let [before, after] = self.sides(row);
         let commands = ORDER..self.regression.regressors() - 1;
         let after = after.scaled(commands, factor);
-        before.plus(&after, 1.0).with_step(&after)
+        with_step(&before.plus(&after, 1.0), &after)
     }
 
     /// The likeliest offset.
     pub(super) fn offset(&self) -> Option<Likely> {
         self.placed(1.0, (LEVEL_EDGE, &self.wild), &|row| {
-            self.nats(self.of_level(row, 1.0).fitted().0)
+            self.nats(fitted(&self.of_level(row, 1.0)).rest_square())
         })
     }
 
     /// Regression with a level that changes at a row: coefficients, the step's last.
     pub(super) fn solution(&self, row: usize, factor: f64) -> Vec<f64> {
-        self.of_level(row, factor).fitted().1
+        fitted(&self.of_level(row, factor)).coefficients().to_vec()
     }
 
     /// The likeliest gain.
     pub(super) fn gain(&self) -> Option<Likely> {
         let found = FACTORS.iter().filter_map(|&factor| {
             self.placed(factor, (LEVEL_EDGE, &self.wild), &|row| {
-                self.nats(self.of_level(row, factor).fitted().0)
+                self.nats(fitted(&self.of_level(row, factor)).rest_square())
             })
         });
         let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats))?;
@@ -190,7 +192,7 @@ impl<'r> Scan<'r> {
         for _ in 0..12 {
             let mut has_moved = false;
             for next in [size + step, size - step] {
-                let squares = self.of_level(best.rows[1], next.exp()).fitted().0;
+                let squares = fitted(&self.of_level(best.rows[1], next.exp())).rest_square();
                 if self.nats(squares) > nats {
                     (size, nats, has_moved) = (next, self.nats(squares), true);
                     break;

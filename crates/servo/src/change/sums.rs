@@ -1,7 +1,11 @@
 //! Sums of products of a regression's rows, from which any stretch of a log is fitted without going through it.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
+use haptical_linalg::{NormalEquations, NormalSolution};
+
+use crate::fit::linear::RIDGE;
 use crate::log::{Series, mean};
 
 /// Past readings of the position in the regression.
@@ -50,17 +54,10 @@ pub(super) struct Regression {
     pub(super) step_s: f64,
 }
 
-/// A symmetric matrix of sums: regressors, then the target.
-#[derive(Debug, Clone)]
-pub(super) struct Sums {
-    pub(super) size: usize,
-    pub(super) values: Vec<f64>,
-}
-
 /// Sums up to each grid point.
 #[derive(Debug)]
 pub(super) struct Prefix {
-    points: Vec<Sums>,
+    points: Vec<NormalEquations>,
     step: usize,
     /// Rows by which the inputs are late.
     shift: f64,
@@ -143,15 +140,15 @@ impl Regression {
         Some(values)
     }
 
-    fn add(&self, row: usize, shift: f64, sums: &mut Sums) {
+    fn add(&self, row: usize, shift: f64, sums: &mut NormalEquations) {
         if let Some(values) = self.row(row, shift) {
-            sums.add(&values[..=self.regressors]);
+            sums.add_row(&values[..=self.regressors]);
         }
     }
 
     /// Sums up to each grid point.
     pub(super) fn prefix(&self, shift: f64) -> Prefix {
-        let mut at = Sums::zeros(self.regressors() + 1);
+        let mut at = NormalEquations::new(self.regressors());
         let mut points = vec![at.clone()];
         for row in 0..self.rows {
             self.add(row, shift, &mut at);
@@ -167,7 +164,7 @@ impl Regression {
     }
 
     /// Sums of the rows before one.
-    pub(super) fn up_to(&self, prefix: &Prefix, row: usize) -> Sums {
+    pub(super) fn up_to(&self, prefix: &Prefix, row: usize) -> NormalEquations {
         let point = (row / prefix.step).min(prefix.points.len() - 1);
         let mut sums = prefix.points[point].clone();
         for row in point * prefix.step..row {
@@ -177,8 +174,8 @@ impl Regression {
     }
 
     /// Sums of a stretch of rows, one after the other.
-    pub(super) fn of_rows(&self, rows: Range<usize>, shift: f64) -> Sums {
-        let mut sums = Sums::zeros(self.regressors() + 1);
+    pub(super) fn of_rows(&self, rows: Range<usize>, shift: f64) -> NormalEquations {
+        let mut sums = NormalEquations::new(self.regressors());
         rows.for_each(|row| self.add(row, shift, &mut sums));
         sums
     }
@@ -195,119 +192,27 @@ impl Regression {
     }
 }
 
-impl Sums {
-    pub(super) fn zeros(size: usize) -> Self {
-        Self {
-            size,
-            values: vec![0.0; size * size],
-        }
-    }
+/// Rows that were added: the constant's square.
+pub(super) fn rows(sums: &NormalEquations) -> f64 {
+    let constant = sums.columns() - 1;
+    sums.product(constant, constant)
+}
 
-    fn add(&mut self, row: &[f64]) {
-        for (i, a) in row.iter().enumerate() {
-            let own = &mut self.values[i * self.size..i * self.size + i + 1];
-            for (sum, b) in own.iter_mut().zip(row) {
-                *sum += a * b;
-            }
-        }
-    }
+/// With a further regressor, 1 on the rows of `after` and 0 on the others.
+pub(super) fn with_step(sums: &NormalEquations, after: &NormalEquations) -> NormalEquations {
+    let (constant, target) = (sums.columns() - 1, sums.columns());
+    sums.with_column(|index| {
+        let other = match index.cmp(&target) {
+            Ordering::Less => index,
+            Ordering::Equal => constant,
+            Ordering::Greater => target,
+        };
+        after.product(constant, other)
+    })
+}
 
-    /// Lower triangle alone.
-    pub(super) fn at(&self, i: usize, j: usize) -> f64 {
-        self.values[i.max(j) * self.size + i.min(j)]
-    }
-
-    /// Rows that were added: the constant's square.
-    pub(super) fn rows(&self) -> f64 {
-        self.at(self.size - 2, self.size - 2)
-    }
-
-    pub(super) fn plus(&self, other: &Self, sign: f64) -> Self {
-        let pairs = self.values.iter().zip(&other.values);
-        Self {
-            size: self.size,
-            values: pairs.map(|(a, b)| a + sign * b).collect(),
-        }
-    }
-
-    /// Some columns times a factor.
-    pub(super) fn scaled(&self, columns: Range<usize>, factor: f64) -> Self {
-        let mut scaled = self.clone();
-        for i in 0..self.size {
-            for j in 0..=i {
-                for column in [i, j] {
-                    if columns.contains(&column) {
-                        scaled.values[i * self.size + j] *= factor;
-                    }
-                }
-            }
-        }
-        scaled
-    }
-
-    /// With a further regressor, 1 on the rows of `after` and 0 on the others, before the target.
-    pub(super) fn with_step(&self, after: &Self) -> Self {
-        let size = self.size + 1;
-        let (constant, target) = (self.size - 2, self.size - 1);
-        let mut with = Self::zeros(size);
-        let from = |index: usize| if index == size - 1 { target } else { index };
-        for i in 0..size {
-            for j in 0..=i {
-                let value = match (i == size - 2, j == size - 2) {
-                    (true, true) => after.at(constant, constant),
-                    (true, false) => after.at(constant, from(j)),
-                    (false, true) => after.at(constant, from(i)),
-                    (false, false) => self.at(from(i), from(j)),
-                };
-                with.values[i * size + j] = value;
-            }
-        }
-        with
-    }
-
-    /// Squares that the best fit leaves, and its coefficients, by Cholesky's factor of the scaled normal equations; the weakest
-    /// directions are held by a ridge.
-    pub(super) fn fitted(&self) -> (f64, Vec<f64>) {
-        let count = self.size - 1;
-        let scale: Vec<f64> = (0..count)
-            .map(|i| self.at(i, i).max(1e-300).sqrt())
-            .collect();
-        let mut factor = vec![0.0; count * count];
-        let mut right = vec![0.0; count];
-        let mut rest = self.at(count, count);
-        for i in 0..count {
-            for j in 0..=i {
-                let mut sum = self.at(i, j) / (scale[i] * scale[j]);
-                if i == j {
-                    sum += 1e-9;
-                }
-                for k in 0..j {
-                    sum -= factor[i * count + k] * factor[j * count + k];
-                }
-                factor[i * count + j] = if i == j {
-                    sum.max(1e-12).sqrt()
-                } else {
-                    sum / factor[j * count + j]
-                };
-            }
-            let mut sum = self.at(count, i) / scale[i];
-            for k in 0..i {
-                sum -= factor[i * count + k] * right[k];
-            }
-            right[i] = sum / factor[i * count + i];
-            rest -= right[i] * right[i];
-        }
-        let mut solution = vec![0.0; count];
-        for i in (0..count).rev() {
-            let mut sum = right[i];
-            for k in i + 1..count {
-                sum -= factor[k * count + i] * solution[k];
-            }
-            solution[i] = sum / factor[i * count + i];
-        }
-        for (value, scale) in solution.iter_mut().zip(&scale) {
-            *value /= scale;
-        }
-        (rest.max(0.0), solution)
-    }
+/// The fit of all regressors; the weakest directions are held by a ridge.
+pub(super) fn fitted(sums: &NormalEquations) -> NormalSolution {
+    let all: Vec<usize> = (0..sums.columns()).collect();
+    sums.solve(&all, |column| RIDGE * sums.product(column, column))
 }

@@ -2,16 +2,19 @@
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use haptical_linalg::{Matrix, NormalEquations};
 
 use super::Held;
+
+/// Share of a column's square that holds the weakest directions.
+pub(crate) const RIDGE: f64 = 1e-9;
 
 /// Columns of a model and their products on the rows that are not held out.
 #[derive(Debug)]
 pub(crate) struct Columns<'c> {
     /// In the order of the solution; `None` is the one that is not fixed.
     columns: Vec<Option<&'c [f64]>>,
-    products: DMatrix<f64>,
+    products: Matrix,
     /// Rows before and after those that are held out.
     seen: [Range<usize>; 2],
 }
@@ -21,7 +24,7 @@ impl<'c> Columns<'c> {
     pub(crate) fn new(columns: Vec<Option<&'c [f64]>>, rows: usize, held: &Held) -> Self {
         let held = held.clone().unwrap_or(rows..rows);
         let seen = [0..held.start.min(rows), held.end.min(rows)..rows];
-        let products = DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+        let products = Matrix::from_fn(columns.len(), columns.len(), |i, j| {
             match (columns[i], columns[j]) {
                 (Some(a), Some(b)) if j <= i => product(&seen, a, b),
                 _ => 0.0,
@@ -40,17 +43,18 @@ impl<'c> Columns<'c> {
         if count == 0 {
             return (Vec::new(), target);
         }
-        let column = |place: usize| self.columns[place].unwrap_or(free);
-        let mut matrix = self.products.clone();
-        if let Some(own) = self.columns.iter().position(Option::is_none) {
-            for other in 0..count {
-                let (low, high) = (own.min(other), own.max(other));
-                matrix[(high, low)] = product(&self.seen, column(high), column(low));
-            }
-        }
-        matrix.fill_upper_triangle_with_lower_triangle();
-        let right = DVector::from_fn(count, |i, _| product(&self.seen, column(i), &target));
-        let solution = solve_scaled(matrix, &right);
+        let column = |place: usize| match place == count {
+            true => target.as_slice(),
+            false => self.columns[place].unwrap_or(free),
+        };
+        let is_known = |place: usize| place < count && self.columns[place].is_some();
+        let sums = NormalEquations::from_products(count, |a, b| match is_known(a) && is_known(b) {
+            true => self.products[(a, b)],
+            false => product(&self.seen, column(a), column(b)),
+        });
+        let all: Vec<usize> = (0..count).collect();
+        let fit = sums.solve(&all, |place| RIDGE * sums.product(place, place));
+        let solution = fit.coefficients().to_vec();
         let mut residual = vec![0.0; target.len()];
         for (place, coefficient) in solution.iter().enumerate() {
             for (sum, value) in residual.iter_mut().zip(column(place)) {
@@ -82,24 +86,4 @@ fn product(seen: &[Range<usize>; 2], a: &[f64], b: &[f64]) -> f64 {
     let before = a[before.clone()].iter().zip(&b[before]);
     let after = a[after.clone()].iter().zip(&b[after]);
     before.chain(after).map(|(a, b)| a * b).sum()
-}
-
-/// Solves normal equations, columns scaled to 1 and the weakest directions held by a ridge of 1e-9.
-pub(crate) fn solve_scaled(mut matrix: DMatrix<f64>, right: &DVector<f64>) -> Vec<f64> {
-    let count = right.len();
-    let scale: Vec<f64> = (0..count)
-        .map(|i| matrix[(i, i)].max(1e-300).sqrt())
-        .collect();
-    for i in 0..count {
-        for j in 0..count {
-            matrix[(i, j)] /= scale[i] * scale[j];
-        }
-        matrix[(i, i)] += 1e-9;
-    }
-    let scaled = DVector::from_fn(count, |i, _| right[i] / scale[i]);
-    let Some(factor) = matrix.cholesky() else {
-        return vec![0.0; count];
-    };
-    let solution = factor.solve(&scaled);
-    (0..count).map(|i| solution[i] / scale[i]).collect()
 }

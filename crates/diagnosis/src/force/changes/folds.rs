@@ -3,21 +3,21 @@
 //! Normal equations per fold and channel are formed once; every hypothesis is then a small system of them. A channel weighs
 //! by what the fullest hypothesis leaves of it, so that torques which no hypothesis describes do not drown the others.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use haptical_linalg::NormalEquations;
+use nalgebra::DMatrix;
 
 use super::blocks::Pair;
 use super::columns::Columns;
 use super::gain::Gain;
-use super::normal::Normal;
 use crate::thresholds::payload::{FOLDS, RIDGE};
 
 /// The rows of a comparison in folds of blocks that follow each other.
 #[derive(Debug, Clone)]
 pub(in crate::force) struct Folds {
-    /// Per fold, per channel.
-    parts: Vec<Vec<Normal>>,
-    /// Per fold, all channels weighted together: matrix and right side.
-    sums: Vec<(DMatrix<f64>, DVector<f64>)>,
+    /// Per fold, per channel: products, and number of rows.
+    parts: Vec<Vec<(NormalEquations, f64)>>,
+    /// All channels weighted together: without each fold, then all.
+    sums: Vec<NormalEquations>,
     /// Length of each column, and the standard deviation that its number is known to have.
     length: Vec<f64>,
     sd: Vec<f64>,
@@ -49,13 +49,11 @@ impl Folds {
             let rows: Vec<usize> = (0..fold_of.len())
                 .filter(|&row| fold_of[row] == fold)
                 .collect();
-            Normal::new(columns, &pair.reading[channel], channel, &rows)
+            let sums = products(columns, &pair.reading[channel], channel, &rows);
+            (sums, rows.len() as f64)
         };
-        let all: Vec<Normal> = haptical_parallel::map(&places, normal);
-        let parts: Vec<Vec<Normal>> = all
-            .chunks(channels.max(1))
-            .map(<[Normal]>::to_vec)
-            .collect();
+        let all: Vec<(NormalEquations, f64)> = haptical_parallel::map(&places, normal);
+        let parts = all.chunks(channels.max(1)).map(<[_]>::to_vec).collect();
         let mut folds = Self {
             parts,
             sums: Vec::new(),
@@ -69,27 +67,23 @@ impl Folds {
 
     /// Weights by what all columns together leave of each channel.
     fn weigh(&mut self, least: &[f64]) {
-        let channels = self.weight.len();
-        for channel in 0..channels {
-            let (mut square, mut rows) = (0.0, 0.0);
-            for parts in &self.parts {
-                square += parts[channel].square;
-                rows += parts[channel].rows;
-            }
-            self.weight[channel] = 1.0 / (square / rows.max(1.0)).max(least[channel]).max(1e-300);
+        let mean = |folds: &Self, channel: usize, left: &dyn Fn(&NormalEquations) -> f64| {
+            let parts = folds.parts.iter().map(|parts| &parts[channel]);
+            let square: f64 = parts.clone().map(|(sums, _)| left(sums)).sum();
+            (square / folds.rows(channel).max(1.0))
+                .max(least[channel])
+                .max(1e-300)
+        };
+        for channel in 0..self.weight.len() {
+            self.weight[channel] = 1.0 / mean(self, channel, &NormalEquations::target_square);
         }
         let every: Vec<usize> = (0..self.sd.len()).collect();
         for _ in 0..2 {
             self.measure();
             let numbers = self.solve(&every, None);
-            for channel in 0..channels {
-                let (mut square, mut rows) = (0.0, 0.0);
-                for parts in &self.parts {
-                    square += parts[channel].left(&every, &numbers);
-                    rows += parts[channel].rows;
-                }
-                let variance = (square / rows.max(1.0)).max(least[channel]).max(1e-300);
-                self.weight[channel] = 1.0 / variance;
+            for channel in 0..self.weight.len() {
+                let left = |sums: &NormalEquations| sums.left(&every, &numbers);
+                self.weight[channel] = 1.0 / mean(self, channel, &left);
             }
         }
         self.measure();
@@ -98,89 +92,55 @@ impl Folds {
     /// Sums over the weighted channels, and the columns' lengths by them.
     fn measure(&mut self) {
         let count = self.sd.len();
-        let sum = |parts: &Vec<Normal>| {
-            let (mut gram, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
-            for (part, &weight) in parts.iter().zip(&self.weight) {
-                let entries = gram.iter_mut().zip(part.gram.iter());
-                entries.for_each(|(sum, entry)| *sum += weight * entry);
-                right.axpy(weight, &part.right, 1.0);
+        let mut sums = vec![NormalEquations::new(count); self.parts.len() + 1];
+        for (fold, parts) in self.parts.iter().enumerate() {
+            let mut own = NormalEquations::new(count);
+            for ((part, _), &weight) in parts.iter().zip(&self.weight) {
+                own.add(part, weight);
             }
-            (gram, right)
-        };
-        self.sums = self.parts.iter().map(sum).collect();
-        let square = |column: usize| {
-            let folds = self.sums.iter();
-            folds.map(|(gram, _)| gram[(column, column)]).sum::<f64>()
-        };
-        self.length = (0..count).map(|column| square(column).sqrt()).collect();
+            let without = sums.iter_mut().enumerate();
+            for (_, sum) in without.filter(|(other, _)| *other != fold) {
+                sum.add(&own, 1.0);
+            }
+        }
+        self.sums = sums;
+        let all = self.without(None);
+        self.length = (0..count)
+            .map(|column| all.product(column, column).sqrt())
+            .collect();
+    }
+
+    /// Sums of all folds but one.
+    fn without(&self, fold: Option<usize>) -> &NormalEquations {
+        &self.sums[fold.unwrap_or(self.parts.len())]
+    }
+
+    /// What is known of a number beforehand, and of those that only sums of which show a smallest solution.
+    fn known(&self, column: usize) -> f64 {
+        RIDGE * self.length[column].powi(2) + self.sd[column].powi(-2)
     }
 
     /// Numbers of the columns, one fold left out.
     fn solve(&self, columns: &[usize], without: Option<usize>) -> Vec<f64> {
-        let mut right = DVector::<f64>::zeros(columns.len());
-        for (_, own) in self.kept(without) {
-            for (sum, &column) in right.iter_mut().zip(columns) {
-                *sum += own[column];
-            }
-        }
-        self.divided(columns, right, without)
-    }
-
-    /// Sums of all folds but one.
-    fn kept(&self, without: Option<usize>) -> impl Iterator<Item = &(DMatrix<f64>, DVector<f64>)> {
-        let folds = self.sums.iter().enumerate();
-        let kept = folds.filter(move |(fold, _)| Some(*fold) != without);
-        kept.map(|(_, sums)| sums)
-    }
-
-    /// A right side divided by the normal matrix of some columns, one fold left out.
-    fn divided(
-        &self,
-        columns: &[usize],
-        mut right: DVector<f64>,
-        without: Option<usize>,
-    ) -> Vec<f64> {
-        let count = columns.len();
-        let mut gram = DMatrix::<f64>::zeros(count, count);
-        for (own, _) in self.kept(without) {
-            for (b, &column) in columns.iter().enumerate() {
-                for (a, &row) in columns.iter().enumerate().skip(b) {
-                    gram[(a, b)] += own[(row, column)];
-                }
-            }
-        }
-        let length: Vec<f64> = columns
-            .iter()
-            .map(|&column| self.length[column].max(1e-150))
-            .collect();
-        for b in 0..count {
-            right[b] /= length[b];
-            for a in b..count {
-                gram[(a, b)] /= length[a] * length[b];
-            }
-            // what is known of a number beforehand, and of those that only sums of which show a smallest solution
-            gram[(b, b)] += RIDGE + (1.0 / (self.sd[columns[b]] * length[b])).powi(2);
-        }
-        gram.fill_upper_triangle_with_lower_triangle();
-        let solved = Cholesky::new(gram).map(|factor| factor.solve(&right));
-        let solved = solved.unwrap_or_else(|| DVector::zeros(count));
-        solved
-            .iter()
-            .zip(&length)
-            .map(|(value, length)| value / length)
-            .collect()
+        let fit = self
+            .without(without)
+            .solve(columns, |column| self.known(column));
+        fit.coefficients().to_vec()
     }
 
     /// What a sum of a fit's numbers, `(column, factor)` each, is wrong by because what is known of its numbers beforehand is
     /// known to a deviation: of an estimate A^-1 X^T y with prior precisions P the part -A^-1 P theta, with theta as P says.
     pub(super) fn prior_sd(&self, fitted: &Fitted, sum: &[(usize, f64)]) -> f64 {
         let columns = &fitted.columns;
-        let mut right = DVector::<f64>::zeros(columns.len());
-        for (place, column) in columns.iter().enumerate() {
-            let own = sum.iter().filter(|(other, _)| other == column);
-            right[place] = own.map(|(_, factor)| factor).sum();
-        }
-        let moved = self.divided(columns, right, None);
+        let factor = |&column: &usize| {
+            let own = sum.iter().filter(|(other, _)| *other == column);
+            own.map(|(_, factor)| factor).sum()
+        };
+        let right: Vec<f64> = columns.iter().map(factor).collect();
+        let fit = self
+            .without(None)
+            .solve(columns, |column| self.known(column));
+        let moved = fit.inverse_times(&right);
         let pairs = columns.iter().zip(&moved);
         let square = pairs.map(|(&column, moved)| (moved / self.sd[column]).powi(2));
         square.sum::<f64>().sqrt()
@@ -196,7 +156,7 @@ impl Folds {
         let left = self.parts.iter().zip(&without).map(|(parts, numbers)| {
             let parts = parts.iter().zip(&self.weight);
             parts
-                .map(|(part, weight)| weight * part.left(&columns, numbers))
+                .map(|((part, _), weight)| weight * part.left(&columns, numbers))
                 .collect()
         });
         Fitted {
@@ -210,13 +170,24 @@ impl Folds {
     /// Adds the sum of some columns, channel by channel, with what each of these factors is known to; their places.
     pub(super) fn scale(&mut self, columns: &[usize], numbers: &[f64], sds: &[f64]) -> Vec<usize> {
         let first = self.sd.len();
-        for part in self
+        let terms: Vec<(usize, f64)> = columns
+            .iter()
+            .copied()
+            .zip(numbers.iter().copied())
+            .collect();
+        for (channel, (part, _)) in self
             .parts
             .iter_mut()
             .flat_map(|parts| parts.iter_mut().enumerate())
         {
-            let (channel, part) = part;
-            part.add_sum(columns, numbers, first + channel, first + sds.len());
+            for place in 0..sds.len() {
+                let own = if place == channel {
+                    terms.as_slice()
+                } else {
+                    &[]
+                };
+                *part = part.with_sum(own);
+            }
         }
         self.sd.extend(sds);
         self.measure();
@@ -226,10 +197,9 @@ impl Folds {
     /// Adds sums of columns, `(column, factor)` each, over all channels, of whose factors nothing is known; their places.
     pub(super) fn add_sums(&mut self, sums: &[Vec<(usize, f64)>]) -> Vec<usize> {
         let first = self.sd.len();
-        for (place, sum) in sums.iter().enumerate() {
-            let (columns, numbers): (Vec<usize>, Vec<f64>) = sum.iter().copied().unzip();
-            for part in self.parts.iter_mut().flatten() {
-                part.add_sum(&columns, &numbers, first + place, first + place + 1);
+        for (part, _) in self.parts.iter_mut().flatten() {
+            for sum in sums {
+                *part = part.with_sum(sum);
             }
         }
         self.sd.extend(sums.iter().map(|_| f64::INFINITY));
@@ -239,22 +209,9 @@ impl Folds {
 
     /// Normal equations of some columns over all blocks, less what `beside` can take of them.
     pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> DMatrix<f64> {
-        let sum = |a: &[usize], b: &[usize]| {
-            DMatrix::from_fn(a.len(), b.len(), |row, column| {
-                let folds = self.kept(None);
-                folds.map(|(gram, _)| gram[(a[row], b[column])]).sum()
-            })
-        };
-        let mut known = sum(beside, beside);
-        for (place, &column) in beside.iter().enumerate() {
-            known[(place, place)] += RIDGE * self.length[column].powi(2) + self.sd[column].powi(-2);
-        }
-        let across = sum(beside, columns);
-        let all = sum(columns, columns);
-        match Cholesky::new(known) {
-            Some(factor) => all - across.tr_mul(&factor.solve(&across)),
-            None => all,
-        }
+        let all = self.without(None);
+        let left = all.across(&all.solve(beside, |column| self.known(column)), columns);
+        DMatrix::from_fn(columns.len(), columns.len(), |a, b| left[(a, b)])
     }
 
     /// With another standard deviation of a number.
@@ -264,7 +221,7 @@ impl Folds {
 
     /// Rows of each channel.
     pub(in crate::force) fn rows(&self, channel: usize) -> f64 {
-        self.parts.iter().map(|parts| parts[channel].rows).sum()
+        self.parts.iter().map(|parts| parts[channel].1).sum()
     }
 }
 
@@ -313,4 +270,29 @@ fn folds(pair: &Pair) -> Vec<usize> {
         place * FOLDS / counts[side].max(1)
     };
     pair.is_after.iter().map(fold).collect()
+}
+
+/// Products of the rows of one fold and channel.
+fn products(columns: &Columns, reading: &[f64], channel: usize, rows: &[usize]) -> NormalEquations {
+    let count = columns.all.len();
+    // columns that touch the channel, side by side, and the reading behind them
+    let touching: Vec<usize> = (0..count)
+        .filter(|&index| columns.all[index][channel].is_some())
+        .collect();
+    let dense = DMatrix::from_fn(rows.len(), touching.len() + 1, |row, place| {
+        let column = touching
+            .get(place)
+            .and_then(|&index| columns.all[index][channel].as_ref());
+        column.map_or(reading[rows[row]], |column| column[rows[row]])
+    });
+    let products = dense.tr_mul(&dense);
+    let mut place = vec![None; count + 1];
+    place[count] = Some(touching.len());
+    for (at, &index) in touching.iter().enumerate() {
+        place[index] = Some(at);
+    }
+    NormalEquations::from_products(count, |a, b| match (place[a], place[b]) {
+        (Some(a), Some(b)) => products[(a, b)],
+        _ => 0.0,
+    })
 }

@@ -10,7 +10,6 @@ mod folds;
 mod gain;
 mod hypothesis;
 mod judge;
-mod normal;
 pub(super) mod second;
 mod size;
 

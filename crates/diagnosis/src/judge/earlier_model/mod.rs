@@ -250,20 +250,15 @@ impl Earlier<'_, '_> {
 
     /// What the numbers of the terms changed by if nothing else did but those `beside` them, with which they were found: of each
     /// term those that did beyond chance, or all; the intervals count that `others` may differ too.
-    fn say_changes(
-        &self,
-        terms: &mut [BaseTerm],
-        beside: &[usize],
-        others: &[usize],
-    ) -> Option<()> {
+    fn say_changes(&self, terms: &mut [BaseTerm], beside: &[usize], others: &[usize]) {
         let mut chosen: Vec<usize> = (self.nuisances.iter().copied())
             .chain(self.columns_of(terms))
             .collect();
         let is_new = |column: &&usize| !chosen.contains(column);
         let beside: Vec<usize> = beside.iter().filter(is_new).copied().collect();
         chosen.extend(beside);
-        let (values, covariance) = self.columns.solution(&chosen)?;
-        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
+        let (values, covariance) = self.columns.solution(&chosen);
+        let covariance = covariance + self.columns.covariance_given(&chosen, others);
         let (engine, device) = (self.engine, self.engine.context.device);
         let mut index = self.nuisances.len();
         for term in terms {
@@ -290,7 +285,6 @@ impl Earlier<'_, '_> {
             let told = if sure.is_empty() { unsure } else { sure };
             term.changed = told.into_iter().map(|(_, number)| number).collect();
         }
-        Some(())
     }
 
     /// Columns of terms: of free numbers first, term by term, then of sensors at another place, then of zeros that are no free

@@ -90,7 +90,7 @@ impl Earlier<'_, '_> {
         others: &[usize],
     ) -> Option<(ParameterAnswer, MovedNumber)> {
         let chosen: Vec<usize> = self.nuisances.iter().copied().chain([column]).collect();
-        let (values, covariance) = self.columns.solution(&chosen)?;
+        let (values, covariance) = self.columns.solution(&chosen);
         let mut others: Vec<usize> = (others.iter().copied())
             .filter(|other| *other != column)
             .collect();
@@ -99,7 +99,7 @@ impl Earlier<'_, '_> {
             let held = self.columns.largest_part(column, &others);
             others.retain(|other| Some(*other) != held);
         }
-        let covariance = covariance + self.columns.covariance_given(&chosen, &others)?;
+        let covariance = covariance + self.columns.covariance_given(&chosen, &others);
         let last = chosen.len() - 1;
         let device = self.engine.context.device;
         let earlier = earlier_value(parameter, self.model, device)?;
@@ -151,7 +151,7 @@ impl Earlier<'_, '_> {
         Some(BaseTerm {
             confusable_with: self.as_good(explained, |_| true),
             is_all: true,
-            ..self.place_of(sensor, (columns, &[]), explained, others)?
+            ..self.place_of(sensor, (columns, &[]), explained, others)
         })
     }
 
@@ -175,9 +175,7 @@ impl Earlier<'_, '_> {
             .chain(&group.columns)
             .copied()
             .collect();
-        let Some((values, _)) = self.columns.solution(&chosen) else {
-            return false;
-        };
+        let (values, _) = self.columns.solution(&chosen);
         if group.resized.is_some() {
             return true;
         }

@@ -17,15 +17,15 @@ impl Earlier<'_, '_> {
         (columns, with): (&[usize], &[usize]),
         explained: f64,
         others: &[usize],
-    ) -> Option<BaseTerm> {
+    ) -> BaseTerm {
         let chosen: Vec<usize> = (self.nuisances.iter().chain(columns).chain(with))
             .copied()
             .collect();
-        let (values, covariance) = self.columns.solution(&chosen)?;
-        let covariance = covariance + self.columns.covariance_given(&chosen, others)?;
+        let (values, covariance) = self.columns.solution(&chosen);
+        let covariance = covariance + self.columns.covariance_given(&chosen, others);
         let first = self.nuisances.len();
         let own = covariance.view((first, first), (columns.len(), columns.len()));
-        Some(BaseTerm {
+        BaseTerm {
             name: sensor.effect.name(),
             joint: None,
             explained,
@@ -40,7 +40,7 @@ impl Earlier<'_, '_> {
             columns: Vec::new(),
             earlier: BTreeMap::new(),
             changed: Vec::new(),
-        })
+        }
     }
 
     /// Terms one by one, each time the one that explains most of the rest; sensors at another place are terms beside the links.
@@ -85,7 +85,7 @@ impl Earlier<'_, '_> {
             Term::Place(sensor, columns) => {
                 let is_other = |column: &&usize| !columns.contains(column);
                 let with: Vec<usize> = chosen.iter().filter(is_other).copied().collect();
-                self.place_of(sensor, (columns, &with), gain, &[])
+                Some(self.place_of(sensor, (columns, &with), gain, &[]))
             }
             Term::Zero(zero, [column]) => {
                 self.zero_term(zero.joint, (zero.parameter, column), gain, &self.others())

@@ -53,10 +53,10 @@ pub(crate) fn shift(
     other: &[usize],
 ) -> Option<Shift> {
     let chosen: Vec<usize> = given.iter().chain(tool).copied().collect();
-    let (values, covariance) = columns.solution(&chosen)?;
+    let (values, covariance) = columns.solution(&chosen);
     let parts: Vec<f64> = values[given.len()..].to_vec();
     let size = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let earlier = columns.covariance_given(&chosen, other)?;
+    let earlier = columns.covariance_given(&chosen, other);
     let entry = |a: usize, b: usize| {
         let place = (given.len() + a, given.len() + b);
         covariance[place] + earlier[place]
