@@ -1,21 +1,25 @@
 //! What the laws of a device's own effects leave: a spring hardens, a loop has no single form.
 
-use haptical_calibration::{Weights, channel_residuals};
+use haptical_calibration::{Weights, channel_residuals, channels};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
 use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
+use haptical_effects::device::{attached_at, bare};
 use haptical_effects::{Context, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
 use crate::force::examine;
+use crate::moving::base_of_moving_arm;
 use crate::{DiagnosisError, Options};
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
 ///
-/// A law is right up to a share of the squares that its effect has beyond noise ([`haptical_effects::LawError`]); these are what a
-/// device without the effects, fitted to the same recording, leaves. `device` and `recording` are without effects.
+/// A law is right up to a share of the squares that its effect takes off a channel ([`haptical_effects::LawError`]): what a device without
+/// the effects, fitted to the same recording and examined in the same way, leaves more. Where that device leaves noise alone, its free
+/// numbers do what the effects do, and the share is of the squares that they add (A240). A channel that was not examined so has no
+/// allowance. `device` and `recording` are without effects.
 ///
 /// # Errors
 /// [`DiagnosisError`] where the device without effects cannot be fitted.
@@ -56,28 +60,30 @@ pub(crate) fn within_laws(
     }
     // torques and other channels each by themselves, if they have a gap: the laws of one leave nothing in the other
     let channels = found.gap.channels.clone();
-    let (torques, others): (Vec<&ChannelGap>, Vec<&ChannelGap>) = (channels.iter())
+    let (of_drives, others): (Vec<&ChannelGap>, Vec<&ChannelGap>) = (channels.iter())
         .filter(|channel| channel.rms_before.is_finite())
-        .partition(|channel| channel.channel.starts_with("torque"));
+        .partition(|channel| is_of_drives(channel));
     let has_gap = |channels: &[&ChannelGap]| channels.iter().any(|channel| channel.has_gap);
-    let by_torques = has_gap(&torques);
-    let by_others = has_gap(&others) || (!by_torques && !others.is_empty());
+    let by_drives = has_gap(&of_drives);
+    let by_others = has_gap(&others) || (!by_drives && !others.is_empty());
     let mut share: Option<f64> = None;
-    for (own, is_asked, is_on_drives) in [(torques, by_torques, true), (others, by_others, false)] {
+    for (gaps, is_asked, is_on_drives) in
+        [(of_drives, by_drives, true), (others, by_others, false)]
+    {
         if !is_asked {
             continue;
         }
+        let laws = own_effects.iter().filter(|own| {
+            spec(&own.name).is_some_and(|spec| spec.hook.is_on_drives() == is_on_drives)
+        });
+        let laws: Vec<DeviceEffect> = laws.cloned().collect();
         let without = match is_on_drives {
-            true => torques_without(device, recording)?,
+            true => torques_without(options.model.unwrap_or(device), recording, &laws)?,
             false => channels_without(device, recording, options)?,
         };
-        let left = share_left(&own, &without);
-        let laws = own_effects.iter().filter_map(|own| spec(&own.name));
-        let laws = laws.filter(|spec| spec.hook.is_on_drives() == is_on_drives);
-        let allowed = laws.map(|spec| spec.law_error.share).fold(0.0, f64::max);
-        if left > allowed {
+        let Some(left) = left_by_laws(&gaps, &without, &laws) else {
             return Ok(found);
-        }
+        };
         share = Some(share.unwrap_or(0.0).max(left));
     }
     if share.is_none() {
@@ -104,47 +110,117 @@ pub(crate) fn within_laws(
     })
 }
 
-/// Name, rows and root mean square of what a device without the effects leaves of a channel.
-type Without = (String, f64, f64);
+/// Whether a channel is of the drives: a torque, alone or by the command that it follows.
+fn is_of_drives(channel: &ChannelGap) -> bool {
+    ["torque", "tracking"]
+        .iter()
+        .any(|name| channel.channel.starts_with(name))
+}
 
+/// What a device without the effects leaves of a channel.
+struct Without {
+    channel: String,
+    /// Rows, as a share of those of the other channels.
+    count: f64,
+    rms: f64,
+    /// Whether that is noise alone.
+    is_quiet: bool,
+    /// Mean square of what the effects add to the channel.
+    added: f64,
+}
+
+/// None where nothing but commands or torques shows the device.
 fn channels_without(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Vec<Without>, DiagnosisError> {
+    if channels(device, recording).is_err() {
+        return Ok(Vec::new());
+    }
     let base = Base::fit(device, recording, options.loss, &options.interrupt)?;
     let weights = Weights::stated(&base.device, &base.channels);
     let (own, model) = (&base.device, &base.channels);
     let residuals = channel_residuals(own, own, recording, model, &weights)?;
     let of_channel = |own: &haptical_calibration::ChannelResiduals| {
-        let rms = own.rms().unwrap_or(0.0);
-        (own.channel.name(), own.residuals.len() as f64, rms)
+        Without {
+            channel: own.channel.name(),
+            count: own.residuals.len() as f64,
+            rms: own.rms().unwrap_or(0.0),
+            is_quiet: false,
+            added: 0.0,
+        }
     };
     Ok(residuals.iter().map(of_channel).collect())
 }
 
-/// The same of torques, whose base model has as many blocks of each.
-fn torques_without(device: &Device, recording: &Recording) -> Result<Vec<Without>, DiagnosisError> {
-    let context = Context::new(device, recording, &[])?;
-    let found = examine(&context, &[])?.channels.into_iter();
-    Ok(found
-        .map(|own| (own.channel, 1.0, own.rms_before))
-        .collect())
+/// The same of torques, whose base model has as many rows of each, by the examination that the verdict is by.
+fn torques_without(
+    model: &Device,
+    recording: &Recording,
+    effects: &[DeviceEffect],
+) -> Result<Vec<Without>, DiagnosisError> {
+    let model = bare(model);
+    let gaps = match base_of_moving_arm(&model, recording) {
+        Some(gaps) => gaps,
+        None => examine(&Context::new(&model, recording, &[])?, &[])?.channels,
+    };
+    let mut with = Device {
+        effects: effects.to_vec(),
+        ..model.clone()
+    };
+    let attached = attached_at(&mut with, &model, recording)?;
+    let added = |joint: Option<usize>| {
+        let column = joint.map(|joint| model.joints[joint - 1].torque_column(joint));
+        let mut sum = vec![0.0; recording.len()];
+        let own = attached.added.iter();
+        for own in own.filter(|own| Some(&own.channel) == column.as_ref()) {
+            let pairs = sum.iter_mut().zip(&own.readings);
+            pairs.for_each(|(sum, value)| *sum += value);
+        }
+        sum.iter().map(|own| own * own).sum::<f64>() / sum.len().max(1) as f64
+    };
+    let without = gaps.into_iter().map(|gap| Without {
+        added: added(gap.joint),
+        channel: gap.channel,
+        count: 1.0,
+        rms: gap.rms_before,
+        is_quiet: !gap.has_gap,
+    });
+    Ok(without.collect())
 }
 
-/// Share of the squares beyond noise that is left of what the device without the effects leaves.
-fn share_left(channels: &[&ChannelGap], without: &[Without]) -> f64 {
+/// Share of the squares beyond noise that is left of what the device without the effects leaves; none where a channel keeps more than
+/// the laws that act on it may leave of what they take off there (A240).
+fn left_by_laws(gaps: &[&ChannelGap], without: &[Without], laws: &[DeviceEffect]) -> Option<f64> {
     let (mut left, mut whole) = (0.0, 0.0);
-    for channel in channels {
-        let mut own = without.iter().filter(|(name, ..)| *name == channel.channel);
-        let Some((_, count, rms)) = own.next() else {
+    for gap in gaps {
+        let beyond = |rms: f64| ((rms / gap.noise_floor).powi(2) - 1.0).max(0.0);
+        let own_left = beyond(gap.rms_before);
+        let Some(bare) = without.iter().find(|own| own.channel == gap.channel) else {
+            // nothing says what the effects take off a channel that was not examined without them
+            if gap.has_gap {
+                return None;
+            }
             continue;
         };
-        let beyond = |rms: f64| count * ((rms / channel.noise_floor).powi(2) - 1.0).max(0.0);
-        left += beyond(channel.rms_before);
-        whole += beyond(*rms);
+        let acts = |own: &&DeviceEffect| {
+            let joint = own.joint.filter(|_| is_of_drives(gap));
+            joint.is_none_or(|joint| Some(joint + 1) == gap.joint)
+        };
+        let acting = laws.iter().filter(acts).filter_map(|own| spec(&own.name));
+        let share = acting.map(|spec| spec.law_error.share).fold(0.0, f64::max);
+        let of_effects = match bare.is_quiet {
+            true => bare.added / gap.noise_floor.powi(2),
+            false => beyond(bare.rms) - own_left,
+        };
+        if gap.has_gap && own_left > share * of_effects {
+            return None;
+        }
+        left += bare.count * own_left;
+        whole += bare.count * (own_left + of_effects.max(0.0));
     }
-    left / f64::max(whole, 1e-300)
+    (whole > 0.0).then(|| left / whole)
 }
 
 /// Whether an effect is of the family of one of the device.

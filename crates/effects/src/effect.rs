@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Debug;
 
 use crate::context::{Context, Stream, moves};
-use crate::{Family, Hook, Shape, Signal, Spec};
+use crate::{Family, Hook, Need, Shape, Signal, Spec};
 
 /// Relative step of a transition and the like.
 const SHAPE_STEP: f64 = 0.02;
@@ -142,14 +142,17 @@ impl dyn Effect + '_ {
         streams.all(|stream| stream.is_none()).then_some(column)
     }
 
-    /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded.
+    /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded. An effect on drives
+    /// shows on the torque.
     pub fn lacks_covariate(&self, context: &Context<'_>) -> bool {
         let joint = self.joint().unwrap_or(0);
+        let is_on_drives = self.spec().hook.is_on_drives();
         let needs = self.spec().needs.iter();
         let mut lacking = needs
             .filter(|need| need.missing(joint, context).is_some())
             .peekable();
-        lacking.peek().is_some() && lacking.all(|need| need.is_covariate())
+        let is_covariate = |need: &Need| need.is_covariate() && !(is_on_drives && *need == Need::Torque);
+        lacking.peek().is_some() && lacking.all(is_covariate)
     }
 
     /// Whether another effect is of the same kind at the same place.

@@ -12,8 +12,10 @@ use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
 use crate::fit::problem::{Problem, Reading, is_still};
 use crate::later::Later;
+use crate::recorded::Logs;
 use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
+use crate::signal::samples::Samples;
 use crate::survey::usable;
 use crate::unseen::{Unseen, within};
 
@@ -32,7 +34,8 @@ pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
 }
 
 /// Examines the torques of a motion, and what is found on a second recording, if there is one; `without`: names of effects that are left
-/// out.
+/// out. What the device's effects add to the torques ([`Recording::added`]) is taken off them; whether anything was measured is asked of
+/// the torques as they were read.
 ///
 /// # Errors
 /// [`MotionError`] for a recording that says nothing of a moving arm.
@@ -42,7 +45,8 @@ pub fn examine(
     second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, MotionError> {
-    let found = examined_each(device, (recording, second), without)?;
+    let logs = Logs::new(device, recording, second);
+    let found = examined_each(device, &logs, without)?;
     let is_push = |own: &Finding| own.effect == CONTACT;
     if !found.is_adequate() || !found.findings.iter().any(is_push) {
         return Ok(found);
@@ -50,7 +54,7 @@ pub fn examine(
     // a push that the second recording has no part of leaves it a gap, which has to be one of its own kind
     let seen = second.filter(|_| found.second.is_none() && left_of(&found.unseen).is_some());
     let contradicts = seen.is_some_and(|second| {
-        let own = examined_each(device, (second, None), without);
+        let own = examined_each(device, &Logs::new(device, second, None), without);
         own.is_ok_and(|own| !own.is_adequate() || !own.findings.iter().any(is_push))
     });
     Ok(Examined {
@@ -62,10 +66,10 @@ pub fn examine(
 /// What a recording shows, in the ways of looking at it that there are.
 fn examined_each(
     device: &Device,
-    (recording, second): (&Recording, Option<&Recording>),
+    logs: &Logs<'_>,
     without: &[String],
 ) -> Result<Examined, MotionError> {
-    let first = examine_with(device, (recording, second), without, Reading::default())?;
+    let first = examine_with(device, logs, without, Reading::default())?;
     // what only looks like an effect still does beside a larger noise
     if !first.has_gap()
         || first.is_adequate()
@@ -80,7 +84,7 @@ fn examined_each(
             at_tool: true,
             ..Reading::default()
         };
-        let again = examine_with(device, (recording, second), without, at_tool)?;
+        let again = examine_with(device, logs, without, at_tool)?;
         if again.is_adequate() {
             return Ok(again);
         }
@@ -90,7 +94,7 @@ fn examined_each(
         has_memory: true,
         ..Reading::default()
     };
-    let again = examine_with(device, (recording, second), without, with_memory)?;
+    let again = examine_with(device, logs, without, with_memory)?;
     let mut noises = first.channels.iter().zip(&again.channels);
     let is_noise = noises.all(|(white, own)| own.noise < MOST_OF_MEMORY * white.noise);
     if is_noise && !again.has_gap() || again.has_gap() && again.is_adequate() {
@@ -105,7 +109,7 @@ fn examined_each(
             edge_hz: Some(edge_hz),
             ..Reading::default()
         };
-        let slow = examine_with(device, (recording, second), without, slower)?;
+        let slow = examine_with(device, logs, without, slower)?;
         let is_spring = |own: &Finding| own.effect == JOINT_SPRING;
         if slow.is_adequate() && slow.findings.iter().all(is_spring) {
             return Ok(Examined {
@@ -119,7 +123,7 @@ fn examined_each(
 
 fn examine_with(
     device: &Device,
-    (recording, second): (&Recording, Option<&Recording>),
+    logs: &Logs<'_>,
     without: &[String],
     reading: Reading,
 ) -> Result<Examined, MotionError> {
@@ -128,6 +132,7 @@ fn examine_with(
         sets_right: !without.iter().any(|name| name == SAMPLING),
         ..reading
     };
+    let (recording, second) = (&logs.log, logs.second.as_ref());
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
     let mut base = Base::weighted(&mut problem);
     if let Some(likely) = base.likely_armature(&problem) {
@@ -139,8 +144,13 @@ fn examine_with(
         problem = Problem::new(arm.clone(), recording, reading)?;
         base = Base::weighted(&mut problem);
     }
-    let of_channel =
-        |(channel, joint): (usize, &usize)| (*joint, Scale::of(&problem, &base, channel));
+    let has_effects = !logs.read.added.is_empty();
+    let read = has_effects.then(|| Samples::new(logs.read, reading.sets_right));
+    let read = read.transpose()?;
+    let of_channel = |(channel, joint): (usize, &usize)| {
+        let read = read.as_ref().unwrap_or(&problem.samples);
+        (*joint, Scale::of((&problem, read), &base, channel))
+    };
     let scales: Vec<(usize, Scale)> = problem
         .channels
         .iter()

@@ -16,6 +16,7 @@ mod fit;
 mod identify;
 mod later;
 mod loads;
+mod recorded;
 mod scale;
 mod select;
 mod signal;
@@ -35,6 +36,7 @@ pub use identify::{
     NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,
 };
 pub use loads::link_torques;
+pub use recorded::torque_nm_without_effects;
 pub use scale::{Doubt, Scale};
 pub use survey::{Survey, SurveyedJoint, SurveyedTorque, survey, unwrapped, usual_step_s, why_not};
 pub use tracking::{Tracking, Untracked, examine_tracking};

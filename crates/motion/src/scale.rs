@@ -8,6 +8,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use crate::signal::samples::Samples;
 
 /// A slope is known where three of its standard deviations are below this share of it, or of 1.
 const KNOWN: f64 = 0.15;
@@ -33,9 +34,9 @@ pub struct Scale {
     pub sd: f64,
     /// Share of the recorded torque's variance that the fit explains.
     pub explained: f64,
-    /// Root mean square about the mean of what the bodies ask for, in standard deviations of the noise of a row.
+    /// Root mean square about the mean of what the bodies and the device's effects ask for, in standard deviations of the noise of a row.
     pub asked: f64,
-    /// The same of the recorded torque.
+    /// The same of the torque as it was read.
     pub heard: f64,
     /// Rows.
     pub rows: usize,
@@ -64,8 +65,12 @@ pub enum Doubt {
 }
 
 impl Scale {
-    /// Of a channel.
-    pub(crate) fn of(problem: &Problem, base: &Base, channel: usize) -> Self {
+    /// Of a channel; `read`: the torques as they were read, with what the device's effects add.
+    pub(crate) fn of(
+        (problem, read): (&Problem, &Samples),
+        base: &Base,
+        channel: usize,
+    ) -> Self {
         let (joint, rows) = (problem.channels[channel], problem.states.rows());
         let motor = &problem.states.motor;
         let mut signals = vec![
@@ -81,24 +86,31 @@ impl Scale {
             .iter()
             .filter_map(|own| problem.of_joint(joint, own));
         let columns: Vec<Rc<Column>> = columns.map(Rc::new).collect();
-        let torque = problem.states.torque(&problem.samples, joint, 0.0);
-        let mut target = vec![0.0; problem.channel_rows()];
         let first = channel * rows;
-        for (row, own) in torque.iter().enumerate() {
-            target[first + row] = own * problem.weight(first + row);
-        }
+        let whitened = |samples: &Samples| -> Vec<f64> {
+            let torque = problem.states.torque(samples, joint, 0.0).into_iter();
+            let weighted = torque.enumerate();
+            weighted
+                .map(|(row, own)| own * problem.weight(first + row))
+                .collect()
+        };
+        let mut target = vec![0.0; problem.channel_rows()];
+        target[first..][..rows].copy_from_slice(&whitened(&problem.samples));
+        let read = whitened(read);
         let solved = System::new(&columns, &vec![None; columns.len()]).solve(&target, &[]);
         let left = dot(&solved.rest, &solved.rest);
         let misfit = (left / rows as f64).max(1.0);
-        let heard = about_mean(&target[first..][..rows]);
-        let asked = columns.first().map_or(0.0, |own| about_mean(own.parts().1));
+        let bare = &target[first..][..rows];
+        let by_bodies = columns.first().map_or(&[][..], |own| own.parts().1);
+        let by_effects = read.iter().zip(bare).map(|(read, bare)| read - bare);
+        let asked: Vec<f64> = by_bodies.iter().zip(by_effects).map(|(a, b)| a + b).collect();
         let spread = |square: f64| (square / rows as f64).sqrt();
         Self {
             slope: solved.solution.first().copied().unwrap_or(0.0),
             sd: (solved.covariance(&[0])[(0, 0)] * misfit).sqrt(),
-            explained: 1.0 - left / heard.max(1e-300),
-            asked: spread(asked),
-            heard: spread(heard),
+            explained: 1.0 - left / about_mean(bare).max(1e-300),
+            asked: spread(about_mean(&asked)),
+            heard: spread(about_mean(&read)),
             rows,
         }
     }

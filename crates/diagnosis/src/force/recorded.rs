@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
-use haptical_model::{Device, Recording};
+use haptical_motion::torque_nm_without_effects;
 use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
@@ -317,23 +317,6 @@ impl<'a> Recorded<'a> {
         }
         (self.torque_sd[channel].powi(2) + hand).sqrt()
     }
-}
-
-/// A joint's torque readings less what the device's own effects add to them ([`Recording::added`]); none where they are not
-/// recorded.
-pub(crate) fn torque_nm_without_effects(
-    device: &Device,
-    recording: &Recording,
-    joint: usize,
-) -> Option<Vec<f64>> {
-    let mut torque_nm = recording.torque_nm.get(joint)?.clone()?;
-    let column = device.joints[joint].torque_column(joint + 1);
-    for own in recording.added.iter().filter(|own| own.channel == column) {
-        for (torque, added) in torque_nm.iter_mut().zip(&own.readings) {
-            *torque -= added;
-        }
-    }
-    Some(torque_nm)
 }
 
 /// Standard deviation of a column's noise, and what its colour adds to the variance of a mean of

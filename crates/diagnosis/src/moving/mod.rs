@@ -16,7 +16,6 @@ use self::warnings::warnings;
 use self::words::Words;
 use crate::answer::ChannelGap;
 use crate::force::answer::ForceAnswer;
-use crate::force::recorded::torque_nm_without_effects;
 use crate::force::{OnSecond, names};
 
 /// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
@@ -29,18 +28,7 @@ pub(crate) fn of_moving_arm(
     if !is_moving_arm(device, recording) {
         return None;
     }
-    // what the device's own effects add is taken off, as it is from the torques of any log
-    let bare = |recording: &Recording| {
-        let torques = 0..recording.torque_nm.len();
-        Recording {
-            torque_nm: torques
-                .map(|joint| torque_nm_without_effects(device, recording, joint))
-                .collect(),
-            ..recording.clone()
-        }
-    };
-    let (recording, second_bare) = (bare(recording), second.map(bare));
-    let examined = match examine(device, &recording, second_bare.as_ref(), without) {
+    let examined = match examine(device, recording, second, without) {
         Ok(examined) => examined,
         // at rest, and of a device that cannot be evaluated, there are other ways of looking at torques
         Err(MotionError::Standstill | MotionError::Model(_)) => return None,
@@ -55,8 +43,19 @@ pub(crate) fn of_moving_arm(
     let words = Words::of_torques(device, &examined);
     let seen = second.is_some().then(|| words.on_second());
     let both = (answer(&words), seen);
-    let logs = (&recording, second_bare.as_ref());
+    let logs = (recording, second);
     Some(tracking::beside(device, logs, &examined, without, both))
+}
+
+/// What the base model alone leaves of a moving arm's torques; none for a device or a recording of another kind.
+pub(crate) fn base_of_moving_arm(
+    device: &Device,
+    recording: &Recording,
+) -> Option<Vec<ChannelGap>> {
+    let effects = haptical_motion::effect_names().into_iter();
+    let without: Vec<String> = effects.map(str::to_owned).collect();
+    let (answer, _) = of_moving_arm(device, recording, None, &without)?;
+    Some(answer.channels)
 }
 
 /// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries

@@ -15,6 +15,7 @@ use self::law::{Law, Signals};
 use self::rows::{Reading, Rows};
 use crate::arm::Arm;
 use crate::examined::Examined;
+use crate::recorded::Logs;
 
 /// Name of the effect.
 pub(crate) const NAME: &str = "command-latency";
@@ -172,6 +173,8 @@ pub fn examine_tracking(
     without: &[String],
 ) -> Result<Tracking, Untracked> {
     let arm = Arm::new(device).map_err(|_| Untracked::Short)?;
+    let logs = Logs::new(device, recording, second);
+    let (recording, second) = (&logs.log, logs.second.as_ref());
     let latency = torques
         .findings
         .iter()

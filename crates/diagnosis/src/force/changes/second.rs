@@ -2,6 +2,7 @@
 
 use haptical_effects::Context;
 use haptical_model::{Device, Recording};
+use haptical_motion::torque_nm_without_effects;
 
 use super::carried::{Carried, held_out};
 use super::{FOLDS, Payload, UnseenBlocks, changes};
@@ -10,7 +11,7 @@ use crate::answer::{HeldOutAnswer, Prediction};
 use crate::force::along::Along;
 use crate::force::base::Base;
 use crate::force::effects::{Effects, is_scale};
-use crate::force::recorded::{Besides, Recorded, torque_nm_without_effects};
+use crate::force::recorded::{Besides, Recorded};
 use crate::force::select::Selection;
 
 /// What a second recording shows.
