@@ -9,12 +9,14 @@ use haptical_motion::{LoadSource, unwrapped, usual_step_s};
 
 use crate::answer::assemble::answer;
 use crate::answer::corrected::changed;
+use crate::answer::second::judged;
 use crate::answer::{Diagnosis, Verdict};
 use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
 use crate::engine::own_sizes::own_sizes;
+use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
 use crate::force::recorded::SLOWEST_S;
 use crate::judge::findings::{Findings, Inputs};
@@ -86,7 +88,7 @@ pub fn diagnose(
         own.extend(yielding(model));
         rigid.surroundings.compliance.clear();
     }
-    within_laws(found, &own, (&rigid, recording), options)
+    within_laws(found, &own, (&rigid, recording), options).map(judged)
 }
 
 /// Said of orientations that an earlier model cannot predict.
@@ -201,7 +203,7 @@ fn diagnose_all(
             recording,
             options,
             effects: &effects,
-            moving: moving.as_ref().map(|(force, _)| force),
+            moving: moving.as_ref(),
         };
         let by_base = |base: &Base| by_base(&case, base);
         match &base.unfinished {
@@ -288,7 +290,7 @@ struct Case<'c> {
     options: &'c Options<'c>,
     effects: &'c [Box<dyn Effect>],
     /// What the torques say, where they are those of a moving arm.
-    moving: Option<&'c ForceAnswer>,
+    moving: Option<&'c (ForceAnswer, Option<OnSecond>)>,
 }
 
 /// Readings without their outliers, and the postures at which derivatives are taken.

@@ -27,7 +27,8 @@ pub use answer::{
     AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
     Detectable, Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber,
     NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, Refusal,
-    RefusedCorrection, SECOND_RECORDING, StepAnswer, Trace, Untestable, Verdict, Whiteness,
+    RefusedCorrection, SECOND_RECORDING, SecondAnswer, SecondChannel, StepAnswer, Trace,
+    Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

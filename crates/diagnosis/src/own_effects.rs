@@ -2,8 +2,8 @@
 
 use haptical_calibration::{Weights, channel_residuals, channels};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
-use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
 use haptical_effects::device::{attached_at, bare};
+use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
 use haptical_effects::{Context, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
@@ -67,8 +67,7 @@ pub(crate) fn within_laws(
     let by_drives = has_gap(&of_drives);
     let by_others = has_gap(&others) || (!by_drives && !others.is_empty());
     let mut share: Option<f64> = None;
-    for (gaps, is_asked, is_on_drives) in
-        [(of_drives, by_drives, true), (others, by_others, false)]
+    for (gaps, is_asked, is_on_drives) in [(of_drives, by_drives, true), (others, by_others, false)]
     {
         if !is_asked {
             continue;
@@ -142,14 +141,12 @@ fn channels_without(
     let weights = Weights::stated(&base.device, &base.channels);
     let (own, model) = (&base.device, &base.channels);
     let residuals = channel_residuals(own, own, recording, model, &weights)?;
-    let of_channel = |own: &haptical_calibration::ChannelResiduals| {
-        Without {
-            channel: own.channel.name(),
-            count: own.residuals.len() as f64,
-            rms: own.rms().unwrap_or(0.0),
-            is_quiet: false,
-            added: 0.0,
-        }
+    let of_channel = |own: &haptical_calibration::ChannelResiduals| Without {
+        channel: own.channel.name(),
+        count: own.residuals.len() as f64,
+        rms: own.rms().unwrap_or(0.0),
+        is_quiet: false,
+        added: 0.0,
     };
     Ok(residuals.iter().map(of_channel).collect())
 }
@@ -295,5 +292,64 @@ mod tests {
             let cause = CauseAnswer::named(theirs, at, 1.0);
             assert_eq!(is_kin(&own(mine, joint), &cause), is_one, "{mine} {theirs}");
         }
+    }
+
+    fn torque(joint: usize, rms_nm: f64) -> ChannelGap {
+        ChannelGap {
+            channel: format!("torque{joint}"),
+            joint: Some(joint),
+            has_gap: rms_nm > 1.1,
+            held_out: false,
+            rms_before: rms_nm,
+            rms_after: rms_nm,
+            noise_floor: 1.0,
+            noise_floor_ci95: [0.95, 1.05],
+            noise_source: crate::NoiseSource::Motion,
+            unit: "N m".to_owned(),
+            share_of_gap: 0.0,
+            reduction_percent: None,
+            reduction_ci95: None,
+            no_reduction: None,
+        }
+    }
+
+    fn without(joint: usize, rms: f64, is_quiet: bool, added: f64) -> Without {
+        Without {
+            channel: format!("torque{joint}"),
+            count: 1.0,
+            rms,
+            is_quiet,
+            added,
+        }
+    }
+
+    /// Friction of the first joint, whose law is right up to 2 % of the squares.
+    #[test]
+    fn effects_leave_a_share_of_what_they_do_where_they_act() {
+        let laws = [own("joint-friction", Some(0))];
+        let left = |gaps: &[ChannelGap], bare: &[Without]| {
+            let gaps: Vec<&ChannelGap> = gaps.iter().collect();
+            left_by_laws(&gaps, bare, &laws)
+        };
+        // 100 noise's squares are taken off: two may be left
+        let rms = |beyond: f64| f64::sqrt(1.0 + beyond);
+        let bare = |beyond: f64| [without(1, rms(beyond), false, 0.0)];
+        let share = left(&[torque(1, rms(1.5))], &bare(100.0)).unwrap();
+        assert!((share - 0.015).abs() < 1e-6, "{share}");
+        assert_eq!(left(&[torque(1, rms(3.0))], &bare(100.0)), None);
+        // a cause that both leave is none of the effects'
+        assert_eq!(left(&[torque(1, rms(50.0))], &bare(52.0)), None);
+        // nothing was examined without them
+        assert_eq!(left(&[torque(1, 1e4)], &[]), None);
+        // they do not act on the second joint
+        let both = [
+            without(1, rms(100.0), false, 0.0),
+            without(2, 30.0, false, 0.0),
+        ];
+        assert_eq!(left(&[torque(1, 1.0), torque(2, 1.5)], &both), None);
+        // the free friction of a device without them does as much: of what they add
+        let free = [without(1, 0.95, true, 100.0)];
+        assert!(left(&[torque(1, rms(1.5))], &free).is_some());
+        assert_eq!(left(&[torque(1, rms(3.0))], &free), None);
     }
 }

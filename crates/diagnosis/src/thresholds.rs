@@ -597,3 +597,14 @@ pub(crate) mod correction {
     /// A curve over something else than the joint's angle must close more by this: its share times it. Choice.
     pub(crate) const NEARLY_AS_MUCH: f64 = 0.9;
 }
+
+/// A second recording: what the model of the first one may leave of it.
+pub(crate) mod second {
+    /// Standard deviations of a mean square of noise by chance. Chance: one in 30 000, over a hundred channels.
+    pub(crate) const SDS: f64 = 4.0;
+    /// Share of the square of the noise that the model of a sound device may leave: friction and geometry are no laws to the last digit.
+    /// Choice: that of a moving arm's own gap (docs/assumptions.md, A158).
+    pub(crate) const ALLOWED: f64 = 0.21;
+    /// The same of what a joint leaves of its command. Choice: a gap is one from 1.5 times the floor on, as in the log itself.
+    pub(crate) const ALLOWED_OF_COMMANDS: f64 = 1.25;
+}

@@ -80,6 +80,7 @@ pub(crate) fn diagnose(
     warnings.extend(slow.map(|why| said_of_slow(&why)));
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
+    let second = seen.as_ref().map(OnSecond::answer);
     if let Some(seen) = seen {
         if let Some(first) = causes
             .first_mut()
@@ -108,6 +109,7 @@ pub(crate) fn diagnose(
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
         own_effects_leave: None,
+        second,
         steps: Vec::new(),
         correction: None,
         correction_refused: None,

@@ -151,7 +151,8 @@ impl dyn Effect + '_ {
         let mut lacking = needs
             .filter(|need| need.missing(joint, context).is_some())
             .peekable();
-        let is_covariate = |need: &Need| need.is_covariate() && !(is_on_drives && *need == Need::Torque);
+        let is_covariate =
+            |need: &Need| need.is_covariate() && !(is_on_drives && *need == Need::Torque);
         lacking.peek().is_some() && lacking.all(is_covariate)
     }
 

@@ -182,7 +182,7 @@ fn examine_with(
         refuted.extend(further);
     };
     let (unseen, why) = match later {
-        Some(Ok(later)) => (later.predicted(&selection).unseen(), None),
+        Some(Ok(later)) => (later.predicted(&selection).unseen((&problem, &base)), None),
         Some(Err(why)) => (within(&problem, &base, &selection), Some(why)),
         None => (within(&problem, &base, &selection), None),
     };

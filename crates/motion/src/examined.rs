@@ -366,6 +366,7 @@ mod tests {
                 before: [10.0 * before; PARTS],
                 after: [10.0; PARTS],
                 predictions: vec![(0, [0.0; 3])],
+                of_both: None,
             }];
             Examined {
                 left_of_second,

@@ -8,10 +8,11 @@ use haptical_model::Recording;
 use crate::MotionError;
 use crate::arm::Arm;
 use crate::effect::{Candidate, Context, Finer, effect_names, ends_at};
-use crate::fit::base::Base;
+use crate::fit::base::{Base, Term};
 use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
-use crate::select::{Fitted, Frame, Pick, Place, Pool, Selection};
+use crate::fit::system::System;
+use crate::select::{Fitted, Frame, Pick, Place, Pool, Selection, within_limits};
 use crate::unseen::{Unseen, collected};
 
 /// What a pick makes worse of a second recording that refutes it \[nats\].
@@ -114,8 +115,9 @@ pub(crate) struct Predicted<'p> {
 
 impl Predicted<'_> {
     /// What it leaves with the base model alone, and with the picks; a contact, which belongs to the first recording alone, is left out.
-    pub(crate) fn unseen(self) -> Vec<Unseen> {
+    pub(crate) fn unseen(self, first: (&Problem, &Base)) -> Vec<Unseen> {
         let problem = self.here.problem;
+        let of_both = self.of_both(first);
         let rests = [self.before, self.after];
         let mut found = collected(problem, &rests);
         let rows = problem.states.rows();
@@ -131,8 +133,61 @@ impl Predicted<'_> {
                 )
             };
             unseen.predictions = (0..rows).map(at).collect();
+            unseen.of_both = of_both.as_ref().map(|own| own[channel]);
         }
         found
+    }
+
+    /// Root mean squares over the noise of what one fit of both recordings leaves of each torque: a first recording that does not fix a
+    /// number of the base model says nothing against a second one. None beside an effect that belongs to the first recording alone, or
+    /// that ends readings.
+    fn of_both(&self, (own, base): (&Problem, &Base)) -> Option<Vec<[f64; 2]>> {
+        let picks = &self.selection.picks;
+        if picks
+            .iter()
+            .any(|own| own.is_of_recording || ends_at(own).is_some())
+        {
+            return None;
+        }
+        let (first_rows, second_rows) = (own.channel_rows(), self.here.problem.channel_rows());
+        let one_after_the_other = |(first, second): (&Rc<Column>, &Rc<Column>)| {
+            let mut all = vec![0.0; first_rows + second_rows];
+            first.add_to(&mut all[..first_rows], 1.0);
+            second.add_to(&mut all[first_rows..], 1.0);
+            Rc::new(Column::All(all))
+        };
+        let of_base = base.columns.iter().map(|own| &own.column);
+        let there = self.here.base.columns.iter().map(|own| &own.column);
+        let first = of_base.chain(picks.iter().flat_map(|own| &own.columns));
+        let second = there.chain(self.columns.iter().flatten());
+        let columns: Vec<Rc<Column>> = first.zip(second).map(one_after_the_other).collect();
+        let effects: usize = picks.iter().map(|own| own.columns.len()).sum();
+        if columns.len() != base.columns.len() + effects {
+            return None;
+        }
+        let mut known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
+        known.resize(columns.len(), None);
+        let early_s = self.selection.early_s;
+        let mut recorded = own.recorded(early_s);
+        recorded.extend(self.here.problem.recorded(early_s));
+        let has_delay = picks.iter().any(|own| own.is_delay_of_all);
+        let is_fixed = |term: &Term| has_delay && matches!(term, Term::Delay);
+        let mut fixed: Vec<Option<f64>> = (base.columns.iter())
+            .map(|own| is_fixed(&own.term).then_some(0.0))
+            .collect();
+        let system = System::new(&columns, &known);
+        let rest = within_limits(&system, base, &recorded, &mut fixed).rest;
+        let rms = |rest: &[f64]| (dot(rest, rest) / rest.len() as f64).sqrt();
+        let (first, second) = rest.split_at(first_rows);
+        let channels = own.channels.len();
+        let of_first = first.chunks(first_rows / channels);
+        let of_second = second.chunks(second_rows / channels);
+        Some(
+            of_first
+                .zip(of_second)
+                .map(|(a, b)| [rms(a), rms(b)])
+                .collect(),
+        )
     }
 
     /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model

@@ -66,11 +66,7 @@ pub enum Doubt {
 
 impl Scale {
     /// Of a channel; `read`: the torques as they were read, with what the device's effects add.
-    pub(crate) fn of(
-        (problem, read): (&Problem, &Samples),
-        base: &Base,
-        channel: usize,
-    ) -> Self {
+    pub(crate) fn of((problem, read): (&Problem, &Samples), base: &Base, channel: usize) -> Self {
         let (joint, rows) = (problem.channels[channel], problem.states.rows());
         let motor = &problem.states.motor;
         let mut signals = vec![
@@ -103,7 +99,11 @@ impl Scale {
         let bare = &target[first..][..rows];
         let by_bodies = columns.first().map_or(&[][..], |own| own.parts().1);
         let by_effects = read.iter().zip(bare).map(|(read, bare)| read - bare);
-        let asked: Vec<f64> = by_bodies.iter().zip(by_effects).map(|(a, b)| a + b).collect();
+        let asked: Vec<f64> = by_bodies
+            .iter()
+            .zip(by_effects)
+            .map(|(a, b)| a + b)
+            .collect();
         let spread = |square: f64| (square / rows as f64).sqrt();
         Self {
             slope: solved.solution.first().copied().unwrap_or(0.0),

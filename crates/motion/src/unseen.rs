@@ -29,6 +29,9 @@ pub struct Unseen {
     /// Row of the recording, what was measured, and both predictions, row by row; empty where the rows are of the recording that was
     /// fitted.
     pub predictions: Vec<(usize, [f64; 3])>,
+    /// Of a second recording: root mean square over the noise of what one fit of both leaves, of the first one and of this one. None where
+    /// no such fit was made.
+    pub of_both: Option<[f64; 2]>,
 }
 
 impl Unseen {
@@ -95,6 +98,7 @@ pub(crate) fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen>
             before: [0.0; PARTS],
             after: [0.0; PARTS],
             predictions: Vec::new(),
+            of_both: None,
         };
         for row in 0..rows {
             let part = row * PARTS / rows;

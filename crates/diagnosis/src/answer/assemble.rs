@@ -15,6 +15,7 @@ use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
 use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Place, Provenance, Verdict};
 use crate::judge::findings::Findings;
+use crate::judge::second::on_second;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
 use crate::judge::untold_loads::{self, WEIGH};
@@ -53,6 +54,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         true => in_positions,
         false => verdict::of_torques(&findings),
     };
+    let of_second = on_second(&findings, verdict)?;
     let unstated = touches.unstated.take();
     let located = match has_position_gap {
         true if is_structured => tested.located(&findings.selection),
@@ -100,6 +102,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             false => findings.force.closed_unseen_share,
         },
         own_effects_leave: None,
+        second: of_second,
         probability_unknown: adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,

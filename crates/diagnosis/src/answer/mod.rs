@@ -11,6 +11,7 @@ pub(crate) mod gap;
 pub(crate) mod p_spline;
 pub(crate) mod place;
 pub(crate) mod place_touched;
+pub(crate) mod second;
 pub(crate) mod shrink;
 pub(crate) mod steps;
 pub(crate) mod tables;
@@ -25,6 +26,7 @@ use serde::Serialize;
 pub use self::correction::{CorrectionAnswer, Refusal, RefusedCorrection};
 pub use self::floor::NoReduction;
 pub use self::gap::{ChannelGap, Gap};
+pub use self::second::{SecondAnswer, SecondChannel};
 use crate::noise::NoiseSource;
 
 /// What is said of the gap.
@@ -77,6 +79,9 @@ pub struct Diagnosis {
     /// beyond noise that they leave of what a device without them does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_effects_leave: Option<f64>,
+    /// What the model of the log leaves of a second recording, where there is one.
+    #[serde(rename = "second_recording", skip_serializing_if = "Option::is_none")]
+    pub second: Option<SecondAnswer>,
     /// Where the cause is unknown: the curve in its place that `corrected` has; none where no curve predicts unseen rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correction: Option<CorrectionAnswer>,

@@ -31,7 +31,7 @@ pub(crate) use self::answer::names::names;
 use self::base::Base;
 use self::changes::carried::Carried;
 use self::changes::second::Model;
-pub(crate) use self::changes::second::OnSecond;
+pub(crate) use self::changes::second::{OnSecond, not_predicted};
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded};
 use self::rows::fast;

@@ -11,6 +11,7 @@ use crate::answer::shrink::{Shrink, Unseen, model_residual, on_held_back, on_sec
 use crate::engine::Engine;
 use crate::engine::base::Base;
 use crate::force::answer::ForceAnswer;
+use crate::force::{OnSecond, examine_both};
 use crate::judge::adequacy::{Adequacy, adequacy};
 use crate::judge::earlier_model::absorbed::take_absorbed;
 use crate::judge::earlier_model::{Difference, difference};
@@ -36,7 +37,7 @@ pub(crate) struct Inputs<'i> {
     pub(crate) earlier: Option<&'i Base>,
     pub(crate) options: &'i Options<'i>,
     /// What the torques say, where they are those of a moving arm.
-    pub(crate) moving: Option<&'i ForceAnswer>,
+    pub(crate) moving: Option<&'i (ForceAnswer, Option<OnSecond>)>,
 }
 
 /// A selection with the judgements on it.
@@ -58,6 +59,8 @@ pub(crate) struct Findings<'f> {
     /// Noise of the channels, checked against all that is left.
     pub(crate) floors: Vec<Floor>,
     pub(crate) force: ForceAnswer,
+    /// What the torques of the second recording show.
+    pub(crate) torques_of_second: Option<OnSecond>,
 }
 
 impl<'f> Findings<'f> {
@@ -110,15 +113,20 @@ impl<'f> Findings<'f> {
             shrink: Shrink::default(),
             floors: Vec::new(),
             force: ForceAnswer::default(),
+            torques_of_second: None,
         };
         let (shrink, force) = rayon::join(
             || findings.on_unseen_rows(),
             || match inputs.moving {
-                Some(force) => Ok(force.clone()),
-                None => crate::force::examine(&engine.context, &inputs.options.without),
+                Some(both) => Ok(both.clone()),
+                None => {
+                    let (second, without) = (inputs.options.validation, &inputs.options.without);
+                    examine_both(&engine.context, second, without)
+                }
             },
         );
-        (findings.shrink, findings.force) = (shrink?, force?);
+        findings.shrink = shrink?;
+        (findings.force, findings.torques_of_second) = force?;
         findings.forget_what_no_row_confirms();
         findings.floors = floors(&findings.selection, &findings.shrink.channels);
         for unseen in &mut findings.shrink.channels {

@@ -5,6 +5,7 @@ pub(crate) mod dependence;
 pub(crate) mod earlier_model;
 pub(crate) mod findings;
 pub(crate) mod rivals;
+pub(crate) mod second;
 pub(crate) mod too_coarse;
 pub(crate) mod touched;
 pub(crate) mod unlisted;

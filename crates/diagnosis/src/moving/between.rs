@@ -3,12 +3,16 @@
 use haptical_calibration::{Channel, channels};
 use haptical_effects::{Effect, Hook};
 use haptical_model::{Device, DeviceEffect, Recording, TransmissionError, TransmissionKind};
-use haptical_motion::{Between, Finding, LoadSource, OwnEffect, examine_between, examine_own};
+use haptical_motion::{
+    Between, ChannelFit, Finding, LoadSource, OwnEffect, examine_between, examine_own,
+};
 
 use super::words::Words;
+use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
+use crate::thresholds::second::ALLOWED;
 
 /// Standard deviation of a stiffness by the torque that a link asks for, as a share: masses are known to a tenth (A157).
 const OF_LINKS: f64 = 0.07;
@@ -43,13 +47,27 @@ pub(crate) fn of_links(
     let own: Vec<&DeviceEffect> = device.effects.iter().filter(is_on_links).collect();
     if !own.is_empty() {
         let known: Option<Vec<(usize, OwnEffect)>> = own.into_iter().map(known).collect();
-        let found = examine_own(&beside(recording)?, source, &known?).ok()?;
-        return found.is_adequate.then_some(Links { found, source });
+        let known = known?;
+        let found = examine_own(&beside(recording)?, source, &known).ok()?;
+        let mut links = Links {
+            found,
+            source,
+            on_second: None,
+        };
+        if let Some(second) = second {
+            let there = examine_own(&beside(second)?, source, &known).ok()?;
+            links.on_second = Some(links.left_of(device, &there));
+        }
+        return links.found.is_adequate.then_some(links);
     }
     let second = second.and_then(beside);
     let found = examine_between(&beside(recording)?, second.as_ref(), source, without).ok()?;
     let speaks = found.is_adequate && is_beyond_one_law(&found.examined.findings);
-    speaks.then_some(Links { found, source })
+    speaks.then_some(Links {
+        found,
+        source,
+        on_second: None,
+    })
 }
 
 /// An effect of the device that is of these laws.
@@ -89,9 +107,32 @@ fn with_errors(device: &Device, recording: &Recording) -> Option<Recording> {
 pub(crate) struct Links {
     found: Between,
     source: LoadSource,
+    /// What the device's effects leave of the second recording; none where they were looked for, or there is none.
+    on_second: Option<Vec<SecondChannel>>,
 }
 
 impl Links {
+    /// What the device's effects leave of a second recording, over what they leave of the first.
+    fn left_of(&self, device: &Device, there: &Between) -> Vec<SecondChannel> {
+        let words = Words::of_outputs(device, &there.examined);
+        let channel = |own: &ChannelFit| {
+            let mut first = self.found.examined.channels.iter();
+            let first = first.find(|first| first.joint == own.joint)?;
+            let left = Left {
+                rms: own.rms_after,
+                noise: first.noise,
+                readings: own.before.len() as f64,
+            };
+            let name = (
+                words.channel(own.joint),
+                Some(own.joint + 1),
+                words.unit(own.joint),
+            );
+            Some(SecondChannel::new(name, left, ALLOWED, None))
+        };
+        there.examined.channels.iter().filter_map(channel).collect()
+    }
+
     /// Their answer, and what is left of a second recording, before those of the torques.
     pub(crate) fn before(
         &self,
@@ -125,10 +166,9 @@ impl Links {
         findings.extend(torques.findings);
         let seen = has_second.then(|| {
             let mut seen = words.on_second();
-            let others = of_torques.unwrap_or_default();
-            seen.held_out.extend(others.held_out);
-            seen.predictions.extend(others.predictions);
-            seen.warnings.extend(others.warnings);
+            seen.channels
+                .extend(self.on_second.iter().flatten().cloned());
+            seen.extend(of_torques.unwrap_or_default());
             seen
         });
         let answer = ForceAnswer {
@@ -227,11 +267,6 @@ impl Links {
                     joint + 1
                 ));
             }
-        }
-        if let Some(why) = &self.found.examined.second {
-            warnings.push(format!(
-                "the encoders on the links were not predicted on the second recording: {why}"
-            ));
         }
         if self.found.examined.findings.is_empty() {
             warnings.push(

@@ -16,7 +16,7 @@ use self::warnings::warnings;
 use self::words::Words;
 use crate::answer::ChannelGap;
 use crate::force::answer::ForceAnswer;
-use crate::force::{OnSecond, names};
+use crate::force::{OnSecond, names, not_predicted};
 
 /// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
 pub(crate) fn of_moving_arm(
@@ -37,7 +37,11 @@ pub(crate) fn of_moving_arm(
                 not_tested: Some(why.to_string()),
                 ..ForceAnswer::default()
             };
-            return Some((answer, None));
+            let seen = second.map(|_| OnSecond {
+                not_predicted: vec![not_predicted("those of the log were not tested")],
+                ..OnSecond::default()
+            });
+            return Some((answer, seen));
         }
     };
     let words = Words::of_torques(device, &examined);

@@ -57,8 +57,7 @@ pub(super) fn beside(
     }
     let of_commands = words.on_second();
     let seen = seen.map(|mut seen| {
-        seen.held_out.extend(of_commands.held_out);
-        seen.predictions.extend(of_commands.predictions);
+        seen.extend(of_commands);
         seen
     });
     (answer, seen)

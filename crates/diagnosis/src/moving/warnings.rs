@@ -12,11 +12,6 @@ const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
 
 pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     let mut warnings = of_torques(device, examined);
-    if let Some(why) = &examined.second {
-        warnings.push(format!(
-            "the torques of the second recording were not predicted: {why}"
-        ));
-    }
     warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
     if examined

@@ -3,13 +3,15 @@
 use haptical_calibration::Channel;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
-use haptical_motion::{ChannelFit, Examined, Finding, PARTS, Unseen};
+use haptical_motion::{ChannelFit, Examined, Finding, MotionError, PARTS, Unseen};
 
 use crate::answer::floor::{Floor, NoReduction};
+use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
-use crate::force::OnSecond;
 use crate::force::answer::Course;
+use crate::force::{OnSecond, not_predicted};
 use crate::noise::NoiseSource;
+use crate::thresholds::second::ALLOWED;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What is examined of each joint.
@@ -256,13 +258,52 @@ impl<'e> Words<'e> {
         }
     }
 
+    fn not_predicted(&self, why: &MotionError) -> String {
+        match self.shown {
+            Shown::Output => {
+                format!(
+                    "the encoders on the links were not predicted on the second recording: {why}"
+                )
+            }
+            Shown::Torque | Shown::Tracking => not_predicted(&why.to_string()),
+        }
+    }
+
     /// What the second recording shows, where it was predicted.
     pub(super) fn on_second(&self) -> OnSecond {
         let is_second = self.examined.second.is_none();
         let unseen = self.examined.unseen.iter().filter(|_| is_second);
         let mut found = OnSecond::default();
+        found.not_predicted = self
+            .examined
+            .second
+            .iter()
+            .map(|why| self.not_predicted(why))
+            .collect();
         for own in unseen {
-            found.held_out.push(self.answer_of(own));
+            let answer = self.answer_of(own);
+            let left = |rms: f64, rows: usize| Left {
+                rms,
+                noise: own.noise,
+                readings: rows as f64,
+            };
+            let mut fitted = self.examined.channels.iter();
+            let fitted = fitted.find(|fit| fit.joint == own.joint);
+            let rows = [fitted.map_or(0, |fit| fit.before.len()), own.rows_in_all()];
+            let of_both = own
+                .of_both
+                .map(|both| [0, 1].map(|of| left(both[of] * own.noise, rows[of])));
+            found.channels.push(SecondChannel::new(
+                (
+                    self.channel(own.joint),
+                    Some(own.joint + 1),
+                    self.unit(own.joint),
+                ),
+                left(answer.rms_after, rows[1]),
+                ALLOWED,
+                of_both,
+            ));
+            found.held_out.push(answer);
             let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
                 row: *row,
                 channel: self.channel(own.joint),

@@ -6,11 +6,11 @@ use haptical_servo::{Finding, SPECS, Verdict as OfJoint};
 
 use super::Asked;
 use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
-use super::channel::{Joint, channel, gap, held_out, noise, predictions, trace};
+use super::channel::{Joint, channel, gap, held_out, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, Untestable, Verdict,
-    Whiteness,
+    CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
+    Verdict, Whiteness,
 };
 
 /// Share of a gap above which all of it is accounted for.
@@ -46,7 +46,12 @@ impl Tested {
                     // without some of its causes there is no fit to predict with
                     let is_whole = kept.causes.len() == answer.causes.len();
                     let second = match own.second {
-                        _ if !is_whole => None,
+                        _ if !is_whole => {
+                            unseen.extend(own.second.map(|_| {
+                                format!("joint {}: the second recording was not used: a cause is left out", index + 1)
+                            }));
+                            None
+                        }
                         Some(Err(why)) => {
                             unseen.push(format!(
                                 "joint {}: the second recording was not used: {why}",
@@ -111,6 +116,14 @@ pub(super) fn answer(
         .iter()
         .map(|joint| joint.weight * (1.0 - joint.answer.closed).clamp(0.0, 1.0))
         .sum();
+    let second = options.validation.map(|_| SecondAnswer {
+        channels: joints
+            .iter()
+            .filter_map(|joint| of_second(device, joint))
+            .collect(),
+        not_predicted: unseen,
+        is_gap_of_it_alone: false,
+    });
     let is_explained = matches!(verdict, Verdict::Named | Verdict::Ambiguous);
     Diagnosis {
         next_experiment: located.and_then(|joint| {
@@ -124,6 +137,7 @@ pub(super) fn answer(
         unexplained_share: left,
         closed_unseen_share: Some(1.0 - left).filter(|closed| is_explained && *closed < ALL_CLOSED),
         own_effects_leave: None,
+        second,
         steps: Vec::new(),
         correction: None,
         correction_refused: None,
@@ -140,7 +154,7 @@ pub(super) fn answer(
         candidates: Vec::new(),
         absorbed: None,
         plausibility: Vec::new(),
-        warnings: [warnings(&joints, &untested, words, options), unseen].concat(),
+        warnings: warnings(&joints, &untested, words, options),
         held_out: match options.validation {
             Some(_) => SECOND_RECORDING.to_owned(),
             None => "an eighth of the log in turn".to_owned(),

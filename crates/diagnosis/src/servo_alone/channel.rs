@@ -3,8 +3,10 @@
 use haptical_model::{Device, JointType};
 use haptical_servo::{JointAnswer, Predicted, Verdict as OfJoint};
 
+use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace};
 use crate::noise::NoiseSource;
+use crate::thresholds::second::ALLOWED_OF_COMMANDS;
 
 /// What one joint says, with its share of all joints' gap.
 pub(super) struct Joint {
@@ -48,6 +50,29 @@ pub(super) fn predictions(joint: &Joint) -> Vec<Prediction> {
         rows.map(of_row).collect()
     };
     joint.second.as_ref().map_or(Vec::new(), of)
+}
+
+/// What is left of the second recording, by the floor of the first; beside causes, by what they leave of the first.
+pub(super) fn of_second(device: &Device, joint: &Joint) -> Option<SecondChannel> {
+    let second = joint.second.as_ref()?;
+    let [before, after] = second.rms();
+    let answer = &joint.answer;
+    let (rms, noise) = match is_closed(joint) {
+        true => (after, answer.noise_floor.max(answer.rms_after)),
+        false => (before, answer.noise_floor),
+    };
+    let left = Left {
+        rms,
+        noise,
+        // as many independent readings as eighths of a second are few of
+        readings: second.row.len() as f64 / 4.0,
+    };
+    let name = (
+        channel(joint.index),
+        Some(joint.index + 1),
+        unit(device, joint.index),
+    );
+    Some(SecondChannel::new(name, left, ALLOWED_OF_COMMANDS, None))
 }
 
 fn is_closed(joint: &Joint) -> bool {

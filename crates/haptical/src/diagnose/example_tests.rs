@@ -53,6 +53,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         causes: vec![],
         unexplained_share: 0.0,
         own_effects_leave: None,
+        second: None,
         corrected: None,
         probability_unknown: 0.0,
         untestable: vec![Untestable {

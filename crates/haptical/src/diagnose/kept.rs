@@ -1,6 +1,6 @@
 //! The gap that a second recording keeps, which is not that of the first.
 
-use haptical_diagnosis::{Diagnosis, NoReduction, SECOND_RECORDING, Verdict};
+use haptical_diagnosis::{Diagnosis, NoReduction, SECOND_RECORDING, SecondAnswer, Verdict};
 
 use crate::units::Shown;
 
@@ -33,10 +33,50 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
     said.collect()
 }
 
+/// Whether the log has no gap, and the second recording has one.
+pub(super) fn is_of_second_alone(diagnosis: &Diagnosis) -> bool {
+    let second = diagnosis.second.as_ref();
+    second.is_some_and(|second| second.is_gap_of_it_alone)
+}
+
+/// The sentence of a gap that the second recording alone has.
+pub(super) fn of_second_alone(second: &SecondAnswer) -> String {
+    let channels = second.channels.iter().filter(|own| own.has_gap);
+    let said = channels.map(|own| {
+        let shown = Shown::fine(&own.unit);
+        format!(
+            "{}: {} left, noise {}",
+            own.channel,
+            shown.text(own.rms),
+            shown.text(own.noise_floor)
+        )
+    });
+    format!(
+        "The log has no gap, but its model does not hold for the second recording ({}): something changed between the two, or they are \
+         of two devices.",
+        said.collect::<Vec<_>>().join("; ")
+    )
+}
+
+/// A sentence, after a blank, on a second recording of which nothing was judged; empty otherwise.
+pub(super) fn not_judged(diagnosis: &Diagnosis) -> String {
+    let second = diagnosis.second.as_ref();
+    match second.filter(|second| second.channels.is_empty()) {
+        Some(second) => format!(
+            " The second recording was not judged: {}.",
+            second
+                .not_predicted
+                .first()
+                .map_or("it has no channel of the log", String::as_str)
+        ),
+        None => String::new(),
+    }
+}
+
 /// A further sentence of it, after a blank; empty where the causes are those of both.
 pub(super) fn said_of_second(diagnosis: &Diagnosis) -> String {
     let kept = kept_by_second(diagnosis);
-    if diagnosis.verdict == Verdict::NoGap || kept.is_empty() {
+    if diagnosis.verdict == Verdict::NoGap || is_of_second_alone(diagnosis) || kept.is_empty() {
         return String::new();
     }
     format!(

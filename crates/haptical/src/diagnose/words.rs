@@ -6,7 +6,7 @@ use haptical_diagnosis::{
 };
 use haptical_report::Tone;
 
-use crate::diagnose::kept::{kept_by_second, said_of_second};
+use crate::diagnose::kept::{kept_by_second, not_judged, of_second_alone, said_of_second};
 use crate::diagnose::quantity::Quantity;
 use crate::units::Shown;
 
@@ -80,7 +80,7 @@ pub(crate) fn closed(channel: &ChannelGap) -> String {
 pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     let causes = &diagnosis.causes;
     let mut sentence = match (diagnosis.verdict, causes.first()) {
-        (Verdict::NoGap, _) => no_gap(diagnosis),
+        (Verdict::NoGap, _) => no_gap(diagnosis) + &not_judged(diagnosis),
         (Verdict::Named, Some(_)) => {
             let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
                 causes.iter().partition(|cause| is_of_data(cause));
@@ -223,6 +223,13 @@ pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
 const NOTHING_LEFT: f64 = 0.005;
 
 fn unknown(diagnosis: &Diagnosis) -> String {
+    if let Some(second) = diagnosis
+        .second
+        .as_ref()
+        .filter(|own| own.is_gap_of_it_alone)
+    {
+        return of_second_alone(second);
+    }
     let mut sentence = match main_channel(diagnosis) {
         Some(channel) => {
             let place = match channel.joint {

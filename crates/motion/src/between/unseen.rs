@@ -110,6 +110,7 @@ fn collected(rows: &JointRows, weights: &[f64], [before, after]: [&[f64]; 2]) ->
         before: [0.0; PARTS],
         after: [0.0; PARTS],
         predictions: Vec::new(),
+        of_both: None,
     };
     for k in 0..count {
         let part = k * PARTS / count;

@@ -72,31 +72,42 @@ impl<'c> Frame<'c> {
         let mut fixed: Vec<Option<f64>> = (self.base.columns.iter())
             .map(|own| (early_s.is_some() && is_delay(&own.term)).then_some(0.0))
             .collect();
-        let mut round = 0;
-        loop {
-            let solved = system.solve(&recorded, &fixed);
-            let mut is_settled = true;
-            for (index, own) in self.base.columns.iter().enumerate() {
-                let Some(limit) = own.known_sd.map(|sd| plausible::LIMIT_SDS * sd) else {
-                    continue;
-                };
-                if solved.solution[index].abs() > limit {
-                    fixed[index] = Some(solved.solution[index].clamp(-limit, limit));
-                    is_settled = false;
-                }
+        let solved = within_limits(&system, self.base, &recorded, &mut fixed);
+        let freedom = self.problem.channel_rows() as f64 - self.base.free() as f64;
+        Fitted {
+            excess: solved.energy - 0.5 * freedom,
+            base_columns: self.base.columns.len(),
+            system,
+            solved,
+            fixed,
+            freedom,
+        }
+    }
+}
+
+/// Least squares with the numbers of the base model kept within their limits; `fixed`: those that are at one, or not asked for.
+pub(crate) fn within_limits(
+    system: &System,
+    base: &Base,
+    recorded: &[f64],
+    fixed: &mut [Option<f64>],
+) -> Solved {
+    let mut round = 0;
+    loop {
+        let solved = system.solve(recorded, fixed);
+        let mut is_settled = true;
+        for (index, own) in base.columns.iter().enumerate() {
+            let Some(limit) = own.known_sd.map(|sd| plausible::LIMIT_SDS * sd) else {
+                continue;
+            };
+            if solved.solution[index].abs() > limit {
+                fixed[index] = Some(solved.solution[index].clamp(-limit, limit));
+                is_settled = false;
             }
-            round += 1;
-            if is_settled || round > ROUNDS {
-                let freedom = self.problem.channel_rows() as f64 - self.base.free() as f64;
-                return Fitted {
-                    excess: solved.energy - 0.5 * freedom,
-                    base_columns: self.base.columns.len(),
-                    system,
-                    solved,
-                    fixed,
-                    freedom,
-                };
-            }
+        }
+        round += 1;
+        if is_settled || round > ROUNDS {
+            return solved;
         }
     }
 }

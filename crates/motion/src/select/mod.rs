@@ -10,7 +10,7 @@ mod shape;
 
 use std::rc::Rc;
 
-pub(crate) use self::fitted::{Fitted, Frame};
+pub(crate) use self::fitted::{Fitted, Frame, within_limits};
 use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::{Place, Pool};

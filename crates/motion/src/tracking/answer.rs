@@ -138,6 +138,7 @@ fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Uns
             before: [0.0; PARTS],
             after: [0.0; PARTS],
             predictions: Vec::new(),
+            of_both: None,
         };
         for row in 0..count {
             let part = row * PARTS / count;

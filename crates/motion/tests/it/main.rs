@@ -10,3 +10,5 @@ mod commands;
 mod found;
 mod identified;
 mod laws;
+mod recorded;
+mod second;

@@ -3,7 +3,9 @@
 mod bad;
 mod commands;
 mod exported;
+mod identified;
 mod log;
+mod second;
 mod simulator;
 
 use std::path::{Path, PathBuf};

@@ -4,9 +4,11 @@ use haptical_calibration::Channel;
 use haptical_metrics::{Bootstrap, gap_reduction_percent};
 
 use crate::answer::floor::Floor;
+use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{HeldOutAnswer, NoReduction};
 use crate::engine::Engine;
 use crate::thresholds::recording::BOOTSTRAP_BLOCK_ROWS;
+use crate::thresholds::second::ALLOWED;
 
 /// Seed of the moving-block bootstrap behind the intervals of a reduction.
 pub const BOOTSTRAP_SEED: u64 = 1;
@@ -81,6 +83,26 @@ impl Unseen {
     /// Root mean square of what the causes leave, and the number of readings.
     pub(crate) fn left(&self) -> (f64, f64) {
         (rms(&self.after), self.after.len() as f64)
+    }
+
+    /// What is left of a second recording; `of_both`: what one fit of both leaves of the channel, in the first and in the second.
+    pub(crate) fn on_second(&self, of_both: Option<[Left; 2]>) -> SecondChannel {
+        let (rms, count) = self.left();
+        let left = Left {
+            rms,
+            noise: self.floor.ci95()[1],
+            readings: count * self.independent,
+        };
+        let joint = match self.channel {
+            Channel::Output { joint } => Some(joint + 1),
+            _ => None,
+        };
+        SecondChannel::new(
+            (self.channel.name(), joint, self.unit),
+            left,
+            ALLOWED,
+            of_both,
+        )
     }
 
     /// The noise on these rows.

@@ -7,12 +7,14 @@ use haptical_motion::torque_nm_without_effects;
 use super::carried::{Carried, held_out};
 use super::{FOLDS, Payload, UnseenBlocks, changes};
 use crate::DiagnosisError;
+use crate::answer::second::{Left, SecondAnswer, SecondChannel};
 use crate::answer::{HeldOutAnswer, Prediction};
 use crate::force::along::Along;
 use crate::force::base::Base;
 use crate::force::effects::{Effects, is_scale};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::select::Selection;
+use crate::thresholds::second::ALLOWED;
 
 /// What a second recording shows.
 #[derive(Debug, Clone, Default)]
@@ -22,6 +24,30 @@ pub(crate) struct OnSecond {
     /// Block means, at the row in the middle of each.
     pub(crate) predictions: Vec<Prediction>,
     pub(crate) warnings: Vec<String>,
+    /// What the rule for second recordings says of each channel.
+    pub(crate) channels: Vec<SecondChannel>,
+    /// What was not predicted, and why.
+    pub(crate) not_predicted: Vec<String>,
+}
+
+impl OnSecond {
+    /// As a part of the answer.
+    pub(crate) fn answer(&self) -> SecondAnswer {
+        SecondAnswer {
+            channels: self.channels.clone(),
+            not_predicted: self.not_predicted.clone(),
+            is_gap_of_it_alone: false,
+        }
+    }
+
+    /// With what another view of the same recording says.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.held_out.extend(other.held_out);
+        self.predictions.extend(other.predictions);
+        self.warnings.extend(other.warnings);
+        self.channels.extend(other.channels);
+        self.not_predicted.extend(other.not_predicted);
+    }
 }
 
 /// The model of a first recording, its effects included.
@@ -45,15 +71,35 @@ impl Model<'_, '_, '_> {
         let mut seen = match Recorded::new(&context) {
             Ok(recorded) => self.predicted(&Along::new(&recorded), &self.without_effects()),
             Err(why) => OnSecond {
-                warnings: vec![format!(
-                    "the torques of the second recording were not predicted: {why}"
-                )],
+                not_predicted: vec![not_predicted(&why)],
                 ..OnSecond::default()
             },
         };
         let both = joined(device, first.context.recording, second);
-        seen.warnings
-            .extend(carries_more(device, &both, first.context.runs.len())?);
+        let both = Both::new(device, &both, first.context)?;
+        seen.warnings.extend(both.carries_more);
+        let of_torque = |own: &HeldOutAnswer| {
+            let left = Left {
+                rms: own.rms_after,
+                noise: own.noise_floor,
+                readings: both.blocks[1],
+            };
+            let of_both = both.left.iter().find(|(name, _)| *name == own.channel);
+            let joint = own.channel.trim_start_matches("torque").parse().ok();
+            let name = (own.channel.clone(), joint, own.unit.as_str());
+            SecondChannel::new(name, left, ALLOWED, of_both.map(|own| own.1))
+        };
+        seen.channels = seen.held_out.iter().map(of_torque).collect();
+        let device_joints = first
+            .channels
+            .iter()
+            .map(|joint| format!("torque{}", joint + 1));
+        let is_missing = |name: &String| !seen.channels.iter().any(|own| own.channel == *name);
+        if seen.not_predicted.is_empty() {
+            let missing = device_joints.filter(is_missing);
+            let missing = missing.map(|name| format!("it has no {name}, and the log has"));
+            seen.not_predicted = missing.collect();
+        }
         Ok(seen)
     }
 
@@ -124,31 +170,77 @@ impl Model<'_, '_, '_> {
     }
 }
 
-/// A warning where the arm carries more, or less, in the runs from `first` on than at the end of those before.
-fn carries_more(
-    device: &Device,
-    both: &Recording,
-    first: usize,
-) -> Result<Option<String>, DiagnosisError> {
-    let context = Context::new(device, both, &[])?;
-    let Ok(recorded) = Recorded::new(&context) else {
-        return Ok(None);
-    };
-    let along = Along::new(&recorded);
-    let Some(whitener) = along.whitener(Besides::Nothing) else {
-        return Ok(None);
-    };
-    let base = along.fit(&whitener, Besides::Nothing);
-    let found = changes(&along, &base).payloads;
-    let told = |payload: &Payload| {
-        let [low, high] = payload.size.ci95_kg;
-        format!(
-            "the arm carries {:+.3} kg [{low:.3}, {high:.3}] in the second recording, beyond what it carried at the end of \
-             the log: the gap of the second recording has this in it",
-            payload.size.mass_kg
-        )
-    };
-    Ok(found.iter().find(|payload| payload.run == first).map(told))
+/// Why the torques of a second recording are not judged.
+pub(crate) fn not_predicted(why: &str) -> String {
+    format!("the torques of the second recording were not predicted: {why}")
+}
+
+/// One fit of two recordings of torques.
+#[derive(Default)]
+struct Both {
+    /// A warning where the arm carries more, or less, in the second one than at the end of the first.
+    carries_more: Option<String>,
+    /// What the base model leaves of each channel, in the first and in the second.
+    left: Vec<(String, [Left; 2])>,
+    /// Blocks of the first and of the second.
+    blocks: [f64; 2],
+}
+
+impl Both {
+    /// `both`: the two as runs of one, of which the first has those of `first`.
+    fn new(device: &Device, both: &Recording, first: &Context<'_>) -> Result<Self, DiagnosisError> {
+        let context = Context::new(device, both, &[])?;
+        let Ok(recorded) = Recorded::new(&context) else {
+            return Ok(Self::default());
+        };
+        let along = Along::new(&recorded);
+        let Some(whitener) = along.whitener(Besides::Nothing) else {
+            return Ok(Self::default());
+        };
+        let base = along.fit(&whitener, Besides::Nothing);
+        let found = changes(&along, &base).payloads;
+        let told = |payload: &Payload| {
+            let [low, high] = payload.size.ci95_kg;
+            format!(
+                "the arm carries {:+.3} kg [{low:.3}, {high:.3}] in the second recording, beyond what it carried at the end of \
+                 the log: the gap of the second recording has this in it",
+                payload.size.mass_kg
+            )
+        };
+        let runs = first.runs.len();
+        let rest = base.rest();
+        let count = recorded.blocks.len();
+        let of_second: Vec<bool> = (recorded.blocks.iter())
+            .map(|block| block.rows.start >= first.rows())
+            .collect();
+        let blocks = [false, true].map(|side| {
+            let own = of_second.iter().filter(|own| **own == side);
+            own.count() as f64
+        });
+        let left = recorded
+            .channels
+            .iter()
+            .enumerate()
+            .map(|(channel, joint)| {
+                let cells = &rest[channel * count..][..count];
+                let both = [false, true].map(|side| {
+                    let own = cells.iter().zip(&of_second).filter(|own| *own.1 == side);
+                    let squares: f64 = own.map(|(rest, _)| rest * rest).sum();
+                    let readings = blocks[usize::from(side)];
+                    Left {
+                        rms: (squares / readings.max(1.0)).sqrt(),
+                        noise: recorded.block_variance(channel).sqrt(),
+                        readings,
+                    }
+                });
+                (format!("torque{}", joint + 1), both)
+            });
+        Ok(Self {
+            carries_more: found.iter().find(|own| own.run == runs).map(told),
+            left: left.collect(),
+            blocks,
+        })
+    }
 }
 
 /// Two recordings one after the other, as runs of one; torques without what the device's own effects add.

@@ -1,0 +1,225 @@
+//! What the model of a log leaves of a second recording: one rule for every kind of log.
+
+use serde::Serialize;
+
+use super::{ChannelGap, Diagnosis, Gap, NoReduction, Place, Verdict};
+use crate::noise::NoiseSource;
+use crate::thresholds::second::SDS;
+
+/// What the model of the log leaves of a second recording.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct SecondAnswer {
+    /// One entry per channel that was predicted.
+    pub channels: Vec<SecondChannel>,
+    /// What was not predicted, and why.
+    pub not_predicted: Vec<String>,
+    /// Whether the log itself has no gap, and the second recording has one.
+    pub is_gap_of_it_alone: bool,
+}
+
+/// One channel of a second recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SecondChannel {
+    /// `out2`, `torque1`.
+    pub channel: String,
+    /// Joint (from 1), where it is of one.
+    pub joint: Option<usize>,
+    /// Root mean square that the model of the log leaves, its causes included.
+    pub rms: f64,
+    /// Root mean square of the noise.
+    pub noise_floor: f64,
+    /// Unit of both.
+    pub unit: String,
+    /// Whether that is more than noise, and one fit of both recordings does not do away with it.
+    pub has_gap: bool,
+    /// Whether it is more than noise, and one fit of both recordings does away with it.
+    pub is_extrapolated: bool,
+}
+
+/// What is left of readings, and their noise.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Left {
+    pub(crate) rms: f64,
+    pub(crate) noise: f64,
+    /// Independent readings.
+    pub(crate) readings: f64,
+}
+
+impl Left {
+    /// Whether readings are no more than noise: beyond a share of its square that a sound model may leave, and beyond chance, they are.
+    pub(crate) fn is_quiet(self, allowed: f64) -> bool {
+        let beyond = (self.rms / self.noise.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
+        // what is not a number is not quiet
+        beyond <= allowed + SDS * (2.0 / self.readings.max(1.0)).sqrt()
+    }
+}
+
+impl SecondChannel {
+    /// A channel with what the model of the log leaves of it; `allowed`: the share of the noise's square that a sound model may leave;
+    /// `of_both`: what one fit of both recordings leaves, in the first and in the second.
+    pub(crate) fn new(
+        (channel, joint, unit): (String, Option<usize>, &str),
+        left: Left,
+        allowed: f64,
+        of_both: Option<[Left; 2]>,
+    ) -> Self {
+        let is_noise = left.is_quiet(allowed);
+        let is_extrapolated =
+            !is_noise && of_both.is_some_and(|both| both.iter().all(|own| own.is_quiet(allowed)));
+        Self {
+            channel,
+            joint,
+            rms: left.rms,
+            noise_floor: left.noise,
+            unit: unit.to_owned(),
+            has_gap: !is_noise && !is_extrapolated,
+            is_extrapolated,
+        }
+    }
+
+    fn share(&self) -> f64 {
+        ((self.rms / self.noise_floor.max(f64::MIN_POSITIVE)).powi(2) - 1.0).max(0.0)
+    }
+
+    fn sizes(&self) -> String {
+        format!(
+            "{:.3e} {unit} left, noise {:.3e} {unit}",
+            self.rms,
+            self.noise_floor,
+            unit = self.unit
+        )
+    }
+
+    fn gap(&self) -> ChannelGap {
+        ChannelGap {
+            channel: self.channel.clone(),
+            joint: self.joint,
+            has_gap: self.has_gap,
+            held_out: true,
+            rms_before: self.rms,
+            rms_after: self.rms,
+            noise_floor: self.noise_floor,
+            noise_floor_ci95: [self.noise_floor; 2],
+            noise_source: NoiseSource::Motion,
+            unit: self.unit.clone(),
+            share_of_gap: self.share(),
+            reduction_percent: self.has_gap.then_some(0.0),
+            reduction_ci95: None,
+            no_reduction: (!self.has_gap).then_some(NoReduction::NoGap),
+        }
+    }
+}
+
+/// The answer with what the second recording shows: where the log has no gap and that recording has one, there is a gap that nothing
+/// explains.
+pub(crate) fn judged(found: Diagnosis) -> Diagnosis {
+    let mut found = found;
+    let Some(mut second) = found.second.take() else {
+        return found;
+    };
+    for why in &second.not_predicted {
+        // a view may have said it in its own words
+        if !found.warnings.iter().any(|said| said.contains(why)) {
+            found.warnings.push(format!(
+                "the second recording was not judged by all that it has: {why}"
+            ));
+        }
+    }
+    let of = |is_wanted: fn(&SecondChannel) -> bool| -> Vec<String> {
+        let channels = second.channels.iter().filter(|own| is_wanted(own));
+        channels
+            .map(|own| format!("{} ({})", own.channel, own.sizes()))
+            .collect()
+    };
+    let (with_gap, extrapolated) = (of(|own| own.has_gap), of(|own| own.is_extrapolated));
+    if found.verdict == Verdict::NoGap && !extrapolated.is_empty() {
+        found.warnings.push(format!(
+            "the model of the log alone leaves more than noise of the second recording in {}, and one fit of both leaves noise: the log \
+             fixes the model only where it went; `--log A --log B` diagnoses both together",
+            extrapolated.join(", ")
+        ));
+    }
+    if found.verdict == Verdict::NoGap && !with_gap.is_empty() {
+        found.warnings.push(format!(
+            "the log has no gap, but its model does not hold for the second recording: {}. Something changed between the two, or they are \
+             of two devices",
+            with_gap.join(", ")
+        ));
+        second.is_gap_of_it_alone = true;
+        found = of_second_alone(found, &second);
+    }
+    found.second = Some(second);
+    found
+}
+
+fn of_second_alone(found: Diagnosis, second: &SecondAnswer) -> Diagnosis {
+    let largest = second.channels.iter().filter(|own| own.has_gap);
+    let largest = largest.max_by(|a, b| a.share().total_cmp(&b.share()));
+    let place = largest.map(|own| Place {
+        channel: own.channel.clone(),
+        joint: own.joint,
+        depends_on: Vec::new(),
+        region: "in the second recording alone".to_owned(),
+        explained: Vec::new(),
+        dependence: Vec::new(),
+    });
+    let mut channels: Vec<ChannelGap> = second.channels.iter().map(SecondChannel::gap).collect();
+    for other in found.gap.channels {
+        if !channels.iter().any(|own| own.channel == other.channel) {
+            channels.push(other);
+        }
+    }
+    let located = place.as_ref().map(|place| place.channel.as_str());
+    Diagnosis {
+        verdict: Verdict::Unknown,
+        gap: Gap::new(Verdict::Unknown, located, channels),
+        place,
+        unexplained_share: 1.0,
+        probability_unknown: 1.0,
+        own_effects_leave: None,
+        next_experiment: Some(
+            "diagnose the second recording by itself, which names a cause that it holds throughout, then both with \
+             `--log A --log B`; undo what changed between them, or identify the device from the one that is to count"
+                .to_owned(),
+        ),
+        ..found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn left(rms: f64, readings: f64) -> Left {
+        Left {
+            rms,
+            noise: 1.0,
+            readings,
+        }
+    }
+
+    fn channel(rms: f64, of_both: Option<[f64; 2]>) -> SecondChannel {
+        let of_both = of_both.map(|both| both.map(|rms| left(rms, 800.0)));
+        let name = ("torque1".to_owned(), Some(1), "N m");
+        SecondChannel::new(name, left(rms, 800.0), 0.2, of_both)
+    }
+
+    #[test]
+    fn more_than_noise_is_a_gap_unless_one_fit_of_both_does_away_with_it() {
+        assert!(!channel(1.15, None).has_gap);
+        let beyond = channel(2.5, None);
+        assert!(beyond.has_gap && !beyond.is_extrapolated);
+        let extrapolated = channel(2.5, Some([0.9, 1.1]));
+        assert!(!extrapolated.has_gap && extrapolated.is_extrapolated);
+        // a fit of both that takes from the first what it gives to the second
+        assert!(channel(2.5, Some([2.0, 1.1])).has_gap);
+        assert!(channel(2.5, Some([1.0, 2.0])).has_gap);
+        assert!(channel(f64::NAN, None).has_gap);
+    }
+
+    #[test]
+    fn few_readings_say_little() {
+        assert!(left(1.4, 20.0).is_quiet(0.2));
+        assert!(!left(1.4, 2000.0).is_quiet(0.2));
+    }
+}

@@ -1,0 +1,117 @@
+//! What the base model and the causes leave of a second recording's positions, and what one fit of both leaves.
+
+use haptical_calibration::Channel;
+use haptical_model::Recording;
+
+use crate::DiagnosisError;
+use crate::answer::second::{Left, SecondAnswer, SecondChannel};
+use crate::answer::shrink::Unseen;
+use crate::answer::{SECOND_RECORDING, Verdict};
+use crate::engine::base::Base;
+use crate::engine::{Engine, Prepared};
+use crate::judge::findings::Findings;
+use crate::noise::cleaning::without_readings;
+use crate::thresholds::chance::OUTLIER_SD;
+
+/// What the second recording shows of positions and torques; none without one.
+///
+/// # Errors
+/// [`DiagnosisError`] where the device has no value at a row of both recordings.
+pub(crate) fn on_second(
+    findings: &Findings<'_>,
+    verdict: Verdict,
+) -> Result<Option<SecondAnswer>, DiagnosisError> {
+    let Some(second) = findings.inputs.options.validation else {
+        return Ok(None);
+    };
+    let seen: &[Unseen] = match findings.shrink.description == SECOND_RECORDING {
+        true => &findings.shrink.channels,
+        false => &[],
+    };
+    let mut channels: Vec<SecondChannel> = seen.iter().map(|own| own.on_second(None)).collect();
+    // the base model of the log alone is no evidence where the log does not fix it
+    if verdict == Verdict::NoGap && channels.iter().any(|own| own.has_gap) {
+        let both = of_both(findings, second)?;
+        let left = |own: &Unseen| both.iter().find(|(channel, _)| *channel == own.channel);
+        channels = (seen.iter())
+            .map(|own| own.on_second(left(own).map(|both| both.1)))
+            .collect();
+    }
+    let is_seen = |channel: &Channel| seen.iter().any(|own| own.channel == *channel);
+    let missing = findings.floors.iter().filter(|own| !is_seen(&own.channel));
+    let missing = missing.map(|own| {
+        format!(
+            "{}: the second recording has fewer than 8 readings of it that the model can predict",
+            own.channel.name()
+        )
+    });
+    let mut answer = SecondAnswer {
+        channels,
+        not_predicted: missing.collect(),
+        is_gap_of_it_alone: false,
+    };
+    if let Some(torques) = &findings.torques_of_second {
+        // as those of the log: where positions have a gap, or torques say nothing, theirs is none
+        let of_torques = torques.answer();
+        answer.channels.extend(of_torques.channels);
+        answer.not_predicted.extend(of_torques.not_predicted);
+    }
+    Ok(Some(answer))
+}
+
+/// What one fit of the base model to both recordings leaves, in the first and in the second; nothing where there is no such fit.
+fn of_both(
+    findings: &Findings<'_>,
+    second: &Recording,
+) -> Result<Vec<(Channel, [Left; 2])>, DiagnosisError> {
+    let inputs = &findings.inputs;
+    let first = inputs.recording;
+    let has_effects = !first.added.is_empty();
+    let Some(both) = (!has_effects)
+        .then(|| Recording::joined(&[first, second]).ok())
+        .flatten()
+    else {
+        return Ok(Vec::new());
+    };
+    let options = inputs.options;
+    let base = match Base::fit(inputs.nominal, &both, options.loss, &options.interrupt) {
+        Ok(base) => base,
+        Err(error) if error.is_unidentifiable() => return Ok(Vec::new()),
+        Err(error) => return Err(error),
+    };
+    let prepared = Prepared::new(&base, &both, &both)?;
+    let gone = prepared.outlying(OUTLIER_SD);
+    let cleaned = without_readings(&both, &gone);
+    let engine = prepared.without(&gone, &cleaned).fit(None)?;
+    let left = |channel: Channel, noise: f64| {
+        let rows = [0..first.len(), first.len()..both.len()];
+        (
+            channel,
+            rows.map(|rows| left_in(&engine, channel, rows, noise)),
+        )
+    };
+    let floors = findings.floors.iter();
+    Ok(floors.map(|own| left(own.channel, own.ci95()[1])).collect())
+}
+
+/// What the base model leaves of a channel in some rows.
+fn left_in(
+    engine: &Engine<'_>,
+    channel: Channel,
+    rows: std::ops::Range<usize>,
+    noise: f64,
+) -> Left {
+    let (mut squares, mut readings) = (0.0, 0.0);
+    for stream in engine.context.streams_of(channel) {
+        let residual = &engine.start.residual[stream];
+        for row in rows.clone().filter(|row| engine.usable[stream][*row]) {
+            squares += residual[row] * residual[row];
+            readings += 1.0;
+        }
+    }
+    Left {
+        rms: f64::sqrt(squares / f64::max(readings, 1.0)),
+        noise,
+        readings,
+    }
+}
