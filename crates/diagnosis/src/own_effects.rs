@@ -11,6 +11,7 @@ use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
 use crate::force::examine;
 use crate::moving::base_of_moving_arm;
+use crate::thresholds::own_effects::LEFT_OF_CHANNEL;
 use crate::{DiagnosisError, Options};
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
@@ -187,10 +188,10 @@ fn torques_without(
     Ok(without.collect())
 }
 
-/// Share of the squares beyond noise that is left of what the device without the effects leaves; none where a channel keeps more than
-/// the laws that act on it may leave of what they take off there (A240).
+/// Share of the squares beyond noise that is left of what the device without the effects leaves; none where that is more than the laws may
+/// leave of what they take off the channels that they act on (A240).
 fn left_by_laws(gaps: &[&ChannelGap], without: &[Without], laws: &[DeviceEffect]) -> Option<f64> {
-    let (mut left, mut whole) = (0.0, 0.0);
+    let (mut left, mut kept, mut whole, mut allowed) = (0.0, 0.0, 0.0, 0.0);
     for gap in gaps {
         let beyond = |rms: f64| ((rms / gap.noise_floor).powi(2) - 1.0).max(0.0);
         let own_left = beyond(gap.rms_before);
@@ -207,17 +208,22 @@ fn left_by_laws(gaps: &[&ChannelGap], without: &[Without], laws: &[DeviceEffect]
         };
         let acting = laws.iter().filter(acts).filter_map(|own| spec(&own.name));
         let share = acting.map(|spec| spec.law_error.share).fold(0.0, f64::max);
-        let of_effects = match bare.is_quiet {
-            true => bare.added / gap.noise_floor.powi(2),
-            false => beyond(bare.rms) - own_left,
+        // where a device without them leaves noise, what they take off elsewhere is none of this channel's
+        let taken = (beyond(bare.rms) - own_left).max(0.0);
+        let (of_effects, most) = match bare.is_quiet {
+            true => (bare.added / gap.noise_floor.powi(2), share),
+            false if share > 0.0 => (taken, LEFT_OF_CHANNEL.max(share)),
+            false => (taken, 0.0),
         };
-        if gap.has_gap && own_left > share * of_effects {
+        if gap.has_gap && own_left > most * of_effects {
             return None;
         }
+        kept += bare.count * if gap.has_gap { own_left } else { 0.0 };
         left += bare.count * own_left;
-        whole += bare.count * (own_left + of_effects.max(0.0));
+        whole += bare.count * (own_left + of_effects);
+        allowed += bare.count * share * of_effects;
     }
-    (whole > 0.0).then(|| left / whole)
+    (whole > 0.0 && kept <= allowed).then(|| left / whole)
 }
 
 /// Whether an effect is of the family of one of the device.
@@ -337,6 +343,22 @@ mod tests {
         let share = left(&[torque(1, rms(1.5))], &bare(100.0)).unwrap();
         assert!((share - 0.015).abs() < 1e-6, "{share}");
         assert_eq!(left(&[torque(1, rms(3.0))], &bare(100.0)), None);
+        // of two joints that rub one may keep more, if both together do not
+        let rub = [
+            own("joint-friction", Some(0)),
+            own("joint-friction", Some(1)),
+        ];
+        let of_both = |first: f64, second: f64| {
+            let gaps = [torque(1, rms(first)), torque(2, rms(second))];
+            let bare = [
+                without(1, rms(400.0), false, 0.0),
+                without(2, rms(100.0), false, 0.0),
+            ];
+            left_by_laws(&gaps.iter().collect::<Vec<_>>(), &bare, &rub)
+        };
+        assert!(of_both(1.0, 5.0).is_some());
+        assert_eq!(of_both(1.0, 12.0), None);
+        assert_eq!(of_both(7.0, 5.0), None);
         // a cause that both leave is none of the effects'
         assert_eq!(left(&[torque(1, rms(50.0))], &bare(52.0)), None);
         // nothing was examined without them

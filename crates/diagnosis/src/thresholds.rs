@@ -608,3 +608,10 @@ pub(crate) mod second {
     /// The same of what a joint leaves of its command. Choice: a gap is one from 1.5 times the floor on, as in the log itself.
     pub(crate) const ALLOWED_OF_COMMANDS: f64 = 1.25;
 }
+
+/// A device's own effects: what their laws may leave.
+pub(crate) mod own_effects {
+    /// Share of the squares that effects take off one channel, of which the channel may keep as much, if all channels together keep no more
+    /// than the laws may leave. Choice: that of encoders on links (docs/assumptions.md, A169).
+    pub(crate) const LEFT_OF_CHANNEL: f64 = 0.1;
+}

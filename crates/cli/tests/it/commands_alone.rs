@@ -202,6 +202,49 @@ fn a_second_recording_is_predicted_and_not_fitted() {
     assert!(number(&channel(&other, "theta3"), "reduction_percent") > 95.0);
 }
 
+/// Joints that stand where they are told; in the second recording one stands beside.
+#[test]
+fn a_second_recording_beside_joints_without_a_gap_is_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, shift_s: f64, offset_rad: f64| {
+        let mut text = "t_s".to_owned();
+        for stem in ["theta", "command"] {
+            (1..=6).for_each(|joint| text.push_str(&format!(",{stem}{joint}_rad")));
+        }
+        let count = std::f64::consts::TAU / 4096.0;
+        for row in 0..3000 {
+            let time_s = 0.02 * f64::from(row);
+            text.push_str(&format!("\n{time_s:.2}"));
+            let commands: Vec<f64> = (1..=6)
+                .map(|joint| 0.4 * ((0.5 + 0.2 * f64::from(joint)) * (time_s + shift_s)).sin())
+                .collect();
+            for (joint, command) in commands.iter().enumerate() {
+                let read = command + if joint == 1 { offset_rad } else { 0.0 };
+                text.push_str(&format!(",{:.6}", (read / count).round() * count));
+            }
+            for command in commands {
+                text.push_str(&format!(",{command:.6}"));
+            }
+        }
+        text.push('\n');
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let first = write("log.csv", 0.0, 0.0);
+    for (offset_rad, wanted) in [(0.0, "no-gap"), (0.02, "unknown")] {
+        let second = write("second.csv", 70.0, offset_rad);
+        let flags = ["--validate", second.to_str().unwrap()];
+        let answer = gap(&first, &folder.path().join("out"), &flags);
+        assert_eq!(answer["verdict"], wanted, "{answer}");
+        let channels = answer["second_recording"]["channels"].as_array().unwrap();
+        let has_gap = |own: &&Value| own["has_gap"] == true;
+        let with_gap: Vec<&Value> = channels.iter().filter(has_gap).collect();
+        assert_eq!(with_gap.len(), usize::from(offset_rad > 0.0), "{answer}");
+        assert!(with_gap.iter().all(|own| own["channel"] == "theta2"));
+    }
+}
+
 /// A scale of torques that changes is a cause by itself, also of joints that stand still.
 #[test]
 fn a_torque_of_another_scale_is_named_and_placed() {

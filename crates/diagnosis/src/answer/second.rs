@@ -28,9 +28,12 @@ pub struct SecondChannel {
     pub rms: f64,
     /// Root mean square of the noise.
     pub noise_floor: f64,
-    /// Unit of both.
+    /// What the model leaves of the log itself: that is no gap of the second recording alone.
+    pub rms_of_log: f64,
+    /// Unit of all three.
     pub unit: String,
-    /// Whether that is more than noise, and one fit of both recordings does not do away with it.
+    /// Whether that is more than noise, and no fit of both recordings was made that does away with it; where causes are named of positions
+    /// none is made.
     pub has_gap: bool,
     /// Whether it is more than noise, and one fit of both recordings does away with it.
     pub is_extrapolated: bool,
@@ -55,26 +58,47 @@ impl Left {
 }
 
 impl SecondChannel {
-    /// A channel with what the model of the log leaves of it; `allowed`: the share of the noise's square that a sound model may leave;
-    /// `of_both`: what one fit of both recordings leaves, in the first and in the second.
+    /// A channel with what the model of the log leaves of it, and `of_log` of the log itself; `allowed`: the share of the noise's square that
+    /// a sound model may leave; `of_both`: what one fit of both recordings leaves, in the first and in the second.
     pub(crate) fn new(
         (channel, joint, unit): (String, Option<usize>, &str),
-        left: Left,
+        (left, of_log): (Left, f64),
         allowed: f64,
         of_both: Option<[Left; 2]>,
     ) -> Self {
-        let is_noise = left.is_quiet(allowed);
+        let is_quiet = |own: Left| {
+            let noise = own.noise.max(of_log);
+            Left { noise, ..own }.is_quiet(allowed)
+        };
+        let is_noise = is_quiet(left);
         let is_extrapolated =
-            !is_noise && of_both.is_some_and(|both| both.iter().all(|own| own.is_quiet(allowed)));
+            !is_noise && of_both.is_some_and(|both| both.into_iter().all(is_quiet));
         Self {
             channel,
             joint,
             rms: left.rms,
             noise_floor: left.noise,
+            rms_of_log: of_log,
             unit: unit.to_owned(),
             has_gap: !is_noise && !is_extrapolated,
             is_extrapolated,
         }
+    }
+
+    /// Its squares beyond noise, in the unit's square.
+    pub(crate) fn square_beyond_noise(&self) -> f64 {
+        (self.rms.powi(2) - self.noise_floor.powi(2)).max(0.0)
+    }
+
+    /// One fit of both recordings leaves noise.
+    pub(crate) fn explain_by_both(&mut self) {
+        self.is_extrapolated |= self.has_gap;
+        self.has_gap = false;
+    }
+
+    /// Nothing is said of a gap in it.
+    pub(crate) fn quieten(&mut self) {
+        (self.has_gap, self.is_extrapolated) = (false, false);
     }
 
     fn share(&self) -> f64 {
@@ -121,7 +145,7 @@ pub(crate) fn judged(found: Diagnosis) -> Diagnosis {
         // a view may have said it in its own words
         if !found.warnings.iter().any(|said| said.contains(why)) {
             found.warnings.push(format!(
-                "the second recording was not judged by all that it has: {why}"
+                "the second recording was not judged in full: {why}"
             ));
         }
     }
@@ -201,7 +225,7 @@ mod tests {
     fn channel(rms: f64, of_both: Option<[f64; 2]>) -> SecondChannel {
         let of_both = of_both.map(|both| both.map(|rms| left(rms, 800.0)));
         let name = ("torque1".to_owned(), Some(1), "N m");
-        SecondChannel::new(name, left(rms, 800.0), 0.2, of_both)
+        SecondChannel::new(name, (left(rms, 800.0), 0.9), 0.2, of_both)
     }
 
     #[test]
@@ -215,6 +239,15 @@ mod tests {
         assert!(channel(2.5, Some([2.0, 1.1])).has_gap);
         assert!(channel(2.5, Some([1.0, 2.0])).has_gap);
         assert!(channel(f64::NAN, None).has_gap);
+    }
+
+    #[test]
+    fn what_the_log_keeps_itself_is_no_gap_of_the_second_alone() {
+        let beside = |of_log: f64| {
+            let name = ("out2".to_owned(), Some(2), "rad");
+            SecondChannel::new(name, (left(1.3, 800.0), of_log), 0.2, None).has_gap
+        };
+        assert!(beside(1.0) && !beside(1.25));
     }
 
     #[test]

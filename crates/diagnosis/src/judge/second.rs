@@ -4,14 +4,18 @@ use haptical_calibration::Channel;
 use haptical_model::Recording;
 
 use crate::DiagnosisError;
+use crate::answer::floors::channel_rms;
 use crate::answer::second::{Left, SecondAnswer, SecondChannel};
 use crate::answer::shrink::Unseen;
 use crate::answer::{SECOND_RECORDING, Verdict};
 use crate::engine::base::Base;
 use crate::engine::{Engine, Prepared};
+use crate::force::not_predicted;
 use crate::judge::findings::Findings;
+use crate::judge::wrong_angles::torque_nm;
 use crate::noise::cleaning::without_readings;
 use crate::thresholds::chance::OUTLIER_SD;
+use crate::thresholds::torque::BEYOND_WRONG_ANGLES;
 
 /// What the second recording shows of positions and torques; none without one.
 ///
@@ -28,20 +32,25 @@ pub(crate) fn on_second(
         true => &findings.shrink.channels,
         false => &[],
     };
-    let mut channels: Vec<SecondChannel> = seen.iter().map(|own| own.on_second(None)).collect();
+    let rest = &findings.selection.refit.residual;
+    let of_log = |own: &Unseen| channel_rms(findings.engine(), own.channel, rest).0;
+    let mut channels: Vec<SecondChannel> = seen
+        .iter()
+        .map(|own| own.on_second(of_log(own), None))
+        .collect();
     // the base model of the log alone is no evidence where the log does not fix it
     if verdict == Verdict::NoGap && channels.iter().any(|own| own.has_gap) {
         let both = of_both(findings, second)?;
         let left = |own: &Unseen| both.iter().find(|(channel, _)| *channel == own.channel);
         channels = (seen.iter())
-            .map(|own| own.on_second(left(own).map(|both| both.1)))
+            .map(|own| own.on_second(of_log(own), left(own).map(|both| both.1)))
             .collect();
     }
     let is_seen = |channel: &Channel| seen.iter().any(|own| own.channel == *channel);
     let missing = findings.floors.iter().filter(|own| !is_seen(&own.channel));
     let missing = missing.map(|own| {
         format!(
-            "{}: the second recording has fewer than 8 readings of it that the model can predict",
+            "{}: the second recording has too few readings, of this or of another sensor, for the model of the log",
             own.channel.name()
         )
     });
@@ -51,8 +60,26 @@ pub(crate) fn on_second(
         is_gap_of_it_alone: false,
     };
     if let Some(torques) = &findings.torques_of_second {
-        // as those of the log: where positions have a gap, or torques say nothing, theirs is none
-        let of_torques = torques.answer();
+        let mut of_torques = torques.answer();
+        if let Some(why) = &findings.force.not_tested {
+            of_torques.channels.clear();
+            of_torques.not_predicted = vec![not_predicted(why)];
+        }
+        // as in the log, a torque that wrong angles cause is none of the device's
+        let has_effects = !findings.inputs.recording.added.is_empty();
+        if has_effects || verdict != Verdict::NoGap {
+            let squares = of_torques
+                .channels
+                .iter()
+                .map(SecondChannel::square_beyond_noise);
+            let found_nm = squares.sum::<f64>().sqrt();
+            if found_nm < BEYOND_WRONG_ANGLES * torque_nm(&findings.selection) {
+                of_torques
+                    .channels
+                    .iter_mut()
+                    .for_each(SecondChannel::quieten);
+            }
+        }
         answer.channels.extend(of_torques.channels);
         answer.not_predicted.extend(of_torques.not_predicted);
     }

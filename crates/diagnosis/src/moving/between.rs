@@ -128,7 +128,12 @@ impl Links {
                 Some(own.joint + 1),
                 words.unit(own.joint),
             );
-            Some(SecondChannel::new(name, left, ALLOWED, None))
+            Some(SecondChannel::new(
+                name,
+                (left, first.rms_after),
+                ALLOWED,
+                None,
+            ))
         };
         there.examined.channels.iter().filter_map(channel).collect()
     }

@@ -299,7 +299,10 @@ impl<'e> Words<'e> {
                     Some(own.joint + 1),
                     self.unit(own.joint),
                 ),
-                left(answer.rms_after, rows[1]),
+                (
+                    left(answer.rms_after, rows[1]),
+                    fitted.map_or(0.0, |fit| fit.rms_after),
+                ),
                 ALLOWED,
                 of_both,
             ));

@@ -57,13 +57,13 @@ pub(super) fn of_second(device: &Device, joint: &Joint) -> Option<SecondChannel>
     let second = joint.second.as_ref()?;
     let [before, after] = second.rms();
     let answer = &joint.answer;
-    let (rms, noise) = match is_closed(joint) {
-        true => (after, answer.noise_floor.max(answer.rms_after)),
-        false => (before, answer.noise_floor),
+    let (rms, of_log) = match is_closed(joint) {
+        true => (after, answer.rms_after),
+        false => (before, 0.0),
     };
     let left = Left {
         rms,
-        noise,
+        noise: answer.noise_floor,
         // as many independent readings as eighths of a second are few of
         readings: second.row.len() as f64 / 4.0,
     };
@@ -72,7 +72,12 @@ pub(super) fn of_second(device: &Device, joint: &Joint) -> Option<SecondChannel>
         Some(joint.index + 1),
         unit(device, joint.index),
     );
-    Some(SecondChannel::new(name, left, ALLOWED_OF_COMMANDS, None))
+    Some(SecondChannel::new(
+        name,
+        (left, of_log),
+        ALLOWED_OF_COMMANDS,
+        None,
+    ))
 }
 
 fn is_closed(joint: &Joint) -> bool {

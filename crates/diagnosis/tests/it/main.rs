@@ -26,6 +26,7 @@ mod normal;
 mod partial;
 mod postures;
 mod refusals;
+mod second;
 mod settle;
 mod several;
 mod touches;

@@ -84,6 +84,5 @@ fn friction_of_the_file_is_taken_off_a_sound_arms_torques() {
         assert!((without[row] + added[row] - read[row]).abs() < 1e-12);
         let found = examine(&device(), &log, None, &[]).unwrap();
         assert!(found.doubts.is_empty(), "{:?}", found.doubts);
-        assert!(!found.is_answer(), "{:?}", found.findings);
     }
 }

@@ -6,13 +6,14 @@ use super::arm::{Truth, device, recording, second_recording};
 
 /// Largest root mean square over the noise of any torque: predicted, and by one fit of both in either recording.
 fn left(found: &Examined) -> [f64; 2] {
-    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-    let predicted = &mut found.unseen.iter().map(|own| {
-        let rows = own.rows_in_all() as f64;
-        (own.after.iter().sum::<f64>() / rows).sqrt() / own.noise
-    });
-    let of_both = &mut found.unseen.iter().flat_map(|own| own.of_both.unwrap());
-    [most(predicted), most(of_both)]
+    let mut most = [0.0_f64; 2];
+    for own in &found.unseen {
+        let square = own.after.iter().sum::<f64>() / own.rows_in_all() as f64;
+        most[0] = most[0].max(square.sqrt() / own.noise);
+        let [first, second] = own.of_both.unwrap();
+        most[1] = most[1].max(first).max(second);
+    }
+    most
 }
 
 #[test]

@@ -85,8 +85,9 @@ impl Unseen {
         (rms(&self.after), self.after.len() as f64)
     }
 
-    /// What is left of a second recording; `of_both`: what one fit of both leaves of the channel, in the first and in the second.
-    pub(crate) fn on_second(&self, of_both: Option<[Left; 2]>) -> SecondChannel {
+    /// What is left of a second recording, and `of_log` of the log; `of_both`: what one fit of both leaves of the channel, in the first and
+    /// in the second.
+    pub(crate) fn on_second(&self, of_log: f64, of_both: Option<[Left; 2]>) -> SecondChannel {
         let (rms, count) = self.left();
         let left = Left {
             rms,
@@ -97,12 +98,8 @@ impl Unseen {
             Channel::Output { joint } => Some(joint + 1),
             _ => None,
         };
-        SecondChannel::new(
-            (self.channel.name(), joint, self.unit),
-            left,
-            ALLOWED,
-            of_both,
-        )
+        let name = (self.channel.name(), joint, self.unit);
+        SecondChannel::new(name, (left, of_log), ALLOWED, of_both)
     }
 
     /// The noise on these rows.

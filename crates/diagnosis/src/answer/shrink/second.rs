@@ -26,6 +26,19 @@ pub(crate) fn on_second(
     validation: &Recording,
     earlier: Option<&Base>,
 ) -> Result<Shrink, DiagnosisError> {
+    let rig = &selection.engine().base.device;
+    let there = channels(rig, validation).unwrap_or_default();
+    let is_lacking = |channel: &Channel| {
+        let is_of_chain = matches!(
+            channel,
+            Channel::Cable { .. } | Channel::Position | Channel::Orientation
+        );
+        is_of_chain && !there.contains(channel)
+    };
+    if selection.engine().base.channels.iter().any(is_lacking) {
+        // numbers of the base model would be fixed by nothing there
+        return Ok(Shrink::default());
+    }
     let touched = Touched::new(selection, validation)?;
     let mut warnings = Vec::new();
     let unseen = match &touched {

@@ -12,6 +12,7 @@ use crate::answer::{HeldOutAnswer, Prediction};
 use crate::force::along::Along;
 use crate::force::base::Base;
 use crate::force::effects::{Effects, is_scale};
+use crate::force::examine;
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::select::Selection;
 use crate::thresholds::second::ALLOWED;
@@ -75,21 +76,39 @@ impl Model<'_, '_, '_> {
                 ..OnSecond::default()
             },
         };
-        let both = joined(device, first.context.recording, second);
-        let both = Both::new(device, &both, first.context)?;
-        seen.warnings.extend(both.carries_more);
+        let joined = joined(device, first.context.recording, second);
+        let both = Both::new(device, &joined, first.context)?;
+        seen.warnings.extend(both.carries_more.clone());
+        // what the log's own torques may keep without a gap is none of the second recording's
+        let blocks = first.blocks.len();
+        let kept = |joint: usize| {
+            let channel = first.channel(joint)?;
+            let cells = self.selection.rest_after.get(channel * blocks..)?;
+            let squares: f64 = cells.iter().take(blocks).map(|rest| rest * rest).sum();
+            Some((squares / blocks.max(1) as f64).sqrt())
+        };
         let of_torque = |own: &HeldOutAnswer| {
+            let joint: Option<usize> = own.channel.trim_start_matches("torque").parse().ok();
+            let kept = joint.and_then(|joint| kept(joint - 1)).unwrap_or(0.0);
             let left = Left {
                 rms: own.rms_after,
                 noise: own.noise_floor,
                 readings: both.blocks[1],
             };
             let of_both = both.left.iter().find(|(name, _)| *name == own.channel);
-            let joint = own.channel.trim_start_matches("torque").parse().ok();
             let name = (own.channel.clone(), joint, own.unit.as_str());
-            SecondChannel::new(name, left, ALLOWED, of_both.map(|own| own.1))
+            SecondChannel::new(name, (left, kept), ALLOWED, of_both.map(|own| own.1))
         };
         seen.channels = seen.held_out.iter().map(of_torque).collect();
+        // one fit of both, as torques of a log are judged
+        if seen.channels.iter().any(|own| own.has_gap) && both.carries_more.is_none() {
+            let context = Context::new(device, &joined, &[])?;
+            let together = examine(&context, &[])?;
+            if together.not_tested.is_none() && !together.significant {
+                let channels = seen.channels.iter_mut();
+                channels.for_each(SecondChannel::explain_by_both);
+            }
+        }
         let device_joints = first
             .channels
             .iter()
@@ -286,6 +305,8 @@ fn joined(device: &Device, first: &Recording, second: &Recording) -> Recording {
             .collect(),
         output: vec![None; joints],
         torque_nm: torque_nm.collect(),
+        force_n: (first.force_n.as_ref().zip(second.force_n.as_ref()))
+            .map(|(a, b)| [0, 1, 2].map(|axis| numbers(&a[axis], &b[axis]))),
         ..Recording::default()
     }
 }
