@@ -18,6 +18,9 @@ mod statics;
 
 pub use device::cable::{Cable, CableFit, CableReading};
 pub use device::chain::DeviceChain;
+pub use device::drive::{
+    DriveNumber, FrictionNumber, JOINT_FRICTION, Sized, drive_numbers_in_words,
+};
 pub use device::effect::{DeviceEffect, FitNumber};
 pub use device::joint::{Joint, JointType, TransmissionError, TransmissionKind};
 pub use device::mount::{Mount, RunBase, Tool, Unplaced};
@@ -45,6 +48,7 @@ pub use parameter::unknown::UnknownNumbers;
 pub use recording::joined::NotJoined;
 pub use recording::{AddedReadings, Recording};
 pub use rigid_bodies::{
-    Flange, Missing, MotionWork, RigidBodies, RowBody, RowMass, Segment, SegmentBody, Segments,
+    Flange, GivenInertia, Missing, MotionWork, RigidBodies, RowBody, RowMass, Segment, SegmentBody,
+    Segments,
 };
 pub use statics::{Beyond, Load, Statics, Weight};

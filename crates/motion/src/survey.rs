@@ -1,6 +1,6 @@
 //! What a log of a moving arm has for the equations of motion, before anything is fitted.
 
-use haptical_model::{Device, JointType, ModelError, Recording, RigidBodies};
+use haptical_model::{Device, JointType, Missing, ModelError, Recording, RigidBodies};
 
 use crate::MotionError;
 use crate::fit::problem::{LEAST_RATE_HZ, is_still};
@@ -98,7 +98,17 @@ pub fn why_not(device: &Device, recording: &Recording) -> Option<String> {
 
 /// The log's samples, where they and the device serve the equations of motion.
 pub(crate) fn usable(device: &Device, recording: &Recording) -> Result<Samples, MotionError> {
-    let bodies = RigidBodies::of_device(device)?;
+    let bodies = match RigidBodies::of_device(device) {
+        // an inertia that no body has is left out, which the device's warnings say, and a plausible one is taken
+        Err(ModelError::Unweighed { missing, .. })
+            if missing
+                .iter()
+                .all(|own| matches!(own, Missing::Body { .. })) =>
+        {
+            RigidBodies::plausible(device)?
+        }
+        other => other?,
+    };
     let samples = Samples::new(recording, false)?;
     if samples.rate_hz() < LEAST_RATE_HZ {
         return Err(too_slow(samples.rate_hz()));

@@ -1,7 +1,7 @@
 //! What a log of joints and torques alone is good for: a diagnosis of the drives, and no identification.
 
 use haptical_calibration::channels;
-use haptical_model::{Device as Model, Recording};
+use haptical_model::{Device as Model, Missing, Recording};
 use haptical_motion::{Survey, SurveyedTorque, survey, why_not};
 
 use super::{CheckedChannel, CheckedLog, rate_hz, run_count};
@@ -128,6 +128,14 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
         found.rate_hz,
         named(&good)
     ));
+    let left_out = Missing::bodies(device).unwrap_or_default();
+    if !left_out.is_empty() {
+        let words: Vec<String> = left_out.iter().map(ToString::to_string).collect();
+        said.push(format!(
+            "Left out, and plausible ones taken, are: {}.",
+            words.join(", ")
+        ));
+    }
     let constant = of(&|joint| matches!(torque(joint), SurveyedTorque::Constant(_)));
     let absent = of(&|joint| torque(joint) == SurveyedTorque::Absent);
     for (joints, what) in [

@@ -4,7 +4,7 @@ mod text;
 
 use std::path::Path;
 
-use haptical_model::Device as Model;
+use haptical_model::{Device as Model, Missing};
 use haptical_urdf::BaseAndTip;
 
 pub(crate) use self::text::{is_description, read_chain};
@@ -180,6 +180,10 @@ impl Device {
             model.name.clone_from(&source.label);
         }
         Error::refuse_effects(&model, &read.text, &source.path)?;
+        if !is_description(&source.path) {
+            // a description names its links itself
+            read.warnings.extend(said_of_no_body(&model, &name));
+        }
         source.relabel(&mut read.warnings);
         let own = source.input("device", source.fingerprint_text(&read.text));
         Ok(Self {
@@ -256,6 +260,18 @@ impl Device {
         }
         files
     }
+}
+
+/// Inertias of a device file that no body has.
+fn said_of_no_body(model: &Model, file: &str) -> Vec<String> {
+    // a device of transmissions alone has no rows
+    let found = Missing::bodies(model).unwrap_or_default();
+    let said = found.iter().map(|own| {
+        format!(
+            "{file}: {own}: correct it; a diagnosis and an export take a plausible one, and `simulate --forward` refuses it"
+        )
+    });
+    said.collect()
 }
 
 /// The model must be of the same device: the same joints, in the same order, on as many links.

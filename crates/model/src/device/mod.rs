@@ -2,6 +2,7 @@
 
 pub(crate) mod cable;
 pub(crate) mod chain;
+pub(crate) mod drive;
 pub(crate) mod effect;
 pub(crate) mod joint;
 pub(crate) mod mount;

@@ -2,12 +2,12 @@
 
 use haptical_transmission::CapstanError;
 
-use crate::DeviceFileError;
 use crate::device::joint::{
     Joint, JointType, TORQUE_SCALE_SD, TransmissionError, TransmissionKind,
 };
 use crate::file::reader::{SMALLEST, Section};
 use crate::file::{JOINT_TYPES, TRANSMISSIONS};
+use crate::{DeviceFileError, DriveNumber};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -114,13 +114,13 @@ pub(crate) fn read_joint(
         torque_scale_sd: section
             .positive("torque_scale_sd")?
             .unwrap_or(TORQUE_SCALE_SD),
-        armature_kgm2: read_armature(section, joint_type)?,
-        torque_limit_nm: read_torque_limit(section, joint_type)?,
-        torque_offset_nm: read_torque_offset(section, joint_type)?,
-        torque_delay_s: section.number("torque_delay_s")?,
         parallelogram_lengths_m,
-        transmission_error: TransmissionError::default(),
+        ..Joint::default()
     };
+    for number in DriveNumber::ALL {
+        let stated = read_drive(section, number, joint_type)?;
+        number.set(&mut joint, stated);
+    }
     if let Some(error) = section.table("transmission_error")? {
         joint.transmission_error = read_transmission_error(&error)?;
         error.unknown_keys(warnings);
@@ -136,29 +136,23 @@ pub(crate) fn read_joint(
     Ok(joint)
 }
 
-/// Keys by their unit: a prismatic joint's own come first.
-fn read_armature(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
-    let own = match joint_type {
-        JointType::Prismatic => section.not_negative("armature_kg", "an inertia")?,
-        JointType::Revolute => None,
-    };
-    Ok(own.or(section.not_negative("armature_kgm2", "an inertia")?))
-}
-
-fn read_torque_limit(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
-    let own = match joint_type {
-        JointType::Prismatic => section.positive("torque_limit_n")?,
-        JointType::Revolute => None,
-    };
-    Ok(own.or(section.positive("torque_limit_nm")?))
-}
-
-fn read_torque_offset(section: &Section<'_, '_>, joint_type: JointType) -> Result<Option<f64>> {
-    let own = match joint_type {
-        JointType::Prismatic => section.number("torque_offset_n")?,
-        JointType::Revolute => None,
-    };
-    Ok(own.or(section.number("torque_offset_nm")?))
+/// A number of the drive by the key of its unit; a prismatic joint's may have that of a revolute one.
+fn read_drive(
+    section: &Section<'_, '_>,
+    number: DriveNumber,
+    joint_type: JointType,
+) -> Result<Option<f64>> {
+    for key in [number.key(joint_type), number.key(JointType::Revolute)] {
+        let found = match number {
+            DriveNumber::Armature => section.not_negative(key, "an inertia")?,
+            DriveNumber::TorqueLimit => section.positive(key)?,
+            DriveNumber::TorqueOffset | DriveNumber::TorqueDelay => section.number(key)?,
+        };
+        if found.is_some() {
+            return Ok(found);
+        }
+    }
+    Ok(None)
 }
 
 fn read_transmission_error(section: &Section<'_, '_>) -> Result<TransmissionError> {

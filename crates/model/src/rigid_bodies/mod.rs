@@ -1,5 +1,6 @@
 //! The rigid bodies of a device: what its moving rows carry, as a tree whose equations of motion are those of its joints.
 
+mod credible;
 mod joints;
 mod plausible;
 mod segments;
@@ -11,6 +12,7 @@ use haptical_dynamics::{Body, Inertia, Joint, Tree};
 use haptical_kinematics::Pose;
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 
+pub use crate::rigid_bodies::credible::GivenInertia;
 pub use crate::rigid_bodies::plausible::RowBody;
 pub use crate::rigid_bodies::segments::{Segment, SegmentBody, Segments};
 pub use crate::rigid_bodies::work::MotionWork;
@@ -97,8 +99,35 @@ pub enum Missing {
         /// Row, from 1.
         row: usize,
     },
+    /// An inertia that some body has: the one that is given is that of none.
+    Body {
+        /// Row, from 1.
+        row: usize,
+        /// What is wrong with it.
+        why: &'static str,
+    },
     /// Gravity.
     Gravity,
+}
+
+impl Missing {
+    /// The row that it is about, from 1; none for gravity.
+    pub fn row(&self) -> Option<usize> {
+        match *self {
+            Self::Mass { row } | Self::Inertia { row } | Self::Body { row, .. } => Some(row),
+            Self::Gravity => None,
+        }
+    }
+
+    /// Inertias of a device that no body has.
+    ///
+    /// # Errors
+    /// As [`Segments::of_device`].
+    pub fn bodies(device: &Device) -> Result<Vec<Self>, ModelError> {
+        let mut missing = missing(device, &Segments::of_device(device)?);
+        missing.retain(|own| matches!(own, Self::Body { .. }));
+        Ok(missing)
+    }
 }
 
 impl fmt::Display for Missing {
@@ -108,6 +137,10 @@ impl fmt::Display for Missing {
             Self::Inertia { row } => {
                 write!(formatter, "no inertia of row {row} (`inertia_kgm2`)")
             }
+            Self::Body { row, why } => write!(
+                formatter,
+                "an inertia of row {row} that no body has (`inertia_kgm2`: {why})"
+            ),
             Self::Gravity => write!(formatter, "no gravity (`[gravity] vector_mps2`)"),
         }
     }
@@ -115,7 +148,8 @@ impl fmt::Display for Missing {
 
 impl RigidBodies {
     /// The bodies of a device whose file gives the mass and the inertia of every moving row, and gravity. The inertia of
-    /// a row whose mass is given as 0 is 0 unless stated. Joints without `armature_kgm2` have none.
+    /// a row whose mass is given as 0 is 0 unless stated. Joints without `armature_kgm2` have none. An inertia that no body
+    /// has ([`GivenInertia`]) counts as missing.
     ///
     /// # Errors
     /// [`ModelError::Unweighed`] with all that is missing; as [`Segments::of_device`]; [`ModelError::NoRow`] for a joint
@@ -154,11 +188,14 @@ impl RigidBodies {
         });
         let carried: Vec<(Inertia, bool)> = carried.collect();
         let mut assumed = missing(device, &segments);
-        // numbers that are given, and are those of no body
+        // a point, which gets some extent
         for (index, own) in rows.iter().enumerate() {
             let row = index + 1;
-            let is_said = |other: &Missing| matches!(other, Missing::Mass { row: own } | Missing::Inertia { row: own } if *own == row);
-            if own.plausible.is_some() && !assumed.iter().any(is_said) {
+            let is_said = assumed.iter().any(|other| other.row() == Some(row));
+            let is_known = segments.rows[index]
+                .body
+                .is_some_and(|own| matches!(own.given_inertia(), GivenInertia::Body(_)));
+            if own.plausible.is_some() && !is_said && !is_known {
                 assumed.push(Missing::Inertia { row });
             }
         }
@@ -320,12 +357,13 @@ fn missing(device: &Device, segments: &Segments) -> Vec<Missing> {
     let rows = segments.rows.iter().enumerate();
     let rows = rows.filter_map(|(index, segment)| {
         let row = index + 1;
-        match segment.body {
-            None => Some(Missing::Mass { row }),
-            Some(own) if own.inertia_kgm2.is_none() && own.mass_kg > 0.0 => {
-                Some(Missing::Inertia { row })
-            }
-            Some(_) => None,
+        let Some(own) = segment.body else {
+            return Some(Missing::Mass { row });
+        };
+        match own.given_inertia() {
+            GivenInertia::NoBody(why) => Some(Missing::Body { row, why }),
+            GivenInertia::None if own.mass_kg > 0.0 => Some(Missing::Inertia { row }),
+            _ => None,
         }
     });
     let gravity = device.gravity_mps2.is_none().then_some(Missing::Gravity);

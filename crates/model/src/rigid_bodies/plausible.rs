@@ -2,6 +2,7 @@
 
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 
+use super::credible::{FLATTEST, GivenInertia};
 use crate::{Device, Segments};
 
 /// Mass of a link per length where none is known \[kg/m\]: assumption A150.
@@ -12,8 +13,13 @@ const LEAST_KG: f64 = 0.05;
 const NEXT_TO_NOTHING_KG: f64 = 1e-3;
 /// Radius of the rod \[m\]: assumption A150.
 const RADIUS_M: f64 = 0.02;
-/// Least moment of the mass's own distribution, per trace: below it no body is that flat.
-const FLATTEST: f64 = 1e-6;
+
+/// What is said of an inertia that [`GivenInertia`] refuses.
+const OF_NO_BODY: &str = "inertia, because no body has the one that is given";
+/// What is said of an inertia without a mass.
+const NO_MASS: &str = "mass, which is given as 0";
+/// What is said of a row that is given as weightless.
+const NEITHER: &str = "mass, which is given as 0, and inertia";
 
 /// What a moving row carries.
 #[derive(Debug, Clone)]
@@ -34,6 +40,37 @@ impl RowBody {
     /// The inertia as ixx, iyy, izz, ixy, ixz, iyz, the order of a device file.
     pub fn inertia_entries_kgm2(&self) -> [f64; 6] {
         [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| self.inertia_kgm2[place])
+    }
+
+    /// What is made up of some of the rows, in a sentence for each kind; `keys` are those of a device file that would say it.
+    pub fn said_of_plausible(
+        bodies: &[Self],
+        keys: &str,
+        is_told: impl Fn(usize) -> bool,
+    ) -> Vec<String> {
+        let mut kinds: Vec<&'static str> = bodies.iter().filter_map(|own| own.plausible).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        let mut said = Vec::new();
+        for kind in kinds {
+            let rows = (0..bodies.len()).filter(|row| bodies[*row].plausible == Some(kind));
+            let links = rows
+                .filter(|row| is_told(*row))
+                .map(|row| format!("link{}", row + 1));
+            let links: Vec<String> = links.collect();
+            if links.is_empty() {
+                continue;
+            }
+            let links = links.join(", ");
+            said.push(match (kind, kind.split_once(", ")) {
+                (NEITHER, _) => format!("plausible {kind} of {links}"),
+                (_, Some((what, why))) => format!("plausible {what} of {links}, {why}"),
+                _ => format!(
+                    "plausible {kind} of {links}, which the device file does not give ({keys})"
+                ),
+            });
+        }
+        said
     }
 
     /// Bodies of all moving rows of a device: what its file gives, and a rod of 2 kg/m along the row's geometry for what
@@ -62,25 +99,28 @@ impl RowBody {
                     plausible: Some("mass and inertia"),
                 };
             };
-            let mass_kg = match own.mass_kg > 0.0 {
+            let has_mass = own.mass_kg > 0.0;
+            let mass_kg = match has_mass {
                 true => own.mass_kg,
                 false => NEXT_TO_NOTHING_KG,
             };
-            let inertia = own.inertia_kgm2.filter(|_| own.mass_kg > 0.0);
-            let sound = inertia.and_then(|inertia| sound(&inertia));
+            let given = own.given_inertia();
+            let (inertia_kgm2, plausible) = match given {
+                // a rotor whose mass is counted elsewhere
+                GivenInertia::Body(inertia) if has_mass => (thick(&inertia), None),
+                GivenInertia::Body(inertia) => (thick(&inertia), Some(NO_MASS)),
+                GivenInertia::NoBody(_) => (rod(mass_kg, &reach_m), Some(OF_NO_BODY)),
+                GivenInertia::None | GivenInertia::Point if has_mass => {
+                    (rod(mass_kg, &reach_m), Some("inertia"))
+                }
+                GivenInertia::None | GivenInertia::Point => (rod(mass_kg, &reach_m), Some(NEITHER)),
+            };
             RowBody {
                 mass_kg,
                 centre_m: own.centre_m,
-                inertia_kgm2: sound.unwrap_or_else(|| rod(mass_kg, &reach_m)),
+                inertia_kgm2,
                 reach_m,
-                plausible: match (sound, inertia) {
-                    (Some(_), _) => None,
-                    (None, Some(_)) => {
-                        Some("inertia, because the one that is given is that of no body,")
-                    }
-                    (None, None) if own.mass_kg > 0.0 => Some("inertia"),
-                    (None, None) => Some("mass, which is given as 0, and inertia"),
-                },
+                plausible,
             }
         })
         .collect()
@@ -107,22 +147,15 @@ fn rod(mass_kg: f64, along_m: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::identity() * across + axis * axis.transpose() * (about - across)
 }
 
-/// An inertia as one of a body: the second moments of its mass, half the trace less the inertia, are not negative. One
-/// that is flat but for rounding is made a little thicker; none where it is worse.
-fn sound(inertia: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let inertia = (inertia + inertia.transpose()) * 0.5;
-    let trace = inertia.trace();
-    if !(trace > 0.0 && trace.is_finite()) {
-        return None;
+/// An inertia that a body has, a little thicker where it is flat but for rounding: simulators ask for some thickness.
+fn thick(inertia: &Matrix3<f64>) -> Matrix3<f64> {
+    let least = Matrix3::identity() * (FLATTEST * inertia.trace());
+    let moments = Matrix3::identity() * (0.5 * inertia.trace()) - inertia;
+    match (moments - least).cholesky() {
+        Some(_) => *inertia,
+        // each moment of the thicker body is larger by half of what is added to the diagonal
+        None => inertia + least * 4.0,
     }
-    let least = Matrix3::identity() * (FLATTEST * trace);
-    let moments = Matrix3::identity() * (0.5 * trace) - inertia;
-    if (moments - least).cholesky().is_some() {
-        return Some(inertia);
-    }
-    // each moment of the thicker body is larger by half of what is added to the diagonal
-    let thicker = inertia + least * 4.0;
-    (moments + least).cholesky().map(|_| thicker)
 }
 
 #[cfg(test)]
@@ -141,18 +174,10 @@ mod tests {
     }
 
     #[test]
-    fn an_inertia_that_no_body_has_is_not_taken() {
+    fn a_plate_is_made_no_thicker_than_rounding() {
         let diagonal = |x, y, z| Matrix3::from_diagonal(&Vector3::new(x, y, z));
-        assert_eq!(
-            sound(&diagonal(1.0, 1.0, 1.5)),
-            Some(diagonal(1.0, 1.0, 1.5))
-        );
-        // one moment is above the sum of the others
-        assert_eq!(sound(&diagonal(1.0, 1.0, 2.5)), None);
-        assert_eq!(sound(&diagonal(0.0, 0.0, 0.0)), None);
-        assert_eq!(sound(&diagonal(-1.0, 1.0, 1.0)), None);
-        // a plate is flat, and no flatter than rounding after it is made thicker
-        let plate = sound(&diagonal(1.0, 1.0, 2.0)).unwrap_or_default();
+        assert_eq!(thick(&diagonal(1.0, 1.0, 1.5)), diagonal(1.0, 1.0, 1.5));
+        let plate = thick(&diagonal(1.0, 1.0, 2.0));
         assert!(plate[(0, 0)] + plate[(1, 1)] > plate[(2, 2)]);
         assert!((plate - diagonal(1.0, 1.0, 2.0)).amax() < 1e-4);
     }

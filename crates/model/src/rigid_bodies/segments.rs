@@ -4,6 +4,7 @@ use haptical_dynamics::Inertia;
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_kinematics::{Chain, Convention, Link, Motion, Pose};
 
+use super::credible::GivenInertia;
 use crate::device::Body;
 use crate::rigid::{about_z, then, turn};
 use crate::{Device, Drive, JointType, ModelError};
@@ -28,6 +29,13 @@ pub struct SegmentBody {
     pub centre_m: Vector3<f64>,
     /// Inertia about the centre of mass \[kg m^2\].
     pub inertia_kgm2: Option<Matrix3<f64>>,
+}
+
+impl SegmentBody {
+    /// What is to be made of its inertia.
+    pub fn given_inertia(&self) -> GivenInertia {
+        GivenInertia::new(self.inertia_kgm2.as_ref())
+    }
 }
 
 impl Segment {

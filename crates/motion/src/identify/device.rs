@@ -2,13 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use haptical_model::{Device, DeviceEffect, JointType, ModelError};
+use haptical_model::{Device, DeviceEffect, FrictionNumber, JOINT_FRICTION, JointType, ModelError};
 
 use crate::identify::friction::FrictionLaw;
 use crate::identify::result::{Dynamics, Estimated, JointDynamics};
-
-/// Name of a device's friction in the catalogue of effects.
-const FRICTION: &str = "joint-friction";
 
 /// The device with identified masses, armatures, friction, offsets and delay in the place of its own.
 ///
@@ -22,7 +19,7 @@ pub fn with_dynamics(device: &Device, found: &Dynamics) -> Result<Device, ModelE
     for body in found.bodies.iter().filter(|own| !own.is_held) {
         device.set_row_inertia(body.row, &body.inertia)?;
     }
-    device.effects.retain(|own| own.name != FRICTION);
+    device.effects.retain(|own| own.name != JOINT_FRICTION);
     for own in &found.joints {
         let Some(joint) = device.joints.get_mut(own.joint) else {
             continue;
@@ -30,30 +27,29 @@ pub fn with_dynamics(device: &Device, found: &Dynamics) -> Result<Device, ModelE
         joint.armature_kgm2 = Some(own.armature.value.max(0.0));
         joint.torque_offset_nm = Some(own.offset.value);
         joint.torque_delay_s = found.delay_s.is_told().then_some(found.delay_s.value);
-        let slides = joint.joint_type == JointType::Prismatic;
-        device.effects.extend(friction(own, slides));
+        device.effects.extend(friction(own, joint.joint_type));
     }
     Ok(device)
 }
 
-fn friction(own: &JointDynamics, slides: bool) -> Option<DeviceEffect> {
-    let [coulomb, viscous] = match slides {
-        true => ["coulomb_n", "viscous_n_s_per_m"],
-        false => ["coulomb_nm", "viscous_nm_s_per_rad"],
+fn friction(own: &JointDynamics, joint_type: JointType) -> Option<DeviceEffect> {
+    let [coulomb, viscous, stribeck] = [
+        FrictionNumber::Coulomb,
+        FrictionNumber::Viscous,
+        FrictionNumber::Stribeck,
+    ]
+    .map(|number| number.key(joint_type));
+    let (turnover, size) = match own.law {
+        FrictionLaw::Speed(size) => (FrictionNumber::TurnoverSpeed, size),
+        FrictionLaw::Travel(size) => (FrictionNumber::TurnoverTravel, size),
     };
-    let (transition, size) = match (own.law, slides) {
-        (FrictionLaw::Speed(size), true) => ("transition_m_per_s", size),
-        (FrictionLaw::Speed(size), false) => ("transition_rad_per_s", size),
-        (FrictionLaw::Travel(size), true) => ("transition_m", size),
-        (FrictionLaw::Travel(size), false) => ("transition_rad", size),
-    };
+    let transition = turnover.key(joint_type);
     // a device file's friction has no share of the load: that of the mean load, then
     let share = own.load.map_or(0.0, |load| load.value);
     let dry = own.coulomb.value + share * own.carried;
     if dry <= 0.0 && own.viscous.value <= 0.0 {
         return None;
     }
-    let stribeck = if slides { "stribeck_n" } else { "stribeck_nm" };
     let numbers = [
         (coulomb, dry),
         (viscous, own.viscous.value),
@@ -67,7 +63,7 @@ fn friction(own: &JointDynamics, slides: bool) -> Option<DeviceEffect> {
     };
     let intervals = [(coulomb, &of_mean), (viscous, &own.viscous)];
     Some(DeviceEffect {
-        name: FRICTION.to_owned(),
+        name: JOINT_FRICTION.to_owned(),
         joint: Some(own.joint),
         numbers: BTreeMap::from(numbers.map(|(name, value)| (name.to_owned(), value))),
         intervals: BTreeMap::from(intervals.map(|(name, own)| (name.to_owned(), interval(own)))),

@@ -1,6 +1,6 @@
 //! Dynamics of an arm whose equations are another hand's: numbers, intervals, the noise of positions, refusals.
 
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, DriveNumber, FrictionNumber, JOINT_FRICTION, JointType, Recording};
 use haptical_motion::{
     Dynamics, Estimated, Instruments, MotionError, examine, identify_dynamics, with_dynamics,
 };
@@ -184,6 +184,45 @@ fn the_device_that_is_written_has_no_gap_on_another_motion() {
     };
     let shown = examine(&bare, &log, None, &[]).unwrap();
     assert!(!shown.has_gap(), "{:?}", shown.findings);
+}
+
+/// What is written is on the list that a forward prediction, a replay and the exports are tested with: a number of a drive, of its
+/// friction, or of a link's body.
+#[test]
+fn every_number_that_is_written_is_on_the_list() {
+    let truth = Truth {
+        offset_nm: 0.7,
+        late_s: 0.003,
+        ..Truth::default()
+    };
+    let (found, _) = identified(truth, 3);
+    let nominal = device();
+    let written = with_dynamics(&nominal, &found).unwrap();
+    assert!(
+        written.joints[0].torque_offset_nm.is_some() && written.joints[0].torque_delay_s.is_some()
+    );
+    for effect in &written.effects {
+        let joint_type = nominal.joints[effect.joint.unwrap()].joint_type;
+        assert_eq!(
+            (effect.name.as_str(), joint_type),
+            (JOINT_FRICTION, JointType::Revolute)
+        );
+        let known = FrictionNumber::ALL.map(|own| own.key(joint_type));
+        for key in effect.numbers.keys() {
+            assert!(known.contains(&key.as_str()), "{key}");
+        }
+    }
+    let mut again = Device {
+        bodies: nominal.bodies.clone(),
+        effects: Vec::new(),
+        ..written
+    };
+    for (joint, own) in again.joints.iter_mut().zip(&nominal.joints) {
+        for number in DriveNumber::ALL {
+            number.set(joint, number.stated(own));
+        }
+    }
+    assert_eq!(again, nominal);
 }
 
 /// Friction that grows with the load is asked for where it shows, and nowhere else; the other motion is predicted the better for it.

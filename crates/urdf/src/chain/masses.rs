@@ -1,8 +1,8 @@
 //! The masses that a chain carries: of its links, and of the branches that hang off it.
 
-use haptical_model::Body;
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::{Body, GivenInertia};
 
 use crate::chain::path::{Path, passed};
 use crate::chain::{Rows, driver};
@@ -57,7 +57,7 @@ pub(crate) fn carried(robot: &Robot, paths: &[Path], rows: &Rows, file: &str) ->
     let mut walk = Walk::new(robot, paths);
     walk.sum(Path::from_root(robot, paths[0].base).base, false);
     let bodies = rows.rows.iter().map(|row| walk.body(row.joint)).collect();
-    let mut warnings = Vec::new();
+    let mut warnings = said_of_no_body(robot, &walk.of_no_body, file);
     let (loads, light): (Vec<&Branch>, Vec<&Branch>) = walk
         .branches
         .iter()
@@ -70,6 +70,17 @@ pub(crate) fn carried(robot: &Robot, paths: &[Path], rows: &Rows, file: &str) ->
         .map(|branch| robot.joints[branch.joint].name.as_str());
     warnings.extend(said_of_left_out(names, file));
     Carried { bodies, warnings }
+}
+
+fn said_of_no_body(robot: &Robot, links: &[(usize, &'static str)], file: &str) -> Vec<String> {
+    let said = links.iter().map(|(link, why)| {
+        format!(
+            "{file}: no body has the inertia of link `{}` ({why}): correct it; where a joint carries it, a diagnosis and an export \
+             take a plausible one, and `simulate --forward` refuses it",
+            robot.links[*link].name
+        )
+    });
+    said.collect()
 }
 
 fn said_of_left_out<'n>(names: impl Iterator<Item = &'n str>, file: &str) -> Option<String> {
@@ -150,6 +161,8 @@ struct Walk<'r> {
     robot: &'r Robot,
     on_path: Vec<bool>,
     branches: Vec<Branch>,
+    /// Links that load a joint and whose inertia no body has, and why.
+    of_no_body: Vec<(usize, &'static str)>,
 }
 
 impl<'r> Walk<'r> {
@@ -158,6 +171,7 @@ impl<'r> Walk<'r> {
             robot,
             on_path: passed(robot, paths),
             branches: Vec::new(),
+            of_no_body: Vec::new(),
         }
     }
 
@@ -171,6 +185,12 @@ impl<'r> Walk<'r> {
         }];
         while let Some(Visit { link, pose, branch }) = visits.pop() {
             if let Some(own) = self.robot.links[link].inertial {
+                let given = GivenInertia::new(own.inertia_kgm2.as_ref());
+                if let GivenInertia::NoBody(why) = given
+                    && is_load
+                {
+                    self.of_no_body.push((link, why));
+                }
                 let centre = pose.position_m + pose.rotation * Vector3::from(own.centre_m);
                 let turned = |inertia| pose.rotation * inertia * pose.rotation.transpose();
                 parts.push(Inertial {
@@ -241,11 +261,15 @@ impl<'r> Walk<'r> {
 
 /// Inertia of all parts about a point \[kg m^2\]; none where that of a part with mass is not given, or that of most of the mass is zero:
 /// exporters write zeros where they know nothing. A smaller part whose inertia is given as zero is a point (docs/assumptions.md, A187).
+/// A part without mass that has an inertia is a rotor whose mass is counted elsewhere: its inertia counts (A256).
 fn inertia_about(centre: &Vector3<f64>, parts: &[Inertial]) -> Option<Matrix3<f64>> {
     let mut total = Matrix3::zeros();
     let (mut extended_kg, mut whole_kg) = (0.0, 0.0);
-    for part in parts.iter().filter(|part| part.mass_kg > 0.0) {
-        let own = part.inertia_kgm2?;
+    for part in parts {
+        let own = match part.mass_kg > 0.0 {
+            true => part.inertia_kgm2?,
+            false => part.inertia_kgm2.unwrap_or_else(Matrix3::zeros),
+        };
         whole_kg += part.mass_kg;
         if own != Matrix3::zeros() {
             extended_kg += part.mass_kg;
@@ -254,7 +278,11 @@ fn inertia_about(centre: &Vector3<f64>, parts: &[Inertial]) -> Option<Matrix3<f6
         let steiner = Matrix3::identity() * arm.norm_squared() - arm * arm.transpose();
         total += own + steiner * part.mass_kg;
     }
-    (extended_kg > 0.5 * whole_kg).then_some(total)
+    let is_known = match whole_kg > 0.0 {
+        true => extended_kg > 0.5 * whole_kg,
+        false => total != Matrix3::zeros(),
+    };
+    is_known.then_some(total)
 }
 
 /// A symmetric matrix as xx, yy, zz, xy, xz, yz.

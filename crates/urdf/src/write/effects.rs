@@ -1,6 +1,6 @@
 //! What a device's effects are in MuJoCo's means, and the list of those that it has no means for.
 
-use haptical_model::{Device, DeviceEffect, JointType};
+use haptical_model::{Device, DeviceEffect, FrictionNumber, JOINT_FRICTION, JointType};
 
 use crate::numbers::rounded;
 
@@ -131,16 +131,20 @@ impl<'d> Effects<'d> {
         // where a joint has no row whose value is its reading, its numbers are no row's
         let joint = effect.joint.filter(|joint| has_own_row(device, *joint))?;
         let kind = match effect.name.as_str() {
-            "joint-friction" => {
+            JOINT_FRICTION => {
+                let size = |number: FrictionNumber| {
+                    let stated = number.stated(effect);
+                    stated.filter(|number| *number > 0.0 && number.is_finite())
+                };
                 let friction = Friction {
-                    coulomb: positive(["coulomb_nm", "coulomb_n"]),
-                    viscous: positive(["viscous_nm_s_per_rad", "viscous_n_s_per_m"]),
+                    coulomb: size(FrictionNumber::Coulomb),
+                    viscous: size(FrictionNumber::Viscous),
                 };
                 if friction == Friction::default() {
                     return None;
                 }
                 self.friction[joint] = friction;
-                if positive(["stribeck_nm", "stribeck_n"]).is_some() {
+                if size(FrictionNumber::Stribeck).is_some() {
                     self.said.push(format!(
                         "`{}`: friction loss and damping have no Stribeck part, which is left out",
                         effect.label()

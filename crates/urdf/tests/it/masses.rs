@@ -1,6 +1,6 @@
 //! Corrected descriptions hold what rows carry: read again, they have the device's masses, centres and inertias.
 
-use haptical_model::{Body, Device, DeviceEffect};
+use haptical_model::{Body, Device, DeviceEffect, RigidBodies};
 use haptical_urdf::{
     BaseAndTip, NewJoints, corrected_mjcf, corrected_urdf, device_from_mjcf, device_from_urdf,
     new_mjcf, new_urdf,
@@ -240,4 +240,35 @@ fn what_is_carried_in_full_has_no_comment() {
         "{:?}",
         written.warnings
     );
+}
+
+/// What is between two joints of one body weighs nothing; no row of it gets a made-up mass.
+#[test]
+fn between_two_joints_of_one_body_nothing_weighs() {
+    let text = r#"<mujoco><worldbody><body name="b1">
+        <joint name="j1" axis="1 0 0" pos="0 .1 0"/><joint name="j2" axis="0 0 1" pos=".2 0 0"/>
+        <inertial pos=".1 0 0" mass="1" diaginertia=".01 .02 .025"/><site name="tip" pos=".2 0 .1"/>
+        </body></worldbody></mujoco>"#;
+    let ends = BaseAndTip::to("tip");
+    let device = device_from_mjcf(text, "arm.xml", ends).unwrap().device;
+    let masses: Vec<f64> = device.bodies[1..]
+        .iter()
+        .map(|own| own.unwrap().mass_kg)
+        .collect();
+    assert_eq!(masses, [0.0, 1.0]);
+    let (urdf, _) = new_urdf(&device).unwrap();
+    let again = device_from_urdf(&urdf, "again.urdf", BaseAndTip::to("handle")).unwrap();
+    let torques = |device: &Device| {
+        let bodies = RigidBodies::of_device(device).unwrap();
+        let mut torques = [0.0; 2];
+        let (q, dq, ddq) = ([0.3, -0.7], [1.0, 2.0], [3.0, -1.0]);
+        bodies
+            .torques(&q, &dq, &ddq, &mut bodies.work(), &mut torques)
+            .unwrap();
+        torques
+    };
+    let (wanted, found) = (torques(&device), torques(&again.device));
+    for (wanted, found) in wanted.iter().zip(found) {
+        assert!((wanted - found).abs() < 1e-12, "{wanted} {found}");
+    }
 }

@@ -11,7 +11,7 @@ use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
 use crate::parameter::unknown::DEVIATION_KEYS;
-use crate::{Body, Device, DeviceEffect, DeviceFileError, Hand, JointType};
+use crate::{Body, Device, DeviceEffect, DeviceFileError, DriveNumber, Hand};
 
 impl Device {
     /// A device file (TOML) that holds everything this device does. Reading it gives the same device, bit
@@ -236,16 +236,7 @@ fn joint_table(joint: &Joint) -> Table {
 
 /// What is known of a joint's drive, by the keys of its unit.
 pub(crate) fn drive_numbers(joint: &Joint) -> [(&'static str, Option<f64>); 4] {
-    let [armature, limit, offset] = match joint.joint_type {
-        JointType::Revolute => ["armature_kgm2", "torque_limit_nm", "torque_offset_nm"],
-        JointType::Prismatic => ["armature_kg", "torque_limit_n", "torque_offset_n"],
-    };
-    [
-        (armature, joint.armature_kgm2),
-        (limit, joint.torque_limit_nm),
-        (offset, joint.torque_offset_nm),
-        ("torque_delay_s", joint.torque_delay_s),
-    ]
+    DriveNumber::ALL.map(|own| (own.key(joint.joint_type), own.stated(joint)))
 }
 
 fn cable_table(cable: &Cable) -> Table {

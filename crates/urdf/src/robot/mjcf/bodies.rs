@@ -175,11 +175,28 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         match has("inertial") {
             Some(inertial) => {
                 self.robot.links[link].inertial = Some(self.mjcf.inertial(&inertial.own, &place)?);
+                self.weightless_between(parent, link);
             }
             None if has("geom").is_some() => self.of_geoms.push(format!("`{name}`")),
             None => {}
         }
         Ok((parts, link))
+    }
+
+    /// What is between two joints of one body is no body: it weighs nothing.
+    fn weightless_between(&mut self, parent: usize, body: usize) {
+        let mut link = body;
+        while let Some(joint) = self.robot.links[link].parent_joint {
+            link = self.robot.joints[joint].parent;
+            if link == parent {
+                return;
+            }
+            self.robot.links[link].inertial = Some(Inertial {
+                mass_kg: 0.0,
+                centre_m: [0.0; 3],
+                inertia_kgm2: None,
+            });
+        }
     }
 
     /// Adds a site with a name, as a link that a chain may end at.
