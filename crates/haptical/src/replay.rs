@@ -8,7 +8,7 @@ use haptical_data::LogShape;
 use haptical_diagnosis::with_carried_loads;
 use haptical_effects::device::{attached, handle_moved_m};
 use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use haptical_model::Recording;
+use haptical_model::{DriveNumber, Recording, drive_numbers_in_words};
 use serde::Serialize;
 
 use crate::device::Device;
@@ -98,6 +98,7 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
             "the device file does not say where the tracker stands or what it sees: both are fitted to this log".to_owned(),
         );
     }
+    warnings.extend(said_of_torques(&model, recording));
     let (residuals, unpredicted) =
         predicted_residuals(&mut model, recording, (device_path, log_path))
             .map_err(|error| error.with_equipment(device))?;
@@ -134,6 +135,16 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
         channels: told,
         warnings,
     })
+}
+
+/// Numbers of the readings of torques, which a replay takes as they are.
+fn said_of_torques(model: &haptical_model::Device, recording: &Recording) -> Option<String> {
+    recording.torque_nm.iter().flatten().next()?;
+    let numbers = [DriveNumber::TorqueOffset, DriveNumber::TorqueDelay];
+    let joints = drive_numbers_in_words(&model.joints, &numbers)?;
+    Some(format!(
+        "torques are loads here as they are logged: left out are {joints}"
+    ))
 }
 
 /// Whether [`crate::correct`] wrote the recording: its poses are wanted ones, seen from the base.

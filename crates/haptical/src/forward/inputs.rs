@@ -13,6 +13,16 @@ use crate::log::Log;
 /// A gap between two rows of a run that is this many times as long as the usual one ends a piece.
 const GAP: f64 = 5.0;
 
+/// Rows of a run without a gap.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Piece {
+    pub(super) rows: Range<usize>,
+    /// Those of them at which the torque of every drive is known.
+    pub(super) predicted: Range<usize>,
+    /// Number of the run (from 0).
+    pub(super) run: usize,
+}
+
 /// Columns of the log by joint, and the pieces without gaps.
 #[derive(Debug)]
 pub(super) struct Inputs {
@@ -25,13 +35,18 @@ pub(super) struct Inputs {
     /// Commands with their velocities; empty where they are not asked for.
     pub(super) command: Vec<Vec<f64>>,
     pub(super) command_rate: Vec<Vec<f64>>,
-    /// Rows without a gap, with the number of the run (from 0).
-    pub(super) pieces: Vec<(Range<usize>, usize)>,
+    pub(super) pieces: Vec<Piece>,
     pub(super) warnings: Vec<String>,
 }
 
 impl Inputs {
-    pub(super) fn new(device: &Device, log: &Log, drive: Drive<'_>) -> Result<Self, Error> {
+    /// `delays_s`: how long after they act the torques are logged, of all joints of all devices.
+    pub(super) fn new(
+        device: &Device,
+        log: &Log,
+        drive: Drive<'_>,
+        delays_s: &[f64],
+    ) -> Result<Self, Error> {
         let recording = log.recording.as_ref();
         let path = &log.source().path;
         let refuse = |what: String, next: &str| Error::in_file("log", what, path, next);
@@ -44,7 +59,7 @@ impl Inputs {
             let what = "no two of its rows follow each other".to_owned();
             return Err(refuse(what, "log whole motions"));
         }
-        let ranges: Vec<Range<usize>> = pieces.iter().map(|(rows, _)| rows.clone()).collect();
+        let ranges: Vec<Range<usize>> = pieces.iter().map(|own| own.rows.clone()).collect();
         let motions = recording.joint.iter();
         let motions: Vec<_> = motions
             .map(|column| local_motion(column, time_s, &ranges))
@@ -94,13 +109,55 @@ impl Inputs {
                 inputs.command.push(column.clone());
             }
         }
+        if !inputs.torque.is_empty() {
+            inputs.keep_known_torques(delays_s);
+        }
+        if inputs.pieces.is_empty() {
+            let what = "its runs are shorter than `torque_delay_s` of the device".to_owned();
+            return Err(refuse(what, "correct torque_delay_s in the device file"));
+        }
         Ok(inputs)
+    }
+
+    /// Leaves out the rows whose torques were logged before or after their piece.
+    fn keep_known_torques(&mut self, delays_s: &[f64]) {
+        let latest_s = delays_s.iter().copied().fold(0.0, f64::max);
+        let earliest_s = delays_s.iter().copied().fold(0.0, f64::min);
+        let mut left_out = 0;
+        for piece in &mut self.pieces {
+            let time_s = &self.time_s[piece.rows.clone()];
+            let (first_s, last_s) = (time_s[0], time_s[time_s.len() - 1]);
+            let before = time_s.partition_point(|own| own + earliest_s < first_s);
+            let count = time_s.partition_point(|own| own + latest_s <= last_s);
+            let begin = piece.rows.start + before;
+            let end = (piece.rows.start + count).max(begin);
+            left_out += piece.rows.len() - (end - begin);
+            piece.predicted = begin..end;
+        }
+        self.pieces.retain(|piece| piece.predicted.len() > 1);
+        if left_out > 0 {
+            self.warnings.push(format!(
+                "{left_out} rows at the ends of runs are not predicted: their torques were logged outside of the run \
+                 (torque_delay_s)"
+            ));
+        }
+    }
+
+    /// What the torque of a joint read at a time within a piece, in straight lines from row to row.
+    pub(super) fn torque_at(&self, joint: usize, piece: &Piece, at_s: f64) -> f64 {
+        let (time_s, torque) = (&self.time_s[piece.rows.clone()], &self.torque[joint]);
+        let after = time_s.partition_point(|own| *own < at_s);
+        let after = after.clamp(1, time_s.len() - 1);
+        let share = (at_s - time_s[after - 1]) / (time_s[after] - time_s[after - 1]);
+        let row = piece.rows.start + after;
+        let (from, to) = (torque[row - 1], torque[row]);
+        from + share.clamp(0.0, 1.0) * (to - from)
     }
 
     pub(super) fn runs(&self) -> usize {
         self.pieces
             .iter()
-            .map(|(_, run)| run + 1)
+            .map(|piece| piece.run + 1)
             .max()
             .unwrap_or(0)
     }
@@ -120,7 +177,7 @@ fn whole(name: &str, column: &[f64], log: &Log) -> Result<(), Error> {
     ))
 }
 
-fn pieces(recording: &Recording, time_s: &[f64]) -> Vec<(Range<usize>, usize)> {
+fn pieces(recording: &Recording, time_s: &[f64]) -> Vec<Piece> {
     let count = recording.len();
     let is_same = |row: usize| recording.run_at(row) == recording.run_at(row - 1);
     let mut gaps: Vec<f64> = (1..count)
@@ -134,7 +191,11 @@ fn pieces(recording: &Recording, time_s: &[f64]) -> Vec<(Range<usize>, usize)> {
         let is_end = row == count || !is_same(row);
         if is_end || time_s[row] - time_s[row - 1] > GAP * usual {
             if row - start > 1 {
-                pieces.push((start..row, run));
+                pieces.push(Piece {
+                    rows: start..row,
+                    predicted: start..row,
+                    run,
+                });
             }
             start = row;
         }
@@ -144,9 +205,9 @@ fn pieces(recording: &Recording, time_s: &[f64]) -> Vec<(Range<usize>, usize)> {
 }
 
 /// Central differences, one-sided at the ends of pieces.
-fn rates(column: &[f64], time_s: &[f64], pieces: &[(Range<usize>, usize)]) -> Vec<f64> {
+fn rates(column: &[f64], time_s: &[f64], pieces: &[Piece]) -> Vec<f64> {
     let mut rates = vec![0.0; column.len()];
-    for (rows, _) in pieces {
+    for Piece { rows, .. } in pieces {
         for row in rows.clone() {
             let (before, after) = (
                 row.saturating_sub(1).max(rows.start),

@@ -5,7 +5,7 @@ mod inputs;
 mod predict;
 mod told;
 
-use haptical_model::{Device as Model, ModelError};
+use haptical_model::{Device as Model, GivenInertia, Missing, ModelError, Segments};
 use haptical_simulator::{ControllerFile, ForwardModel};
 use serde::Serialize;
 
@@ -68,7 +68,8 @@ pub struct ForwardDevice {
 /// Moves devices through a log: from its state at the start of each window, under its torques or its commands, and compares
 /// with its positions.
 ///
-/// Positions and velocities of the log are those of local cubics through seven rows ([`haptical_effects::signal`]).
+/// Positions and velocities of the log are those of local cubics through seven rows ([`haptical_effects::signal`]). A drive
+/// gives the log's torque less `torque_offset_nm`, `torque_delay_s` before it was logged.
 ///
 /// ```no_run
 /// use haptical::{Device, Drive, Log, forward};
@@ -89,7 +90,9 @@ pub struct ForwardDevice {
 /// Without a device.
 pub fn forward(devices: &[(&str, &Device)], log: &Log, drive: Drive<'_>) -> Result<Forward, Error> {
     let (_, nominal) = devices[0];
-    let inputs = Inputs::new(nominal, log, drive)?;
+    let joints = devices.iter().flat_map(|(_, own)| &own.model.joints);
+    let delays_s: Vec<f64> = joints.filter_map(|own| own.torque_delay_s).collect();
+    let inputs = Inputs::new(nominal, log, drive, &delays_s)?;
     let mut told = Forward {
         devices: Vec::new(),
         warnings: inputs.warnings.clone(),
@@ -134,6 +137,19 @@ fn said(name: &str, device: &Model, model: Option<&ForwardModel>) -> Vec<String>
             left_out.join(", ")
         ));
     }
+    let segments = Segments::of_device(device);
+    let rows = segments.iter().flat_map(|own| &own.rows).enumerate();
+    let points = rows.filter(|(_, own)| {
+        let weighs = own.body.filter(|own| own.mass_kg > 0.0);
+        weighs.is_some_and(|own| own.given_inertia() == GivenInertia::Point)
+    });
+    let points: Vec<String> = points.map(|(row, _)| (row + 1).to_string()).collect();
+    if !points.is_empty() {
+        said.push(format!(
+            "{name}: the inertia of the rows {} is given as 0: points here, where a diagnosis takes rods",
+            points.join(", ")
+        ));
+    }
     let bare = device
         .joints
         .iter()
@@ -149,7 +165,11 @@ fn said(name: &str, device: &Model, model: Option<&ForwardModel>) -> Vec<String>
 }
 
 fn refusal(error: &ModelError, device: &Device) -> Error {
+    let is_no_body = |own: &Missing| matches!(own, Missing::Body { .. });
     let next = match error {
+        ModelError::Unweighed { missing, .. } if missing.iter().all(is_no_body) => {
+            "correct these inertias: a prediction with them means nothing"
+        }
         ModelError::Unweighed { .. } => {
             "give what is missing in the device file, or take a URDF or MJCF with inertias"
         }

@@ -8,7 +8,7 @@ use haptical_simulator::{
 };
 
 use super::drift::{Drift, Sums};
-use super::inputs::Inputs;
+use super::inputs::{Inputs, Piece};
 use super::{CHECKED_WINDOWS, ForwardDevice, HORIZONS_S, KEPT_HORIZON_S};
 
 /// A device with what moves it.
@@ -20,8 +20,8 @@ pub(super) struct Prediction<'p> {
     pub(super) controller: Option<&'p Controller>,
 }
 
-/// Rows of a window, with its run.
-type Window = (Range<usize>, usize);
+/// Rows of a window, with the piece that they are of.
+type Window<'p> = (Range<usize>, &'p Piece);
 
 /// Positions and torques of a window's rows, row after row.
 #[derive(Debug, Default)]
@@ -87,30 +87,31 @@ impl Prediction<'_> {
     }
 
     /// Windows of a length in time, or whole pieces. The first row of one may be the last of the one before.
-    fn windows(&self, horizon_s: Option<f64>) -> Vec<Window> {
+    fn windows(&self, horizon_s: Option<f64>) -> Vec<Window<'_>> {
         let time_s = &self.inputs.time_s;
         let mut windows = Vec::new();
-        for (piece, run) in &self.inputs.pieces {
+        for piece in &self.inputs.pieces {
+            let rows = &piece.predicted;
             let Some(horizon_s) = horizon_s else {
-                windows.push((piece.clone(), *run));
+                windows.push((rows.clone(), piece));
                 continue;
             };
-            let mut start = piece.start;
-            for row in piece.start + 1..piece.end {
+            let mut start = rows.start;
+            for row in rows.start + 1..rows.end {
                 // rounding of times is no reason for another row
                 if time_s[row] - time_s[start] >= horizon_s * (1.0 - 1e-9) {
-                    windows.push((start..row + 1, *run));
+                    windows.push((start..row + 1, piece));
                     start = row;
                 }
             }
-            if piece.end - start > 1 {
-                windows.push((start..piece.end, *run));
+            if rows.end - start > 1 {
+                windows.push((start..rows.end, piece));
             }
         }
         windows
     }
 
-    fn compare(&self, (rows, _): &Window, path: &Path, sums: &mut [Sums]) {
+    fn compare(&self, (rows, piece): &Window<'_>, path: &Path, sums: &mut [Sums]) {
         let joints = sums.len();
         for (place, values) in path.theta.chunks(joints).enumerate().skip(1) {
             let row = rows.start + place;
@@ -125,9 +126,12 @@ impl Prediction<'_> {
         if self.inputs.torque.is_empty() {
             return;
         }
+        let model = &self.models[piece.run];
         for (place, values) in path.torque.chunks(joints).enumerate().skip(1) {
+            let now_s = self.inputs.time_s[rows.start + place];
             for (joint, value) in values.iter().enumerate() {
-                sums[joint].torque(value - self.inputs.torque[joint][rows.start + place]);
+                let logged_s = now_s + model.delay_s(joint);
+                sums[joint].torque(value - self.inputs.torque_at(joint, piece, logged_s));
             }
         }
     }
@@ -153,8 +157,8 @@ impl Prediction<'_> {
     }
 
     /// Positions of a window's rows, from the log's state at the first, in steps of this share of the usual ones.
-    fn path(&self, (rows, run): &Window, share: f64) -> Result<Path, ModelError> {
-        let model = &self.models[*run];
+    fn path(&self, (rows, piece): &Window<'_>, share: f64) -> Result<Path, ModelError> {
+        let model = &self.models[piece.run];
         let at = |columns: &[Vec<f64>], row: usize| -> Vec<f64> {
             columns.iter().map(|column| column[row]).collect()
         };
@@ -168,6 +172,7 @@ impl Prediction<'_> {
             ),
             longest_s: share * model.longest_step_s(),
             rows,
+            piece,
         };
         match self.controller {
             None => mover.by_torques(),
@@ -184,32 +189,60 @@ struct Mover<'m> {
     state: ForwardState,
     longest_s: f64,
     rows: &'m Range<usize>,
+    piece: &'m Piece,
 }
 
 impl Mover<'_> {
     fn by_torques(&mut self) -> Result<Path, ModelError> {
-        let torque = &self.inputs.torque;
-        let at = |row: usize| -> Vec<f64> {
-            let joints = torque.iter().enumerate();
-            joints
-                .map(|(joint, column)| self.model.worth(joint) * column[row])
-                .collect()
-        };
         let mut path = Path {
             theta: self.state.theta.clone(),
             torque: Vec::new(),
         };
-        let mut from = at(self.rows.start);
+        let mut begin_s = self.inputs.time_s[self.rows.start];
+        let mut from = self.given_at(begin_s);
         for row in self.rows.start + 1..self.rows.end {
-            let to = at(row);
-            let seconds = self.inputs.time_s[row] - self.inputs.time_s[row - 1];
-            let (state, work) = (&mut self.state, &mut self.work);
-            self.model
-                .run_by(state, work, (seconds, self.longest_s), [&from, &to])?;
+            for end_s in self.ends_of_lines(row) {
+                let to = self.given_at(end_s);
+                let (state, work) = (&mut self.state, &mut self.work);
+                let span = (end_s - begin_s, self.longest_s);
+                self.model.run_by(state, work, span, [&from, &to])?;
+                (begin_s, from) = (end_s, to);
+            }
             path.theta.extend_from_slice(&self.state.theta);
-            from = to;
         }
         Ok(path)
+    }
+
+    /// What the drives give at a time: what was logged their delay later.
+    fn given_at(&self, now_s: f64) -> Vec<f64> {
+        let joints = 0..self.inputs.torque.len();
+        let given = joints.map(|joint| {
+            let logged_s = now_s + self.model.delay_s(joint);
+            let reading = self.inputs.torque_at(joint, self.piece, logged_s);
+            self.model.given(joint, reading)
+        });
+        given.collect()
+    }
+
+    /// Times from a row to the one before it at which a straight line of a torque ends: those of rows, less the delays.
+    fn ends_of_lines(&self, row: usize) -> Vec<f64> {
+        let time_s = &self.inputs.time_s;
+        let (begin_s, end_s) = (time_s[row - 1], time_s[row]);
+        let piece = &time_s[self.piece.rows.clone()];
+        let shortest_s = 1e-6 * (end_s - begin_s);
+        let mut ends = vec![end_s];
+        for joint in 0..self.inputs.torque.len() {
+            let delay_s = self.model.delay_s(joint);
+            if delay_s == 0.0 {
+                continue;
+            }
+            let first = piece.partition_point(|own| own - delay_s <= begin_s + shortest_s);
+            let within = piece[first..].iter().map(|own| own - delay_s);
+            ends.extend(within.take_while(|own| *own < end_s - shortest_s));
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|later, earlier| *later - *earlier < shortest_s);
+        ends
     }
 
     fn by_controller(&mut self, controller: &Controller) -> Result<Path, ModelError> {
@@ -218,7 +251,7 @@ impl Mover<'_> {
         let mut own = controller.start(&self.state.dtheta);
         let mut path = Path::default();
         let mut torques = vec![0.0; self.state.theta.len()];
-        // a drive gives what its reading is worth
+        // a controller sets what its drives read (assumption A255)
         let mut given = torques.clone();
         let mut now_s = begin_s;
         let mut ticks = 0_u64;
@@ -231,7 +264,7 @@ impl Mover<'_> {
                     now_s = next_s.max(now_s);
                     self.tick(controller, &mut own, row, now_s, &mut torques)?;
                     for (joint, (given, torque)) in given.iter_mut().zip(&torques).enumerate() {
-                        *given = self.model.worth(joint) * torque;
+                        *given = self.model.given(joint, *torque);
                     }
                     ticks += 1;
                     continue;

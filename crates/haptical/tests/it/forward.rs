@@ -147,7 +147,7 @@ fn friction_of_the_truth_takes_the_drift_away() {
 #[test]
 fn a_controller_moves_as_its_closed_form() {
     let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = 1.0\n\
-        inertia_kgm2 = [0.1, 0.1, 0.3, 0.0, 0.0, 0.0]\n[[joint]]\narmature_kgm2 = 0.2\n[gravity]\nvector_mps2 = [0.0, 0.0, -9.81]\n";
+        inertia_kgm2 = [0.15, 0.15, 0.3, 0.0, 0.0, 0.0]\n[[joint]]\narmature_kgm2 = 0.2\n[gravity]\nvector_mps2 = [0.0, 0.0, -9.81]\n";
     let device = device(text);
     let (inertia, kp, kd, command) = (0.5_f64, 50.0_f64, 4.0_f64, 0.3);
     let (omega, damping) = ((kp / inertia).sqrt(), kd / (2.0 * (kp * inertia).sqrt()));

@@ -1,7 +1,7 @@
 //! What a joint's drive has to overcome beside its links: friction and cogging, with their slopes.
 
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
-use haptical_model::{Device, DeviceEffect, JointType};
+use haptical_model::{Device, DeviceEffect, FrictionNumber, JOINT_FRICTION, JointType};
 
 /// Shortest travel and slowest rate over which friction changes sides \[m\], \[rad\], per second.
 const SHORTEST: f64 = 1e-9;
@@ -63,18 +63,19 @@ impl JointForces {
         };
         let slides = device.joints[joint].joint_type == JointType::Prismatic;
         match effect.name.as_str() {
-            "joint-friction" => {
-                let rate = number(["transition_rad_per_s", "transition_m_per_s"]);
-                let travel = number(["transition_rad", "transition_m"]);
+            JOINT_FRICTION => {
+                let of = |number: FrictionNumber| number.stated(effect);
+                let rate = of(FrictionNumber::TurnoverSpeed);
+                let travel = of(FrictionNumber::TurnoverTravel);
                 let side = match (rate, travel) {
                     (Some(rate), _) => Side::Rate(rate.max(SHORTEST)),
                     (None, Some(travel)) => Side::Travel(travel.max(SHORTEST)),
                     (None, None) => return false,
                 };
                 self.friction.push(Friction {
-                    coulomb: number(["coulomb_nm", "coulomb_n"]).unwrap_or(0.0),
-                    viscous: number(["viscous_nm_s_per_rad", "viscous_n_s_per_m"]).unwrap_or(0.0),
-                    stribeck: number(["stribeck_nm", "stribeck_n"]).unwrap_or(0.0),
+                    coulomb: of(FrictionNumber::Coulomb).unwrap_or(0.0),
+                    viscous: of(FrictionNumber::Viscous).unwrap_or(0.0),
+                    stribeck: of(FrictionNumber::Stribeck).unwrap_or(0.0),
                     stribeck_rate: if slides {
                         STRIBECK_M_PER_S
                     } else {

@@ -7,7 +7,7 @@ pub(crate) mod step;
 use haptical_model::cholesky::{factor, solve};
 use haptical_model::dynamics::Inertia;
 use haptical_model::dynamics::nalgebra::Matrix3;
-use haptical_model::{Device, DeviceEffect, ModelError, RigidBodies};
+use haptical_model::{Device, DeviceEffect, ModelError, RigidBodies, Sized};
 
 use self::joint::JointForces;
 use self::step::{ForwardState, ForwardWork};
@@ -22,8 +22,9 @@ const CHANGE: f64 = 2.0;
 
 /// A device that moves under the torques of its drives.
 ///
-/// Its links are [`RigidBodies`]; of its effects `joint-friction`, `motor-cogging` and a `payload` at the handle act, and
-/// `torque-gain` says what a reading of a torque is worth. Joints do not yield, and transmission errors are left out: a
+/// Its links are [`RigidBodies`], the armatures of its drives among them; of its effects `joint-friction`, `motor-cogging` and a
+/// `payload` at the handle act. `torque_offset_nm`, `torque_delay_s` and `torque-gain` say what a reading of a torque is worth and
+/// when it acted: [`ForwardModel::given`], [`ForwardModel::delay_s`]. Joints do not yield, and transmission errors are left out: a
 /// joint is where its motor is.
 ///
 /// ```
@@ -46,10 +47,20 @@ const CHANGE: f64 = 2.0;
 pub struct ForwardModel {
     bodies: RigidBodies,
     joints: Vec<JointForces>,
-    /// What a reading of each torque is worth.
-    worth: Vec<f64>,
+    readings: Vec<TorqueReading>,
     left_out: Vec<String>,
     longest_step_s: f64,
+}
+
+/// What a reading of a torque says of what the drive gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct TorqueReading {
+    /// What 1 N m of it is worth.
+    worth: f64,
+    /// What it is where the drive gives nothing \[N m\], \[N\].
+    offset: f64,
+    /// How long after the torque it is logged \[s\].
+    delay_s: f64,
 }
 
 impl ForwardModel {
@@ -61,7 +72,12 @@ impl ForwardModel {
     pub fn of_device(device: &Device, (run, runs): (usize, usize)) -> Result<Self, ModelError> {
         let mut bodies = RigidBodies::of_device(device)?;
         let mut joints = vec![JointForces::default(); device.joints.len()];
-        let mut worth = vec![1.0; device.joints.len()];
+        let readings = device.joints.iter().map(|joint| TorqueReading {
+            worth: 1.0,
+            offset: joint.torque_offset_nm.unwrap_or(0.0),
+            delay_s: joint.torque_delay_s.unwrap_or(0.0),
+        });
+        let mut readings: Vec<TorqueReading> = readings.collect();
         let mut left_out = Vec::new();
         for effect in &device.effects {
             let joint = effect.joint.filter(|joint| *joint < joints.len());
@@ -79,24 +95,31 @@ impl ForwardModel {
                     _ => false,
                 },
                 ("torque-gain", Some(joint)) => {
-                    worth[joint] *= 1.0 - number("gain").unwrap_or(0.0);
+                    readings[joint].worth *= 1.0 - number("gain").unwrap_or(0.0);
                     true
                 }
                 (_, Some(joint)) => joints[joint].take(device, joint, effect),
                 _ => false,
             };
             if !is_taken {
-                left_out.push(effect.label());
+                left_out.push(Sized(effect).to_string());
             }
         }
-        if device.has_compliance() {
-            left_out.push("compliance of joints".to_owned());
+        for joint in 0..device.joints.len() {
+            let compliance = device.compliance_rad_per_nm(joint);
+            if compliance != 0.0 {
+                let stiffness = 1.0 / compliance;
+                left_out.push(format!(
+                    "compliance of joint {} (stiffness {stiffness:.4e})",
+                    joint + 1
+                ));
+            }
         }
         Ok(Self {
             longest_step_s: longest_step_s(&bodies, &joints)?,
             bodies,
             joints,
-            worth,
+            readings,
             left_out,
         })
     }
@@ -106,14 +129,22 @@ impl ForwardModel {
         &self.bodies
     }
 
-    /// Effects of the device that are not part of its motion here: joints that yield, and what sensors read too much.
+    /// Effects of the device that are not part of its motion here, with their sizes: joints that yield, and what sensors read
+    /// too much.
     pub fn left_out(&self) -> &[String] {
         &self.left_out
     }
 
-    /// What the drive of a joint (from 0) gives where it reads 1 N m: 1 less the gain of `torque-gain`.
-    pub fn worth(&self, joint: usize) -> f64 {
-        self.worth.get(joint).copied().unwrap_or(1.0)
+    /// What the drive of a joint (from 0) gives where its torque reads `reading` \[N m\], \[N\]: the reading less
+    /// `torque_offset_nm`, less the gain of `torque-gain`.
+    pub fn given(&self, joint: usize, reading: f64) -> f64 {
+        let own = self.readings.get(joint);
+        own.map_or(reading, |own| own.worth * (reading - own.offset))
+    }
+
+    /// How long after it acts the torque of a joint (from 0) is logged: `torque_delay_s`.
+    pub fn delay_s(&self, joint: usize) -> f64 {
+        self.readings.get(joint).map_or(0.0, |own| own.delay_s)
     }
 
     /// The longest step of its integration \[s\]: [`LONGEST_STEP_S`], or less where its friction changes sides over a small

@@ -203,7 +203,7 @@ fn a_payload_and_a_gain_are_taken_and_others_are_named() {
     // a log of one run was recorded later
     let later = ForwardModel::of_device(&device, (0, 1)).expect("a model");
     assert!((inertia(&later) - 0.75).abs() < 1e-12);
-    assert!((before.worth(0) - 0.9).abs() < 1e-15);
+    assert!((before.given(0, 1.0) - 0.9).abs() < 1e-15);
     // a payload of another place is no point mass at the handle
     let mut other = device.clone();
     let moment = ("moment_x_kg_m".to_owned(), 0.2);
