@@ -359,10 +359,14 @@ fn joints_that_yield_are_told_where_the_form_has_rigid_ones() {
         ("c-header", ".kind = HAPTICAL_JOINT_COMPLIANCE, .joint = 1"),
         ("json", "\"joint-compliance@2\""),
     ] {
-        assert_eq!(said("soft.toml", format), "", "{format}");
+        let is_of_masses = |told: &str| {
+            let mut lines = told.lines();
+            lines.all(|line| line.contains("masses and inertias of the links are not held"))
+        };
+        assert!(is_of_masses(&said("soft.toml", format)), "{format}");
         let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
         assert!(written.contains(effect), "{written}");
-        assert_eq!(said("device.toml", format), "", "{format}");
+        assert!(is_of_masses(&said("device.toml", format)), "{format}");
         let written = std::fs::read_to_string(sandbox.path("out")).unwrap();
         let none = [
             "haptical_runtime::Effect",

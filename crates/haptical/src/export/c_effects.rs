@@ -64,8 +64,8 @@ pub(super) fn text<const ROOM: usize>(
         table.push_str("    {.kind = HAPTICAL_NO_EFFECT},\n");
     }
     table.push_str("};\n\n");
-    for left_out in &compensation.left_out {
-        let _ = writeln!(table, "/* {} */", one_line(&left_out.warning()));
+    for left_out in compensation.warnings() {
+        let _ = writeln!(table, "/* {} */", one_line(&left_out));
     }
     TEMPLATE
         .replacen(

@@ -11,6 +11,7 @@ use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
 use haptical_runtime::{Effect, Over, Side, Turnover};
 use haptical_urdf::ENCODERS_AHEAD;
 
+use super::not_held::not_held;
 use crate::error::Error as Failure;
 
 /// Effects of an export.
@@ -20,6 +21,8 @@ pub(super) struct Compensation {
     pub(super) effects: Vec<(String, Effect)>,
     /// What is left out, and why.
     pub(super) left_out: Vec<LeftOut>,
+    /// What else of the device has no place, in sentences.
+    pub(super) not_held: Vec<String>,
 }
 
 /// An effect that is not in an export.
@@ -82,6 +85,7 @@ impl Compensation {
                 compensation.effects.push((label, effect));
             }
         }
+        compensation.not_held = not_held(device, &compensation.effects);
         let bears = |(_, effect): &(String, Effect)| {
             matches!(
                 effect,
@@ -104,8 +108,10 @@ impl Compensation {
         Ok(compensation)
     }
 
+    /// All that is left out, a sentence each.
     pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
-        self.left_out.iter().map(LeftOut::warning)
+        let effects = self.left_out.iter().map(LeftOut::warning);
+        effects.chain(self.not_held.iter().cloned())
     }
 }
 
@@ -189,9 +195,10 @@ impl Place<'_> {
             "backlash" if law.shape > HAND => {
                 return Err("a play that follows the load needs the load's sign at every tick");
             }
+            // with its sign: the runtime refuses a play that is inverted, and does not turn it round
             "backlash" => Effect::Backlash {
                 joint,
-                width_rad: law.value(0),
+                width_rad: 2.0 * law.amplitude(0),
                 driven_by: side(law.shape),
             },
             "hysteresis" => Effect::Hysteresis {

@@ -120,9 +120,15 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> Result<Str
 /// With the effects, where there are any, and what is left out.
 fn with_effects(mut export: Value, compensation: &Compensation) -> Value {
     let has_none = compensation.effects.is_empty() && compensation.left_out.is_empty();
-    let Some(object) = export.as_object_mut().filter(|_| !has_none) else {
+    let Some(object) = export.as_object_mut() else {
         return export;
     };
+    if !compensation.not_held.is_empty() {
+        object.insert("not_held".to_owned(), json!(compensation.not_held));
+    }
+    if has_none {
+        return export;
+    }
     let effects = compensation.effects.iter();
     let effects: Vec<Value> = effects.map(|(label, own)| effect(label, own)).collect();
     let left_out = compensation.left_out.iter();

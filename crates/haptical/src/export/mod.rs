@@ -6,6 +6,7 @@ mod compensation;
 mod described;
 mod description;
 mod flat_json;
+mod not_held;
 mod rust_module;
 
 use std::path::Path;

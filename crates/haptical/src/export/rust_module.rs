@@ -104,8 +104,8 @@ pub(super) fn text(described: &Described, provenance: &Provenance) -> String {
 /// The device with its effects, where it has any; and what is left out.
 fn push_effects(text: &mut String, described: &Described) {
     let compensation = &described.compensation;
-    for left_out in &compensation.left_out {
-        let _ = write!(text, "\n// {}\n", one_line(&left_out.warning()));
+    for left_out in compensation.warnings() {
+        let _ = write!(text, "\n// {}\n", one_line(&left_out));
     }
     if compensation.effects.is_empty() {
         return;

@@ -15,9 +15,13 @@ mod control_loop;
 #[path = "../../examples/diagnosis.rs"]
 mod diagnosis;
 mod errors;
+mod exports;
+mod exports_control;
+mod exports_listed;
 #[path = "../../examples/fleet.rs"]
 mod fleet;
 mod forward;
+mod forward_drives;
 mod late_encoders;
 mod moved;
 mod moving_sets;

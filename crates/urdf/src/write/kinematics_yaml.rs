@@ -13,6 +13,7 @@ use crate::device::ReadChain;
 use crate::numbers::{commented, written};
 use crate::rigid::to_rpy;
 use crate::write::corrected::all_corrections;
+use crate::write::not_carried::beside_origins;
 
 /// The origins of the calibrated joints, and of the last fixed one behind them, as a YAML table, and what it leaves out.
 ///
@@ -73,6 +74,10 @@ pub fn kinematics_yaml(
         }
     }
     let _ = writeln!(yaml, "  hash: {}", quoted(hash));
+    for own in beside_origins(device) {
+        let _ = writeln!(yaml, "# {}", commented(&own));
+        warnings.push(own);
+    }
     Ok((yaml, warnings))
 }
 

@@ -2,7 +2,9 @@
 
 use std::fmt::Write;
 
-use haptical_model::{Device, DeviceEffect, Joint};
+use haptical_model::{
+    Device, DeviceEffect, DriveNumber, FrictionNumber, JOINT_FRICTION, drive_numbers_in_words,
+};
 
 use crate::numbers::{commented, rounded};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors};
@@ -14,8 +16,6 @@ pub(crate) enum Form {
     Urdf,
     Mjcf,
 }
-
-const FRICTION: &str = "joint-friction";
 
 /// How MuJoCo's friction differs from Coulomb's (docs/equations.md, A simulated model that stands).
 const FRICTION_LOSS: &str = "`frictionloss` is a soft constraint of MuJoCo: its force reverses up to 9.5 ms before the speed does, so \
@@ -56,16 +56,16 @@ pub(crate) fn comment(said: &[String]) -> String {
 /// How Coulomb friction changes sides, of joints whose friction is written.
 fn turnovers(device: &Device, effects: &Effects<'_>, form: Form) -> Option<String> {
     let of = |effect: &DeviceEffect| {
-        let joint = effect.joint.filter(|_| effect.name == FRICTION)?;
+        let joint = effect.joint.filter(|_| effect.name == JOINT_FRICTION)?;
         effects.friction.get(joint)?.coulomb?;
-        let size = |key: &str| effect.numbers.get(key).filter(|own| **own > 0.0);
-        let by = |law: &str, key, unit| {
-            size(key).map(|own| format!("{law} over {} {unit}", rounded(*own)))
-        };
-        let law = by("tanh", "transition_rad_per_s", "rad/s")
-            .or_else(|| by("tanh", "transition_m_per_s", "m/s"))
-            .or_else(|| by("Dahl's state", "transition_rad", "rad"))
-            .or_else(|| by("Dahl's state", "transition_m", "m"))?;
+        let unit = device.joints.get(joint)?.unit();
+        let size = |number: FrictionNumber| number.stated(effect).filter(|own| *own > 0.0);
+        let speed = size(FrictionNumber::TurnoverSpeed)
+            .map(|own| format!("tanh over {} {unit}/s", rounded(own)));
+        let law = speed.or_else(|| {
+            let travel = size(FrictionNumber::TurnoverTravel)?;
+            Some(format!("Dahl's state over {} {unit}", rounded(travel)))
+        })?;
         Some(format!("joint {} ({law})", joint + 1))
     };
     let joints: Vec<String> = device.effects.iter().filter_map(of).collect();
@@ -83,30 +83,64 @@ fn turnovers(device: &Device, effects: &Effects<'_>, form: Form) -> Option<Strin
 
 /// Numbers of drives that have no place.
 fn of_drives(device: &Device, form: Form) -> Option<String> {
-    let told = |number: Option<f64>| number.filter(|own| *own != 0.0);
-    let of = |(joint, own): (usize, &Joint)| {
-        let inertia = match own.unit() {
-            "m" => "kg",
-            _ => "kg m^2",
-        };
-        let armature = told(own.armature_kgm2).filter(|_| form == Form::Urdf);
-        let numbers = [
-            armature.map(|own| format!("armature {} {inertia}", rounded(own))),
-            told(own.torque_offset_nm)
-                .map(|value| format!("torque offset {} {}", rounded(value), own.torque_unit())),
-            told(own.torque_delay_s).map(|own| format!("torque delay {} ms", rounded(1e3 * own))),
-        ];
-        let numbers: Vec<String> = numbers.into_iter().flatten().collect();
-        (!numbers.is_empty()).then(|| format!("joint {} ({})", joint + 1, numbers.join(", ")))
+    let without = match form {
+        Form::Urdf => &[
+            DriveNumber::Armature,
+            DriveNumber::TorqueOffset,
+            DriveNumber::TorqueDelay,
+        ][..],
+        Form::Mjcf => &[DriveNumber::TorqueOffset, DriveNumber::TorqueDelay],
     };
-    let joints: Vec<String> = device.joints.iter().enumerate().filter_map(of).collect();
+    let joints = drive_numbers_in_words(&device.joints, without)?;
     let has = match form {
         Form::Urdf => {
             "a URDF has no place for armatures, torque offsets and delays of torques, an MJCF has one for armatures"
         }
         Form::Mjcf => "an MJCF has no place for torque offsets and delays of torques",
     };
-    (!joints.is_empty()).then(|| format!("{has}: left out of {}", joints.join(", ")))
+    Some(format!("{has}: left out of {joints}"))
+}
+
+/// What a table of origins leaves out of a device.
+pub(crate) fn beside_origins(device: &Device) -> Vec<String> {
+    let mut said = Vec::new();
+    if has_transmission_errors(device) {
+        said.push(TRANSMISSIONS.to_owned());
+    }
+    let effects = device
+        .effects
+        .iter()
+        .map(|own| format!("`{}`", own.label()));
+    let yields = (0..device.joints.len())
+        .filter(|joint| device.compliance_rad_per_nm(*joint) != 0.0)
+        .map(|joint| format!("`joint-compliance@{}`", joint + 1));
+    let labels: Vec<String> = effects.chain(yields).collect();
+    if !labels.is_empty() {
+        said.push(format!(
+            "a table of origins has no effects: {} are left out; {FITTED_BESIDE}",
+            labels.join(", ")
+        ));
+    }
+    said.extend(of_dynamics(device));
+    said
+}
+
+/// What a file without masses, friction, limits and geometry of drives leaves out besides: every number of the drives, and the
+/// masses of the rows.
+pub(crate) fn of_dynamics(device: &Device) -> Option<String> {
+    let masses = device.bodies.iter().flatten();
+    let masses = masses.filter(|own| own.mass_kg > 0.0).count();
+    let parts = [
+        (masses > 0).then(|| format!("masses of {masses} links")),
+        drive_numbers_in_words(&device.joints, &DriveNumber::ALL),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "masses and numbers of drives have no place here: left out are {}",
+            parts.join(", ")
+        )
+    })
 }
 
 /// Springs and effects of a device, of which a URDF has friction alone.
@@ -133,7 +167,7 @@ fn without_means(device: &Device, effects: &Effects<'_>) -> Vec<String> {
             .any(|left| std::ptr::eq(*left, *own))
     };
     let labels: Vec<String> = (device.effects.iter())
-        .filter(|own| !is_ahead(own) && (own.name != FRICTION || is_left(own)))
+        .filter(|own| !is_ahead(own) && (own.name != JOINT_FRICTION || is_left(own)))
         .map(|own| format!("`{}`", own.label()))
         .collect();
     let others = (!labels.is_empty()).then(|| {

@@ -6,6 +6,7 @@ use haptical_model::{Device, Joint, JointType, TransmissionError};
 
 use crate::numbers::{commented, escaped, rounded, written};
 use crate::write::effects::{AHEAD, FITTED_BESIDE, has_own_row, is_ahead};
+use crate::write::not_carried::of_dynamics;
 use crate::write::urdf::joint_names;
 
 /// Readings over which the line through a drive's error is drawn (assumption A213).
@@ -75,6 +76,7 @@ pub fn ros2_control(device: &Device) -> (String, Vec<String>) {
         );
     }
     said.extend(left_out(device));
+    said.extend(of_dynamics(device));
     let own = escaped(&device.name);
     let mut text = format!(
         "<?xml version=\"1.0\"?>\n<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n  <!-- Offsets and reductions of the \

@@ -2,13 +2,15 @@
 
 use std::fmt::Write;
 
-use haptical_model::Device;
+use haptical_model::kinematics::nalgebra::Matrix3;
+use haptical_model::{Device, GivenInertia, SegmentBody};
 
 use crate::UrdfError;
 use crate::numbers::{escaped, written};
 use crate::write::corrected::{origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
 use crate::write::loaders::Loader;
+use crate::write::mjcf::GRAVITY_MPS2;
 use crate::write::not_carried::{Form, comment, not_carried};
 use haptical_model::RowBody;
 use haptical_model::Segments;
@@ -76,9 +78,10 @@ fn written_urdf(
                 inertial(&bodies[index])
             ),
             None => writeln!(text, "  <link name=\"{link}\"/>"),
-            Some(_) => writeln!(
+            Some(own) => writeln!(
                 text,
-                "  <link name=\"{link}\">\n    <inertial>\n      <mass value=\"0\"/>\n    </inertial>\n  </link>"
+                "  <link name=\"{link}\">\n{}  </link>",
+                inertial(&weightless(&own, &bodies[index]))
             ),
         };
         let limits = segment.limits(device);
@@ -129,6 +132,7 @@ fn written_urdf(
         actuators(&mut text, device, &segments, &names);
     }
     let mut warnings = not_carried(device, &effects, Form::Urdf);
+    warnings.extend(gravity(device));
     text.push_str(&comment(&warnings));
     text.push_str("</robot>\n");
     warnings.extend(scaled(device));
@@ -137,27 +141,29 @@ fn written_urdf(
     Ok((text, warnings))
 }
 
-/// Inertias that are plausible and not known.
-fn made_up(segments: &Segments, bodies: &[RowBody], all: bool) -> Option<String> {
-    let inertias = bodies.iter().zip(&segments.rows).enumerate();
-    let inertias = inertias.filter(|(_, (body, row))| {
-        body.plausible.is_some() && (all || row.body.is_some_and(|own| own.mass_kg > 0.0))
-    });
-    let inertias: Vec<String> = inertias
-        .map(|(row, _)| format!("link{}", row + 1))
-        .collect();
-    (!inertias.is_empty()).then(|| {
-        let what = if all { "mass or inertia" } else { "inertia" };
-        let keys = if all {
-            "mass_kg, inertia_kgm2"
-        } else {
-            "inertia_kgm2"
-        };
+/// Gravity of another direction or size than every program takes.
+fn gravity(device: &Device) -> Option<String> {
+    let [x, y, z] = device.gravity_mps2?;
+    let [there_x, there_y, there_z] = GRAVITY_MPS2;
+    let is_usual = (x - there_x).hypot(y - there_y).hypot(z - there_z) < 1e-6;
+    (!is_usual).then(|| {
         format!(
-            "plausible {what} of {}, which the device file does not give ({keys})",
-            inertias.join(", ")
+            "a URDF has no gravity, and programs take {} m/s^2 in the frame of its root: give them {} m/s^2",
+            written(&GRAVITY_MPS2),
+            written(&[x, y, z])
         )
     })
+}
+
+/// Inertias that are plausible and not known.
+fn made_up(segments: &Segments, bodies: &[RowBody], all: bool) -> Vec<String> {
+    let weighs = |row: usize| segments.rows[row].body.is_some_and(|own| own.mass_kg > 0.0);
+    let keys = if all {
+        "mass_kg, inertia_kgm2"
+    } else {
+        "inertia_kgm2"
+    };
+    RowBody::said_of_plausible(bodies, keys, |row| all || weighs(row))
 }
 
 /// Which limits are written as none.
@@ -215,11 +221,24 @@ fn limit_element(limits: Option<[f64; 2]>, effort: Option<f64>, is_far: bool) ->
     format!("    <limit{ends} effort=\"{effort}\" velocity=\"{velocity}\"/>\n")
 }
 
+/// A row whose mass is given as 0, as it is given: its inertia is that of a rotor, or none.
+fn weightless(own: &SegmentBody, body: &RowBody) -> RowBody {
+    let inertia_kgm2 = match own.given_inertia() {
+        GivenInertia::Body(inertia) => inertia,
+        _ => Matrix3::zeros(),
+    };
+    RowBody {
+        mass_kg: 0.0,
+        inertia_kgm2,
+        plausible: None,
+        ..body.clone()
+    }
+}
+
 fn inertial(body: &RowBody) -> String {
     let centre: [f64; 3] = body.centre_m.into();
     let [xx, yy, zz, xy, xz, yz] = body.inertia_entries_kgm2().map(|entry| written(&[entry]));
-    let plausible = body.plausible.map(|what| what.trim_end_matches(','));
-    let plausible = plausible.map_or(String::new(), |what| {
+    let plausible = body.plausible.map_or(String::new(), |what| {
         format!("      <!-- plausible: {what} -->\n")
     });
     format!(

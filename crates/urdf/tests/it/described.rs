@@ -259,11 +259,18 @@ fn what_a_device_weighs_comes_back() {
     let [xx, yy, zz, xy, xz, yz] = device.bodies[1].unwrap().inertia_kgm2.unwrap();
     let expected = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
     let (urdf, warnings) = new_urdf(&device).unwrap();
-    let [springs] = warnings.as_slice() else {
+    let [springs, gravity] = warnings.as_slice() else {
         panic!("{warnings:?}");
     };
     assert!(springs.starts_with("joint 1 yields to torque"), "{springs}");
-    assert!(urdf.contains(springs.as_str()), "{urdf}");
+    assert!(
+        gravity.starts_with("a URDF has no gravity") && gravity.contains("1 -9 2 m/s^2"),
+        "{gravity}"
+    );
+    assert!(
+        urdf.contains(springs.as_str()) && urdf.contains(gravity.as_str()),
+        "{urdf}"
+    );
     let (mjcf, _) = new_mjcf(&device).unwrap();
     let urdf = device_from_urdf(&urdf, "new.urdf", BaseAndTip::to("handle"))
         .unwrap()

@@ -211,7 +211,6 @@ impl Model<'_> {
             place(&Origin::from_pose(&segment.origin(self.device)))
         );
         if let Some(what) = body.plausible {
-            let what = what.trim_end_matches(',');
             let _ = writeln!(text, "{indent}  <!-- plausible: {what} -->");
         }
         let centre: [f64; 3] = body.centre_m.into();
@@ -326,19 +325,8 @@ impl Model<'_> {
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.not_carried();
         warnings.extend(scaled(self.device));
-        let mut kinds: Vec<&'static str> = Vec::new();
-        kinds.extend(self.bodies.iter().filter_map(|body| body.plausible));
-        kinds.sort_unstable();
-        kinds.dedup();
-        for kind in kinds {
-            let rows = self.bodies.iter().enumerate();
-            let links = rows.filter(|(_, body)| body.plausible == Some(kind));
-            let links: Vec<String> = links.map(|(row, _)| format!("link{}", row + 1)).collect();
-            warnings.push(format!(
-                "plausible {kind} of {}, which the device file does not give (mass_kg, centre_of_mass_m, inertia_kgm2)",
-                links.join(", ")
-            ));
-        }
+        let keys = "mass_kg, centre_of_mass_m, inertia_kgm2";
+        warnings.extend(RowBody::said_of_plausible(&self.bodies, keys, |_| true));
         if self.device.gravity_mps2.is_none() {
             warnings.push(
                 "plausible gravity, z of frame (-1) being up: the device file gives none"
