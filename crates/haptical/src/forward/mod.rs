@@ -168,7 +168,7 @@ fn refusal(error: &ModelError, device: &Device) -> Error {
     let is_no_body = |own: &Missing| matches!(own, Missing::Body { .. });
     let next = match error {
         ModelError::Unweighed { missing, .. } if missing.iter().all(is_no_body) => {
-            "correct these inertias: a prediction with them means nothing"
+            "correct these inertias (`haptical check` names their links): a prediction with them means nothing"
         }
         ModelError::Unweighed { .. } => {
             "give what is missing in the device file, or take a URDF or MJCF with inertias"
