@@ -19,7 +19,7 @@ mod statics;
 pub use device::cable::{Cable, CableFit, CableReading};
 pub use device::chain::DeviceChain;
 pub use device::drive::{
-    DriveNumber, FrictionNumber, JOINT_FRICTION, Sized, drive_numbers_in_words,
+    DriveNumber, FrictionNumber, JOINT_FRICTION, SizedEffect, drive_numbers_in_words,
 };
 pub use device::effect::{DeviceEffect, FitNumber};
 pub use device::joint::{Joint, JointType, TransmissionError, TransmissionKind};

@@ -151,12 +151,14 @@ fn the_header_of_a_corrected_device_is_what_its_replay_predicts() {
         let mut moved = 0.0_f64;
         for (row, numbers) in found.iter().enumerate() {
             let what = format!("{effects:?}, row {row}");
-            for joint in 0..2 {
-                let wanted = predicted.output[joint].as_ref().unwrap()[row];
-                near(numbers[joint], wanted, 1.0, &what);
-            }
-            for axis in 0..3 {
-                near(numbers[2 + axis], places[axis][row], 1.0, &what);
+            let outputs = predicted
+                .output
+                .iter()
+                .map(|own| own.as_ref().unwrap()[row]);
+            let wanted: Vec<f64> = outputs.chain(places.iter().map(|own| own[row])).collect();
+            assert_eq!(numbers.len(), wanted.len());
+            for (found, wanted) in numbers.iter().zip(wanted) {
+                near(*found, wanted, 1.0, &what);
             }
             let moves = numbers
                 .iter()

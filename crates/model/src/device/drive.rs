@@ -155,9 +155,9 @@ impl FrictionNumber {
 
 /// An effect with its sizes, as it is said of one that is left out: `backlash@2 (width_rad 0.0012)`.
 #[derive(Debug, Clone, Copy)]
-pub struct Sized<'e>(pub &'e DeviceEffect);
+pub struct SizedEffect<'e>(pub &'e DeviceEffect);
 
-impl fmt::Display for Sized<'_> {
+impl fmt::Display for SizedEffect<'_> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let numbers = self.0.numbers.iter();
         let numbers = numbers.map(|(key, value)| format!("{key} {}", four_digits(*value)));

@@ -7,7 +7,7 @@ pub(crate) mod step;
 use haptical_model::cholesky::{factor, solve};
 use haptical_model::dynamics::Inertia;
 use haptical_model::dynamics::nalgebra::Matrix3;
-use haptical_model::{Device, DeviceEffect, ModelError, RigidBodies, Sized};
+use haptical_model::{Device, DeviceEffect, ModelError, RigidBodies, SizedEffect};
 
 use self::joint::JointForces;
 use self::step::{ForwardState, ForwardWork};
@@ -102,7 +102,7 @@ impl ForwardModel {
                 _ => false,
             };
             if !is_taken {
-                left_out.push(Sized(effect).to_string());
+                left_out.push(SizedEffect(effect).to_string());
             }
         }
         for joint in 0..device.joints.len() {
