@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use haptical_calibration::Degree;
 use haptical_diagnosis::effect_names;
 use haptical_effects::structure::JOINT_COMPLIANCE;
@@ -169,7 +169,7 @@ pub(crate) struct IdentifyArguments {
     /// Fit this effect too, together with geometry and drives: a law of `haptical diagnose --list`, at one joint or at every
     /// joint that can have it; or the causes of a gap.json. Repeatable. The word `dynamics` alone: inertias, friction,
     /// armatures, offsets and one delay from torques, in the place of geometry and drives
-    #[arg(long, value_name = "EFFECT[@JOINT]|GAP.JSON|dynamics")]
+    #[arg(long, value_name = "EFFECT[@JOINT]|GAP.JSON|dynamics", value_hint = ValueHint::AnyPath)]
     pub(crate) with: Vec<String>,
     /// With `--with dynamics`: a log that is predicted and not fitted
     #[arg(long, value_name = "FILE")]

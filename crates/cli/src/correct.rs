@@ -3,9 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use haptical::files::{
-    InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record, sealed_json,
-};
+use haptical::files::{InputFile, Record, Source, VERSION, sealed_json};
 use haptical::units::Shown;
 use haptical::{Correct, Corrected, Device, Match, Waypoints, correct};
 use serde::Serialize;
@@ -97,18 +95,9 @@ struct Written {
 /// Runs the command.
 pub(crate) fn run(arguments: &CorrectArguments) -> Result<(), Failure> {
     let (folder, name) = folder_and_name(&arguments.out)?;
-    haptical::files::check_folder(folder)?;
     let beside = format!("{name}.provenance.json");
-    let outputs = [arguments.out.clone(), folder.join(&beside)];
-    let inputs = [
-        arguments.device.as_path(),
-        arguments.model.as_path(),
-        arguments.waypoints.as_path(),
-    ];
-    check_outputs(&outputs, &inputs)?;
-    if arguments.overwrite.overwrite() == Overwrite::Own {
-        check_own_record(&arguments.out, &outputs[1], COMMAND)?;
-    }
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(&[folder.join(&beside), folder.join(name)])?;
     let progress = Progress::start("reading");
     let equipment = arguments.device_options.equipment();
     let device = Device::open(&Source::given(&arguments.device), &equipment)?;
@@ -131,6 +120,7 @@ pub(crate) fn run(arguments: &CorrectArguments) -> Result<(), Failure> {
     let written = Written::new(arguments, &corrected, warnings, record);
     let json = sealed_json(&written)?;
     write_all(
+        &rule,
         folder,
         &[(name, text), (beside.as_str(), json.into_bytes())],
     )?;

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use haptical::files::{Overwrite, ResultKind};
+use haptical::files::ResultKind;
 use haptical::{Diagnose, diagnose_as};
 
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
+use crate::flags::OverwriteOptions;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
 use crate::terminal::{self, Progress};
 
@@ -33,8 +34,8 @@ impl ResultCommand for DiagnoseArguments {
         ResultKind::DIAGNOSIS
     }
 
-    fn overwrite(&self) -> Overwrite {
-        self.overwrite.overwrite()
+    fn overwrite(&self) -> OverwriteOptions {
+        self.overwrite
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {

@@ -1,10 +1,10 @@
 //! `haptical export`: a calibrated device for a control loop (Rust, C, JSON), a simulator (URDF, MJCF) or ROS 2.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use haptical::files::{Source, VERSION, check_folder, check_outputs};
+use haptical::files::{Source, VERSION};
 use haptical::{Device, Equipment, Export, Form, export, is_mjcf, is_urdf};
 use haptical_urdf::Loader;
 use serde_json::json;
@@ -116,13 +116,8 @@ impl ProgramName {
 /// Runs the command.
 pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let (folder, name) = folder_and_name(&arguments.out)?;
-    check_folder(folder)?;
-    let mut inputs: Vec<&Path> = vec![&arguments.device];
-    inputs.extend(arguments.urdf.as_deref());
-    inputs.extend(arguments.mjcf.as_deref());
-    inputs.extend(arguments.device_options.rig.as_deref());
-    check_outputs(std::slice::from_ref(&arguments.out), &inputs)?;
-    arguments.overwrite.check_file(&arguments.out, COMMAND)?;
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(std::slice::from_ref(&arguments.out))?;
     let device = arguments.read()?;
     let equipment = arguments.device_options.equipment();
     let request = Export {
@@ -134,7 +129,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         loader: arguments.program.map(ProgramName::loader),
     };
     let exported = export(&device, &request)?;
-    write_all(folder, &[(name, exported.text.into_bytes())])?;
+    write_all(&rule, folder, &[(name, exported.text.into_bytes())])?;
     terminal::warn(&exported.warnings);
     let (written, joints) = (arguments.out.display(), device.model.joints.len());
     if arguments.json {

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use haptical::files::{Overwrite, ResultKind, shell_word};
+use haptical::files::{ResultKind, shell_word};
 use haptical::{DYNAMICS, identify_as, identify_dynamics_as, is_urdf};
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
-use crate::flags::word;
+use crate::flags::{OverwriteOptions, word};
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
 use crate::terminal::Progress;
 
@@ -30,8 +30,8 @@ impl ResultCommand for IdentifyArguments {
         (!is_of_dynamics).then_some(self)
     }
 
-    fn overwrite(&self) -> Overwrite {
-        self.overwrite.overwrite()
+    fn overwrite(&self) -> OverwriteOptions {
+        self.overwrite
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::exit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use haptical::files::{NewFile, Overwrite, ResultKind, WrittenResult};
+use haptical::files::{NewFile, ResultKind, WriteRule, WrittenResult};
 
 use crate::failure::Failure;
 
@@ -73,9 +73,13 @@ impl Drop for Writing {
 }
 
 /// Writes all files into a folder, or after Ctrl-C none.
-pub(crate) fn write_all(folder: &Path, files: &[NewFile<'_>]) -> Result<Vec<PathBuf>, Failure> {
+pub(crate) fn write_all(
+    rule: &WriteRule,
+    folder: &Path,
+    files: &[NewFile<'_>],
+) -> Result<Vec<PathBuf>, Failure> {
     let _writing = Writing::begin();
-    haptical::files::write_all(folder, files, &|| state().requested)
+    rule.write(folder, files, &|| state().requested)
 }
 
 /// Writes the files of a result into a folder, or after Ctrl-C none.
@@ -83,8 +87,8 @@ pub(crate) fn write_result(
     folder: &Path,
     kind: &ResultKind,
     files: &[NewFile<'static>],
-    overwrite: Overwrite,
+    rule: &WriteRule,
 ) -> Result<WrittenResult, Failure> {
     let _writing = Writing::begin();
-    haptical::files::write_result(folder, kind, files, overwrite, &|| state().requested)
+    haptical::files::write_result(folder, kind, files, rule, &|| state().requested)
 }

@@ -21,10 +21,13 @@ mod simulate;
 mod terminal;
 mod verify;
 mod watch;
+#[cfg(test)]
+mod writes_tests;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 
 use crate::arguments::{Arguments, Command};
 use crate::failure::Failure;
@@ -37,7 +40,7 @@ const STATUS_UNIDENTIFIABLE: u8 = 3;
 fn main() -> ExitCode {
     // Clap does not run where an argument is wrong, yet the answer depends on this flag.
     let wants_json = std::env::args_os().any(|argument| argument == "--json");
-    let arguments = match Arguments::try_parse() {
+    let arguments = match parsed(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => return arguments::explain(&error, wants_json),
     };
@@ -50,6 +53,14 @@ fn main() -> ExitCode {
         Ok(status) => status,
         Err(failure) => failure::report(&failure, wants_json),
     }
+}
+
+/// The command line; its paths are kept for the rule of what may be written.
+fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::Error> {
+    let mut command = Arguments::command();
+    let matches = command.try_get_matches_from_mut(words)?;
+    flags::keep_inputs(&command, &matches);
+    Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
 fn run(command: Command) -> Result<ExitCode, Failure> {

@@ -5,20 +5,16 @@ mod recorded;
 mod summary;
 
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use haptical::files::{
-    InputFile, Record, Source, VERSION, check_folder, check_outputs, file_name, make_folder,
-    sealed_text,
-};
+use haptical::files::{InputFile, Record, Source, VERSION, WriteRule, file_name, sealed_text};
 use haptical::{Device, Equipment, Log, refuse_other_device};
-use haptical_report::write_atomically;
 
 use crate::arguments::one_or_more;
 use crate::failure::Failure;
-use crate::flags::{DeviceOptions, OverwriteOptions};
-use crate::interrupt::Writing;
+use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
+use crate::interrupt::write_all;
 use crate::play::recorded::Recorded;
 use crate::terminal::{self, Progress};
 
@@ -58,7 +54,7 @@ pub(crate) struct PlayArguments {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
-    check_place(arguments)?;
+    let rule = check_place(arguments)?;
     let progress = Progress::start("reading");
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
@@ -119,13 +115,12 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
             1e-6 * page.len() as f64
         ));
     }
-    let writing = Writing::begin();
-    let folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
-    write_atomically(&arguments.out, page.as_bytes())?;
-    drop((folder, writing));
+    let (folder, name) = folder_and_name(&arguments.out)?;
+    let size = page.len();
+    write_all(&rule, folder, &[(name, page.into_bytes())])?;
     drop(progress);
     terminal::warn(&warnings);
-    let written = summary::Written::new(&recorded, &arguments.out, page.len(), warnings);
+    let written = summary::Written::new(&recorded, &arguments.out, size, warnings);
     if arguments.json {
         return terminal::write_json(&written);
     }
@@ -133,18 +128,16 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
 }
 
 /// Refuses a place for the page that cannot be written to, before any work.
-fn check_place(arguments: &PlayArguments) -> Result<(), Failure> {
+fn check_place(arguments: &PlayArguments) -> Result<WriteRule, Failure> {
     let out = &arguments.out;
     if out.is_dir() || out.file_name().is_none() {
         let next = "give the name of a file, such as page.html";
         let what = "cannot write: it is a folder";
         return Err(Failure::in_file("unwritable", what, out, next));
     }
-    check_folder(out.parent().unwrap_or(Path::new("")))?;
-    let mut inputs: Vec<&Path> = vec![&arguments.device, &arguments.log];
-    inputs.extend(arguments.model.as_deref());
-    check_outputs(std::slice::from_ref(out), &inputs)?;
-    arguments.overwrite.check_file(out, COMMAND)
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(std::slice::from_ref(out))?;
+    Ok(rule)
 }
 
 fn refuse_no_links(device: &Device) -> Result<(), Failure> {

@@ -1,9 +1,9 @@
 //! `haptical report --budget`: the uncertainty of the handle's position, from a fit and the certificates of its instruments.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
-use haptical::files::{Source, check_folder, check_outputs};
+use haptical::files::Source;
 use haptical::{Budget, BudgetOptions, Instruments, Log, budget};
 
 use crate::arguments::number;
@@ -80,12 +80,8 @@ fn level(text: &str) -> Result<f64, String> {
 /// Runs the command.
 pub(crate) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let region_m = region(&arguments.region)?;
-    check_folder(&arguments.out)?;
-    let outputs = Budget::FILES.map(|name| arguments.out.join(name));
-    let mut read: Vec<&Path> = vec![&arguments.budget, &arguments.result];
-    read.extend(arguments.poses.as_deref());
-    check_outputs(&outputs, &read)?;
-    arguments.overwrite.check_file(&outputs[0], COMMAND)?;
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(&Budget::FILES.map(|name| arguments.out.join(name)))?;
     let progress = Progress::start("reading");
     let text = std::fs::read_to_string(&arguments.budget).map_err(|error| {
         Failure::unreadable(
@@ -116,7 +112,7 @@ pub(crate) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
         &options,
     )?;
     let files = made.files()?;
-    let paths = write_all(&arguments.out, &files)?;
+    let paths = write_all(&rule, &arguments.out, &files)?;
     drop(progress);
     terminal::warn(&made.warnings);
     if arguments.json {

@@ -2,14 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical::files::{
-    NewFile, Overwrite, ResultKind, Source, VERSION, WrittenResult, check_folder, check_outputs,
-    check_own,
-};
+use haptical::files::{NewFile, ResultKind, Source, VERSION, WrittenResult, check_folder};
 use haptical::{Device, Equipment, Log};
 
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
+use crate::flags::OverwriteOptions;
 use crate::interrupt::write_result;
 use crate::terminal::{self, Progress};
 
@@ -24,7 +22,7 @@ pub(crate) trait ResultCommand {
     }
 
     /// Which files of its folder it may overwrite.
-    fn overwrite(&self) -> Overwrite;
+    fn overwrite(&self) -> OverwriteOptions;
 
     /// The files that it reads, by flag.
     fn inputs(&self) -> Vec<(&'static str, &Path)>;
@@ -104,14 +102,11 @@ pub(crate) fn run(
     written: &dyn Fn(&[String]) -> String,
 ) -> Result<(), Failure> {
     let (kind, inputs) = (command.kind(), command.inputs());
+    let rule = command.overwrite().rule(kind.command);
     if let Some(out) = out {
         check_folder(out)?;
         let outputs: Vec<PathBuf> = kind.outputs().map(|name| out.join(name)).collect();
-        let paths: Vec<&Path> = inputs.iter().map(|(_, path)| *path).collect();
-        check_outputs(&outputs, &paths)?;
-        if command.overwrite() == Overwrite::Own {
-            check_own(out, &kind)?;
-        }
+        rule.check(&outputs)?;
     }
     let progress = Progress::start("reading");
     let given = inputs
@@ -124,7 +119,7 @@ pub(crate) fn run(
         removed,
         foreign,
     } = match out {
-        Some(out) => write_result(out, &kind, &made.files, command.overwrite())?,
+        Some(out) => write_result(out, &kind, &made.files, &rule)?,
         None => WrittenResult::default(),
     };
     drop(progress);

@@ -10,8 +10,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use haptical::files::{
-    Fingerprint, InputFile, Overwrite, Record, Source, VERSION, check_outputs, check_own_record,
-    file_name, sealed_json,
+    Fingerprint, InputFile, NewFile, Record, Source, VERSION, file_name, sealed_json,
 };
 use haptical::{Device, true_device};
 use haptical_model::{check_toml_syntax, read_toml_text};
@@ -155,19 +154,15 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.poses {
         return poses::run(arguments, path);
     }
-    check_outputs(std::slice::from_ref(&arguments.out), &arguments.inputs())?;
     let (folder, name) = folder_and_name(&arguments.out)?;
     // a log cannot say itself how it came about
     let beside = format!("{name}.provenance.json");
     let place = folder.join(&beside);
     let truth_name = format!("{name}.truth.toml");
-    check_outputs(
-        &[place.clone(), folder.join(&truth_name)],
-        &arguments.inputs(),
-    )?;
-    if arguments.overwrite.overwrite() == Overwrite::Own {
-        check_own_record(&arguments.out, &place, COMMAND)?;
-    }
+    let rule = arguments.overwrite.rule(COMMAND);
+    let mut outputs = vec![place.clone(), arguments.out.clone()];
+    outputs.extend(arguments.deviate.map(|_| folder.join(&truth_name)));
+    rule.check(&outputs)?;
     let source = Source::given(&arguments.device);
     let equipment = arguments.device_options.equipment();
     let mut device = Device::open(&source, &equipment)?;
@@ -189,6 +184,10 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let log = Source::given(&arguments.out);
     let hashed = Fingerprint::of_file(&arguments.out)
         .map_err(|error| Failure::internal(format!("the log that was written: {error}")))?;
+    let mut written = Vec::new();
+    if arguments.deviate.is_some() {
+        written.push((truth_name.as_str(), truth_text(truth)?.into_bytes()));
+    }
     let label = |path: &PathBuf| Source::given(path).label;
     let mut summary = Written {
         log: label(&arguments.out),
@@ -200,14 +199,11 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         truth: arguments.truth.as_ref().map(label),
         effects: effects.as_slice(),
         haptical_version: VERSION,
-        provenance: arguments.record(files, &log, hashed),
+        provenance: arguments.record(files, (&log, hashed), &written),
     };
     let json = sealed_json(&summary)?;
-    let mut beside = vec![(beside.as_str(), json.into_bytes())];
-    if arguments.deviate.is_some() {
-        beside.push((truth_name.as_str(), truth_text(truth)?.into_bytes()));
-    }
-    write_all(folder, &beside)?;
+    written.push((beside.as_str(), json.into_bytes()));
+    write_all(&rule, folder, &written)?;
     terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
     if arguments.json {
@@ -218,17 +214,13 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 }
 
 impl SimulateArguments {
-    /// The files that are read.
-    fn inputs(&self) -> Vec<&Path> {
-        let further = [&self.truth, &self.effects, &self.poses];
-        std::iter::once(&self.device)
-            .chain(further.into_iter().flatten())
-            .map(PathBuf::as_path)
-            .collect()
-    }
-
-    /// How the log came about.
-    fn record(&self, files: Vec<InputFile>, log: &Source, hashed: Fingerprint) -> Record {
+    /// How the log and the files beside it came about.
+    fn record(
+        &self,
+        files: Vec<InputFile>,
+        (log, hashed): (&Source, Fingerprint),
+        beside: &[NewFile<'_>],
+    ) -> Record {
         let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
         flags.extend(self.device_options.equipment().chain_flags());
         flags.extend(self.deviate.map(|share| format!("--deviate={share}")));
@@ -238,9 +230,12 @@ impl SimulateArguments {
             flags.push(format!("--rate-hz={}", self.rate_hz));
         }
         flags.push(format!("--seed={}", self.seed));
-        let mut record = Record::new(VERSION, COMMAND, flags, files);
+        let record = Record::new(VERSION, COMMAND, flags, files);
+        let mut record = record.with_outputs(beside);
         record.seeds.insert("simulation", self.seed);
-        record.outputs.push(hashed.output(&file_name(&log.path)));
+        record
+            .outputs
+            .insert(0, hashed.output(&file_name(&log.path)));
         record
     }
 }

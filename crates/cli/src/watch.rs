@@ -7,17 +7,18 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use haptical::Device;
-use haptical::files::Source;
+use haptical::files::{Source, WriteRule};
 use haptical::watch::{Feed, Watch, WatchEvent, WatchOptions, WatchState, WatchVerdict};
-use haptical_report::write_atomically;
 use serde::Serialize;
 
 use crate::arguments::above_zero;
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::Writing;
 use crate::{STATUS_UNIDENTIFIABLE, terminal};
 
+/// Its name.
+const COMMAND: &str = "watch";
 /// Exit status where the calibration is no longer true.
 const STATUS_UNTRUE: u8 = 4;
 /// How long nothing new is waited for.
@@ -75,6 +76,8 @@ pub(crate) struct WatchArguments {
     /// Folder for the rows of an alarm and their diagnosis
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) overwrite: OverwriteOptions,
     /// Lines for people or for programs; by the kind of the output unless stated
     #[arg(long, value_enum, value_name = "FORM")]
     pub(crate) lines: Option<Lines>,
@@ -107,6 +110,7 @@ struct Stated<'s> {
 struct Output<'a> {
     lines: Lines,
     page: Option<&'a Path>,
+    rule: WriteRule,
     every: Duration,
     /// All is said in the summary.
     is_brief: bool,
@@ -115,10 +119,13 @@ struct Output<'a> {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &WatchArguments) -> Result<ExitCode, Failure> {
+    let options = options(arguments);
+    check_outputs(arguments, &options)?;
     let equipment = arguments.device_options.equipment();
     let device = Device::open(&Source::given(&arguments.device), &equipment)?;
     terminal::warn(&device.warnings);
-    let mut watch = Watch::new(device, options(arguments))?;
+    let rule = options.rule.clone();
+    let mut watch = Watch::new(device, options)?;
     let mut output = Output {
         lines: arguments
             .lines
@@ -127,6 +134,7 @@ pub(crate) fn run(arguments: &WatchArguments) -> Result<ExitCode, Failure> {
                 false => Lines::Json,
             }),
         page: arguments.page.as_deref(),
+        rule,
         every: Duration::from_secs_f64(arguments.every_s.min(1e9)),
         is_brief: arguments.once,
         last: None,
@@ -170,6 +178,19 @@ pub(crate) fn run(arguments: &WatchArguments) -> Result<ExitCode, Failure> {
     })
 }
 
+/// Refuses, before any work, files that must not be written; rows of an alarm in the folder that is watched would be judged again.
+fn check_outputs(arguments: &WatchArguments, options: &WatchOptions) -> Result<(), Failure> {
+    options.check_outputs(arguments.page.as_deref())?;
+    let place = |path: &Path| path.canonicalize().ok();
+    let out = arguments.out.as_deref().and_then(place);
+    if out.is_some() && arguments.log.is_dir() && out == place(&arguments.log) {
+        let what = "--out is the folder that is watched: the rows of an alarm would be read as a log of it";
+        let next = "give another --out";
+        return Err(Failure::in_file("unwritable", what, &arguments.log, next));
+    }
+    Ok(())
+}
+
 fn options(arguments: &WatchArguments) -> WatchOptions {
     WatchOptions {
         false_alarms_per_hour: arguments.false_alarms_per_hour,
@@ -177,6 +198,7 @@ fn options(arguments: &WatchArguments) -> WatchOptions {
         rate_hz: arguments.rate_hz,
         tolerances: arguments.tolerance.clone(),
         out: arguments.out.clone(),
+        rule: arguments.overwrite.rule(COMMAND),
         ..WatchOptions::default()
     }
 }
@@ -229,7 +251,9 @@ impl Output<'_> {
 
     fn write_page(&self, state: &WatchState, refresh_s: u32) -> Result<(), Failure> {
         if let Some(path) = self.page {
-            write_atomically(path, state.page(refresh_s)?.as_bytes())?;
+            let (folder, name) = folder_and_name(path)?;
+            let page = state.page(refresh_s)?.into_bytes();
+            self.rule.write(folder, &[(name, page)], &|| false)?;
         }
         Ok(())
     }

@@ -27,9 +27,9 @@ impl Sums {
     }
 
     /// The features of a block: its mean, and the cube root of its mean square, which is nearly normal where the readings are
-    /// (Wilson & Hilferty 1931). None where fewer than half the rows of a block have a reading.
-    pub(crate) fn features(self, rows: usize) -> Option<[f64; 2]> {
-        if self.count == 0 || 2 * (self.count as usize) < rows {
+    /// (Wilson & Hilferty 1931). None where there are fewer than half as many readings as blocks of the reference have.
+    pub(crate) fn features(self, usual: f64) -> Option<[f64; 2]> {
+        if self.count == 0 || 2.0 * f64::from(self.count) < usual {
             return None;
         }
         let count = f64::from(self.count);

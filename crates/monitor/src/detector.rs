@@ -75,6 +75,13 @@ impl Detector {
         self.share * sides.sum::<f64>() / RATES.len() as f64
     }
 
+    /// Blocks until the evidence is `wanted` where the mean of one component is one standard deviation beyond its margin: the
+    /// logarithm of the sum that is tuned to it grows by half a block.
+    pub fn blocks_until(&self, wanted: f64) -> u64 {
+        let weight = self.share * SIDE_WEIGHTS[0] / RATES.len() as f64;
+        (2.0 * (wanted / weight).ln()).ceil().max(1.0) as u64
+    }
+
     /// Starts anew.
     pub fn reset(&mut self) {
         self.sums.fill(0.0);

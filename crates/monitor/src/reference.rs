@@ -2,13 +2,16 @@
 
 use haptical_metrics::{chi_square_quantile, student_t_quantile};
 
-use crate::block::Blocks;
+use crate::block::{BASE_ROWS, Blocks, Sums};
+use crate::detector::Detector;
 use crate::error::MonitorError;
 
 /// Fewest blocks that a reference rests on.
 pub(crate) const LEAST_BLOCKS: usize = 64;
-/// Most that successive blocks may be correlated, its own uncertainty added.
-const MOST_CORRELATION: f64 = 0.2;
+/// Most that blocks may share with all later ones, as a part of the variance that is judged, its own uncertainty added.
+const MOST_SHARED: f64 = 0.2;
+/// Fewest readings of a block, on average: the mean of fewer is not normal enough.
+const LEAST_READINGS: f64 = 0.5 * BASE_ROWS as f64;
 /// Least standard deviation of a block's mean, as a share of that of white noise: a sensor that stood on one count has none.
 const LEAST_SHARE: f64 = 0.1;
 
@@ -17,10 +20,11 @@ const LEAST_SHARE: f64 = 0.1;
 pub struct Feature {
     /// Its mean over the blocks.
     pub mean: f64,
-    /// Standard deviation of a block, memory beyond the block included: of `k` blocks the mean has it over the root of `k`.
+    /// Standard deviation of a block, memory beyond the block included: of `k` blocks the mean has it over the root of `k`. At least
+    /// what the mean may be off without counting.
     pub sd: f64,
-    /// Correlation of successive blocks.
-    pub correlation: f64,
+    /// What a block shares with later ones: the sum of the correlations over all lags.
+    pub shared: f64,
     /// What the true mean may be off, in `sd`: what is no larger than this does not count.
     pub margin: f64,
     /// What the true standard deviation may be, over `sd`.
@@ -36,11 +40,21 @@ pub struct Reference {
     pub blocks: usize,
     /// Of each component its mean and the cube root of its mean square; none of a component with too few readings.
     pub features: Vec<Option<[Feature; 2]>>,
+    /// Readings of each component in a block that has any, on average.
+    pub readings: Vec<f64>,
+}
+
+/// What a reference is asked for.
+struct Wanted<'a> {
+    /// Level of each margin.
+    level: f64,
+    /// What the mean of each component may be off besides, in its scale.
+    tolerance: &'a [f64],
 }
 
 impl Reference {
-    /// The shortest blocks whose features are as good as independent, and their features; none where the rows so far are too
-    /// few for that.
+    /// The shortest blocks whose features are as good as independent, and by which the reference itself is no alarm; none where the
+    /// rows so far are too few for that.
     ///
     /// `miss` is the probability that any of the margins is too small, `tolerance` what a mean may be off besides, one number a
     /// component in its scale.
@@ -50,54 +64,116 @@ impl Reference {
         miss: f64,
         tolerance: &[f64],
     ) -> Result<Option<Self>, MonitorError> {
+        let level = 1.0 - miss / (2 * components) as f64;
+        let wanted = Wanted { level, tolerance };
         let mut factor = 1;
         while blocks.len() / factor >= LEAST_BLOCKS {
-            let rows = blocks.rows * factor;
-            let mut features = Vec::with_capacity(components);
-            let level = 1.0 - miss / (2 * components) as f64;
-            for component in 0..components {
-                let own: Vec<[f64; 2]> = blocks
-                    .merged(component, factor)
-                    .filter_map(|sums| sums.features(rows))
-                    .collect();
-                features.push(feature_pair(&own, rows, level, tolerance[component])?);
-            }
-            let found = features.iter().flatten().flatten();
-            let longest = found.map(|feature| feature.correlation.abs());
-            let most = longest.fold(0.0, f64::max);
-            let count = blocks.len() / factor;
-            let is_judged = features.iter().any(Option::is_some);
-            if is_judged && most + 1.0 / (count as f64).sqrt() <= MOST_CORRELATION {
-                return Ok(Some(Self {
-                    block_rows: rows,
-                    blocks: count,
-                    features,
-                }));
+            let series: Vec<Vec<Sums>> = (0..components)
+                .map(|component| blocks.merged(component, factor).collect())
+                .collect();
+            let found = Self::of_blocks(&series, blocks.rows * factor, &wanted)?;
+            if let Some(found) = found
+                && !found.is_alarmed_by(&series, miss)
+            {
+                return Ok(Some(found));
             }
             factor *= 2;
         }
         Ok(None)
     }
+
+    /// The reference of blocks of so many rows; none where they are not independent.
+    fn of_blocks(
+        series: &[Vec<Sums>],
+        rows: usize,
+        wanted: &Wanted<'_>,
+    ) -> Result<Option<Self>, MonitorError> {
+        let mut found = Self {
+            block_rows: rows,
+            blocks: series.first().map_or(0, Vec::len),
+            features: Vec::with_capacity(series.len()),
+            readings: Vec::with_capacity(series.len()),
+        };
+        for (sums, tolerance) in series.iter().zip(wanted.tolerance) {
+            let read = sums.iter().filter(|own| own.count > 0);
+            let all: f64 = read.clone().map(|own| f64::from(own.count)).sum();
+            let readings = all / (read.count() as f64).max(1.0);
+            found.readings.push(readings);
+            // of longer blocks there would be too few
+            if all < LEAST_READINGS * LEAST_BLOCKS as f64 {
+                found.features.push(None);
+                continue;
+            }
+            if readings < LEAST_READINGS {
+                return Ok(None);
+            }
+            let own: Vec<[f64; 2]> = sums
+                .iter()
+                .filter_map(|sums| sums.features(readings))
+                .collect();
+            let pair = feature_pair(&own, readings, wanted.level, *tolerance)?;
+            if pair
+                .iter()
+                .flatten()
+                .any(|(_, is_independent)| !is_independent)
+            {
+                return Ok(None);
+            }
+            found
+                .features
+                .push(pair.map(|pair| pair.map(|(feature, _)| feature)));
+        }
+        Ok(found.features.iter().any(Option::is_some).then_some(found))
+    }
+
+    /// Whether the test that is to judge with this reference takes the reference itself for an alarm. While the law holds for its blocks
+    /// that has at most the probability `miss`, by the bound on false alarms.
+    fn is_alarmed_by(&self, series: &[Vec<Sums>], miss: f64) -> bool {
+        let mut detector = Detector::new(self);
+        let most = self.blocks as f64 / miss;
+        let mut judged = vec![None; series.len()];
+        (0..self.blocks).any(|block| {
+            for (component, own) in judged.iter_mut().enumerate() {
+                *own = self.standardised(component, series[component][block]);
+            }
+            detector.push(self, &judged);
+            detector.evidence() >= most
+        })
+    }
+
+    /// A block's features of a component in standard deviations from the reference; none with too few readings.
+    pub(crate) fn standardised(&self, component: usize, sums: Sums) -> Option<[f64; 2]> {
+        let [of_mean, of_size] = self.features[component]?;
+        let usual = self.readings[component];
+        let [mean, size] = sums.features(usual)?;
+        // fewer readings in a block: its features scatter more
+        let filled = (f64::from(sums.count) / usual).min(1.0).sqrt();
+        Some([
+            filled * (mean - of_mean.mean) / of_mean.sd,
+            filled * (size - of_size.mean) / of_size.sd,
+        ])
+    }
 }
 
-/// Both features of a component; none with too few blocks.
+/// Both features of a component, and whether blocks are as good as independent in them; none with too few blocks.
 fn feature_pair(
     own: &[[f64; 2]],
-    rows: usize,
+    readings: f64,
     level: f64,
     tolerance: f64,
-) -> Result<Option<[Feature; 2]>, MonitorError> {
+) -> Result<Option<[(Feature, bool); 2]>, MonitorError> {
     if own.len() < LEAST_BLOCKS {
         return Ok(None);
     }
-    let least = LEAST_SHARE / (rows as f64).sqrt();
+    let least = LEAST_SHARE / readings.sqrt();
     let column = |which: usize| own.iter().map(|pair| pair[which]).collect::<Vec<f64>>();
     let means = feature(&column(0), least, level, tolerance)?;
-    let mut sizes = feature(&column(1), least, level, 0.0)?;
+    let sizes = column(1);
+    let size = sizes.iter().sum::<f64>() / sizes.len() as f64;
     // a mean that is off by the tolerance makes the mean square larger by this
-    let grown = tolerance * (tolerance + 2.0 * means.mean.abs());
-    sizes.margin += ((sizes.mean.powi(3) + grown).cbrt() - sizes.mean) / sizes.sd;
-    Ok(Some([means, sizes]))
+    let grown = tolerance * (tolerance + 2.0 * means.0.mean.abs());
+    let grown = (size.powi(3) + grown).cbrt() - size;
+    Ok(Some([means, feature(&sizes, least, level, grown)?]))
 }
 
 fn feature(
@@ -105,28 +181,47 @@ fn feature(
     least: f64,
     level: f64,
     tolerance: f64,
-) -> Result<Feature, MonitorError> {
+) -> Result<(Feature, bool), MonitorError> {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
-    let about = |lag: usize| {
-        let pairs = values.iter().zip(&values[lag..]);
-        pairs.map(|(a, b)| (a - mean) * (b - mean)).sum::<f64>()
-    };
-    let (square, product) = (about(0), about(1));
-    let correlation = match square > 0.0 {
-        true => product / square,
-        false => 0.0,
-    };
-    let plain = (square / (count - 1.0)).sqrt();
-    // what successive blocks share adds to the variance of long means; its estimate is off by 1 / sqrt(count)
-    let memory = 1.0 + 2.0 * (correlation + 1.0 / count.sqrt()).max(0.0);
-    let sd = (plain * memory.sqrt()).max(least);
+    let left: Vec<f64> = values.iter().map(|value| value - mean).collect();
+    let variance = left.iter().map(|own| own * own).sum::<f64>() / (count - 1.0);
+    let judged = variance.max(tolerance * tolerance);
+    let shared = shared(&left, MOST_SHARED * judged / variance);
+    // the estimate of a correlation is off by 1 / sqrt(count)
+    let most = shared + 1.0 / count.sqrt();
+    // what blocks share adds to the variance of long means, and what is within the tolerance does not count
+    let sd = (variance * (1.0 + 2.0 * most.max(0.0))).sqrt();
+    let sd = sd.max(tolerance).max(least);
     let low = chi_square_quantile(0.5 * (1.0 - level), count - 1.0)?;
-    Ok(Feature {
+    let found = Feature {
         mean,
         sd,
-        correlation,
+        shared,
         margin: student_t_quantile(level, count - 1.0)? / count.sqrt() + tolerance / sd,
         widened: (low / (count - 1.0)).sqrt().recip(),
-    })
+    };
+    Ok((found, most * variance <= MOST_SHARED * judged))
+}
+
+/// Sum of the correlations over all lags from 1 on, of values about their mean: pairs of neighbouring lags are added as long as
+/// they are above 0, as those of a chain that can run backwards are (Geyer 1992). It ends where it is above `enough`.
+fn shared(left: &[f64], enough: f64) -> f64 {
+    let square: f64 = left.iter().map(|own| own * own).sum();
+    if square <= 0.0 {
+        return 0.0;
+    }
+    let about = |lag: usize| {
+        let pairs = left.iter().zip(&left[lag..]);
+        pairs.map(|(a, b)| a * b).sum::<f64>() / square
+    };
+    let mut sum = about(1);
+    for pair in 1..left.len() / 4 {
+        let both = about(2 * pair) + about(2 * pair + 1);
+        if both <= 0.0 || sum > enough {
+            break;
+        }
+        sum += both;
+    }
+    sum
 }

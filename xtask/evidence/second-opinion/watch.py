@@ -29,6 +29,30 @@ def features(scaled, length):
     return blocks.mean(1), np.cbrt((blocks**2).mean(1))
 
 
+def shared(off):
+    """Sum of the correlations over all lags from 1 on, by Geyer's initial positive sequence."""
+    count = len(off)
+    about = lambda lag: (off[lag:] * off[: count - lag]).sum() / (off**2).sum()
+    total = about(1)
+    for pair in range(1, count // 4):
+        both = about(2 * pair) + about(2 * pair + 1)
+        if both <= 0 or total > 0.2:
+            break
+        total += both
+    return total
+
+
+def largest(both, own):
+    """Largest evidence of the test on the blocks of its own reference."""
+    z = [(values - one[0]) / one[1] for values, one in zip(both, own)]
+    sides = np.stack([(z[0] - own[0][3]) / own[0][4], (-z[0] - own[0][3]) / own[0][4], (z[1] - own[1][3]) / own[1][4]])
+    weights, sums, most = np.array([0.25, 0.25, 0.5]) / len(RATES), np.zeros((3, len(RATES))), 0
+    for block in sides.T:
+        sums = (1 + sums) * np.exp(np.minimum(np.outer(block, RATES) - RATES**2 / 2, 300))
+        most = max(most, weights @ sums.sum(1))
+    return most
+
+
 def reference(noise, least):
     """Centre, scale, block length and features of the shortest adequate reference of a stream; where it ends."""
     settle = max(least // 10, 128)
@@ -51,15 +75,15 @@ def reference(noise, least):
                 mean = values.mean()
                 off = values - mean
                 square = (off**2).sum()
-                correlation = (off[1:] * off[:-1]).sum() / square
-                memory = 1 + 2 * max(correlation + count**-0.5, 0)
+                common = shared(off)
+                memory = 1 + 2 * max(common + count**-0.5, 0)
                 sd = max(np.sqrt(square / (count - 1) * memory), 0.1 / np.sqrt(length))
                 level = 1 - 0.05 / 2
                 margin = stats.t.ppf(0.5 * (1 + level), count - 1) / np.sqrt(count)
                 low = stats.chi2.ppf(0.5 * (1 - level), count - 1) / (count - 1)
-                own.append((mean, sd, correlation, margin, low**-0.5))
-            worst = max(abs(one[2]) for one in own)
-            if worst + count**-0.5 <= 0.2:
+                own.append((mean, sd, common, margin, low**-0.5))
+            worst = max(one[2] for one in own)
+            if worst + count**-0.5 <= 0.2 and largest(features(part, length), own) < count / 0.05:
                 return centre, scale, length, own, settle + base * 8
             length *= 2
     return None

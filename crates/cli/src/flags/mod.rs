@@ -11,7 +11,9 @@ use crate::failure::Failure;
 
 pub(crate) use device::{DeviceOptions, word};
 pub(crate) use hold::HoldOptions;
-pub(crate) use overwrite::OverwriteOptions;
+#[cfg(test)]
+pub(crate) use overwrite::OUTPUTS;
+pub(crate) use overwrite::{OverwriteOptions, keep_inputs, rule};
 
 /// Folder and name of the file that `--out` names.
 pub(crate) fn folder_and_name(out: &Path) -> Result<(&Path, &str), Failure> {

@@ -44,7 +44,7 @@ pub(super) struct BagArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &BagArguments) -> Result<(), Failure> {
     let target = &arguments.target;
-    target.check(None, &[&arguments.recording, &arguments.device])?;
+    target.check(None)?;
     let options = &arguments.device_options;
     let device = options.read_by_path(&arguments.device)?;
     let shape = LogShape::from(&device.model);

@@ -57,9 +57,7 @@ const NUMBERS: [&str; 2] = ["timestamp", "episode_index"];
 
 /// Runs the command.
 pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
-    let inputs = std::iter::once(arguments.dataset.as_path()).chain(arguments.device.as_deref());
-    let inputs: Vec<&Path> = inputs.collect();
-    arguments.target.check(None, &inputs)?;
+    arguments.target.check(None)?;
     let info = info(&arguments.dataset)?;
     let table = Table::read(&arguments.dataset)?;
     let joints = table.state.len();

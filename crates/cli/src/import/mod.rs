@@ -13,12 +13,12 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use haptical::files::{NewFile, check_folder, check_outputs};
+use haptical::files::WriteRule;
 use haptical_data::{JointShape, LogShape};
 use serde_json::json;
 
 use crate::failure::Failure;
-use crate::flags::folder_and_name;
+use crate::flags::{folder_and_name, rule};
 use crate::interrupt::write_all;
 use crate::terminal;
 
@@ -119,44 +119,22 @@ impl Target {
     }
 
     /// Refuses what cannot be written, before any work.
-    fn check(&self, end: Option<&str>, inputs: &[&Path]) -> Result<(), Failure> {
-        let (folder, _) = self.place()?;
-        check_folder(folder)?;
+    fn check(&self, end: Option<&str>) -> Result<(), Failure> {
+        self.place()?;
         let mut outputs = vec![self.out.clone()];
         outputs.extend(end.map(|end| self.beside(end)));
-        check_outputs(&outputs, inputs)
+        self.rule().check_inputs(&outputs)
     }
 
-    /// Refuses to replace a file by another content unless that is asked for.
-    fn refuse_others(&self, folder: &Path, files: &[NewFile<'_>]) -> Result<(), Failure> {
-        let is_other = |(name, content): &&NewFile<'_>| {
-            let place = folder.join(name);
-            let is_there = place.symlink_metadata().is_ok();
-            is_there && !std::fs::read(place).is_ok_and(|there| there == *content)
-        };
-        match files.iter().find(is_other) {
-            Some((name, _)) if !self.force => {
-                let what = "the file is there with another content";
-                let next = "give another --out, or --force to overwrite it";
-                Err(Failure::in_file(
-                    "exists",
-                    what,
-                    &self.out.with_file_name(name),
-                    next,
-                ))
-            }
-            _ => Ok(()),
-        }
+    /// What may be written: a log does not say who wrote it, so that only one with the same content is there already.
+    fn rule(&self) -> WriteRule {
+        rule("import", self.force)
     }
 
     /// Writes a text that is no log.
-    fn write_text(&self, text: String, inputs: &[&Path]) -> Result<(), Failure> {
+    fn write_text(&self, text: String) -> Result<(), Failure> {
         let (folder, name) = folder_and_name(&self.out)?;
-        check_folder(folder)?;
-        check_outputs(std::slice::from_ref(&self.out), inputs)?;
-        let files = vec![(name, text.into_bytes())];
-        self.refuse_others(folder, &files)?;
-        write_all(folder, &files)?;
+        write_all(&self.rule(), folder, &[(name, text.into_bytes())])?;
         let written = self.out.display().to_string();
         match self.json {
             true => terminal::write_json(&json!({"written": [written]})),
@@ -183,8 +161,7 @@ impl Target {
         if let (Some(name), Some((_, content))) = (further_name, beside) {
             files.push((name, content));
         }
-        self.refuse_others(folder, &files)?;
-        write_all(folder, &files)?;
+        write_all(&self.rule(), folder, &files)?;
         terminal::warn(&warnings);
         let written = std::iter::once(&self.out).chain(&further);
         let written: Vec<String> = written.map(|path| path.display().to_string()).collect();

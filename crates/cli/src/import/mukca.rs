@@ -59,7 +59,7 @@ struct Socket {
 
 /// Runs the command.
 pub(super) fn run(arguments: &MukcaArguments) -> Result<(), Failure> {
-    arguments.target.check(Some(RIG), &[])?;
+    arguments.target.check(Some(RIG))?;
     let mut warnings = Vec::new();
     let (sockets, pairs) = read_folder(&arguments.folder, &mut warnings)?;
     let n_columns = common_columns(&sockets, &arguments.folder)?;

@@ -41,7 +41,7 @@ pub(super) struct PosesArguments {
 
 /// Runs the command.
 pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
-    arguments.target.check(None, &[&arguments.table])?;
+    arguments.target.check(None)?;
     if let Some(what) = fault(&arguments.map, &arguments.scale) {
         let next = "name each column of the log once in --map";
         return Err(Failure::command_line("arguments", what, next));

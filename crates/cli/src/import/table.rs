@@ -64,18 +64,8 @@ pub(super) fn run(arguments: &TableArguments) -> Result<(), Failure> {
             next,
         ));
     };
-    let target = Target {
-        out: out.clone(),
-        force: arguments.force,
-        json: arguments.json,
-    };
-    let files = arguments
-        .files
-        .iter()
-        .chain([columns])
-        .chain(&arguments.device);
-    let inputs: Vec<&Path> = files.map(PathBuf::as_path).collect();
-    target.check(None, &inputs)?;
+    let target = target(arguments, out);
+    target.check(None)?;
     let text = std::fs::read_to_string(columns).map_err(|error| {
         let next = "`haptical import --guess FILE...` writes one";
         Failure::unreadable(&error, columns, next)
@@ -93,6 +83,10 @@ pub(super) fn run(arguments: &TableArguments) -> Result<(), Failure> {
 
 /// Prints or writes a mapping file.
 fn propose(arguments: &TableArguments) -> Result<(), Failure> {
+    if let Some(out) = &arguments.out {
+        let rule = target(arguments, out).rule();
+        rule.check_inputs(std::slice::from_ref(out))?;
+    }
     let tables = arguments.files.iter();
     let tables = tables.map(|file| read_table(file, &Default::default()));
     let tables: Vec<Table> = tables.collect::<Result<_, _>>().map_err(refused)?;
@@ -108,13 +102,15 @@ fn propose(arguments: &TableArguments) -> Result<(), Failure> {
             false => terminal::write_output(text.as_bytes()),
         };
     };
-    let inputs: Vec<&Path> = arguments.files.iter().map(PathBuf::as_path).collect();
-    let target = Target {
-        out: out.clone(),
+    target(arguments, out).write_text(text)
+}
+
+fn target(arguments: &TableArguments, out: &Path) -> Target {
+    Target {
+        out: out.to_owned(),
         force: arguments.force,
         json: arguments.json,
-    };
-    target.write_text(text, &inputs)
+    }
 }
 
 fn shape_of_device(arguments: &TableArguments) -> Result<Option<LogShape>, Failure> {

@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use haptical::files::{check_folder, shell_word};
 
 use crate::failure::Failure;
+use crate::flags::rule;
 use crate::interrupt::write_all;
 use crate::terminal;
 
@@ -85,20 +86,6 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
     let folder = &arguments.dir;
     check_folder(folder)?;
     let contents = arguments.example.contents()?;
-    let taken = contents
-        .files
-        .iter()
-        .map(|(name, ..)| folder.join(name))
-        .find(|path| path.exists() && !arguments.force);
-    if let Some(path) = taken {
-        let next = "give another folder, or --force to overwrite it";
-        return Err(Failure::in_file(
-            "exists",
-            "the file exists already",
-            &path,
-            next,
-        ));
-    }
     let mut text = "Written:\n".to_owned();
     for (name, _, what) in &contents.files {
         text.push_str(&format!("  {}: {what}\n", folder.join(name).display()));
@@ -112,7 +99,7 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
         .into_iter()
         .map(|(name, bytes, _)| (name, bytes))
         .collect();
-    write_all(folder, &files)?;
+    write_all(&rule("init", arguments.force), folder, &files)?;
     terminal::write_output(text.as_bytes())
 }
 

@@ -4,13 +4,14 @@ mod arguments;
 
 use std::path::Path;
 
-use haptical::files::{Overwrite, ResultKind, Source};
+use haptical::files::{ResultKind, Source};
 use haptical::{Device, GapFile, Log, plan_as, settle_as};
 use haptical_design::Step;
 
 pub(crate) use arguments::{PlanArguments, help};
 
 use crate::failure::Failure;
+use crate::flags::OverwriteOptions;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
 use crate::terminal::Progress;
 
@@ -32,8 +33,8 @@ impl ResultCommand for PlanArguments {
         ResultKind::PLAN
     }
 
-    fn overwrite(&self) -> Overwrite {
-        self.overwrite.overwrite()
+    fn overwrite(&self) -> OverwriteOptions {
+        self.overwrite
     }
 
     fn inputs(&self) -> Vec<(&'static str, &Path)> {

@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use haptical::files::{
-    Fingerprint, Overwrite, Record, Source, VERSION, check_outputs, check_own_record, file_name,
-    sealed_json,
-};
+use haptical::files::{Record, Source, VERSION, sealed_json};
 use haptical::{Device, Drive, Forward, Log, forward};
 use haptical_model::{check_toml_syntax, read_toml_text};
 use haptical_simulator::ControllerFile;
@@ -37,18 +34,9 @@ struct Written<'a> {
 pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Failure> {
     let (folder, name) = folder_and_name(&arguments.out)?;
     let (page, beside) = (format!("{name}.html"), format!("{name}.provenance.json"));
-    let outputs = [
-        arguments.out.clone(),
-        folder.join(&page),
-        folder.join(&beside),
-    ];
-    let mut inputs = vec![arguments.device.as_path(), path];
-    inputs.extend(arguments.with.as_deref());
-    inputs.extend(arguments.controller.as_deref());
-    check_outputs(&outputs, &inputs)?;
-    if arguments.overwrite.overwrite() == Overwrite::Own {
-        check_own_record(&arguments.out, &outputs[2], COMMAND)?;
-    }
+    let rule = arguments.overwrite.rule(COMMAND);
+    let place = folder.join(&page);
+    rule.check(&[folder.join(&beside), arguments.out.clone(), place.clone()])?;
     let progress = Progress::start("reading");
     let equipment = arguments.device_options.equipment();
     let device = Device::open(&Source::given(&arguments.device), &equipment)?;
@@ -85,11 +73,8 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         .chain(flags)
         .collect();
     flags.extend(equipment.chain_flags());
-    let mut record = Record::new(VERSION, COMMAND, flags, files);
-    let hashed = Fingerprint::from_bytes(&csv);
-    record
-        .outputs
-        .push(hashed.output(&file_name(&arguments.out)));
+    let mut written = vec![(name, csv), (page.as_str(), html)];
+    let record = Record::new(VERSION, COMMAND, flags, files).with_outputs(&written);
     let mut summary = Written {
         predictions: Source::given(&arguments.out).label,
         page: page.clone(),
@@ -105,14 +90,8 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         provenance: record,
     };
     let json = sealed_json(&summary)?;
-    write_all(
-        folder,
-        &[
-            (name, csv),
-            (page.as_str(), html),
-            (beside.as_str(), json.into_bytes()),
-        ],
-    )?;
+    written.push((beside.as_str(), json.into_bytes()));
+    write_all(&rule, folder, &written)?;
     drop(progress);
     terminal::warn(&device.warnings);
     terminal::warn(&log.warnings);
@@ -126,7 +105,7 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         "{table}\n{}Written: {}, {}\n",
         halved(&told, &device),
         summary.predictions,
-        outputs[1].display()
+        place.display()
     );
     terminal::write_output(text.as_bytes())
 }

@@ -2,10 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical::files::{
-    Fingerprint, Overwrite, Record, Source, VERSION, check_outputs, check_own_record, make_folder,
-    sealed_json,
-};
+use haptical::files::{Fingerprint, Record, Source, VERSION, make_folder, sealed_json};
 use haptical::{Device, Log, SimulatedPostures, simulate_postures};
 use haptical_data::LogShape;
 use haptical_design::Rig;
@@ -62,16 +59,13 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         rig: format!("{name}.rig.toml"),
     };
     let place = |name: &str| folder.join(name);
-    let outputs = [
-        arguments.out.clone(),
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(&[
         place(&beside.provenance),
+        arguments.out.clone(),
         place(&beside.truth),
         place(&beside.rig),
-    ];
-    check_outputs(&outputs, &arguments.inputs())?;
-    if arguments.overwrite.overwrite() == Overwrite::Own {
-        check_own_record(&arguments.out, &outputs[1], COMMAND)?;
-    }
+    ])?;
     let progress = Progress::start("reading");
     let equipment = arguments.device_options.equipment();
     let mut device = Device::open(&Source::given(&arguments.device), &equipment)?;
@@ -84,7 +78,9 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
     progress.say("leading the device to its postures");
     let truth = arguments.truth(truth.as_ref());
     let made = simulate_postures(&device, truth, &postures, rig.as_ref(), arguments.seed)?;
-    let true_text = truth_text(&made.truth)?;
+    let mut written = vec![(beside.truth.as_str(), truth_text(&made.truth)?.into_bytes())];
+    let rig_text = made.rig.clone();
+    written.extend(rig_text.map(|text| (beside.rig.as_str(), text.into_bytes())));
     write_log(arguments, folder, &made)?;
     let log = Source::given(&arguments.out);
     let hashed = Fingerprint::of_file(&arguments.out)
@@ -102,18 +98,11 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         poses: Source::given(path).label,
         measure: arguments.measure.as_deref(),
         haptical_version: VERSION,
-        provenance: arguments.record(files, &log, hashed),
+        provenance: arguments.record(files, (&log, hashed), &written),
     };
     let json = sealed_json(&summary)?;
-    let mut written = vec![
-        (beside.provenance.as_str(), json.into_bytes()),
-        (beside.truth.as_str(), true_text.into_bytes()),
-    ];
-    written.extend(
-        made.rig
-            .map(|text| (beside.rig.as_str(), text.into_bytes())),
-    );
-    write_all(folder, &written)?;
+    written.push((beside.provenance.as_str(), json.into_bytes()));
+    write_all(&rule, folder, &written)?;
     drop(progress);
     terminal::warn(&device.warnings);
     terminal::warn(&postures.warnings);

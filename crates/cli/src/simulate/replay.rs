@@ -2,10 +2,7 @@
 
 use std::path::Path;
 
-use haptical::files::{
-    Fingerprint, Overwrite, Record, Source, VERSION, check_outputs, check_own_record, file_name,
-    make_folder, sealed_json,
-};
+use haptical::files::{Fingerprint, Record, Source, VERSION, file_name, make_folder, sealed_json};
 use haptical::{Device, Log, ReplayedChannel, replay};
 use serde::Serialize;
 
@@ -37,15 +34,9 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         format!("{name}.residuals.csv"),
         format!("{name}.provenance.json"),
     );
-    let outputs = [
-        arguments.out.clone(),
-        folder.join(&residuals_name),
-        folder.join(&beside),
-    ];
-    check_outputs(&outputs, &[&arguments.device, path])?;
-    if arguments.overwrite.overwrite() == Overwrite::Own {
-        check_own_record(&arguments.out, &outputs[2], COMMAND)?;
-    }
+    let place = folder.join(&residuals_name);
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check(&[folder.join(&beside), arguments.out.clone(), place.clone()])?;
     let progress = Progress::start("reading");
     let equipment = arguments.device_options.equipment();
     let device = Device::open(&Source::given(&arguments.device), &equipment)?;
@@ -66,12 +57,16 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         .map(haptical::files::InputFile::argument)
         .collect();
     flags.extend(equipment.chain_flags());
-    let mut record = Record::new(VERSION, COMMAND, flags, files);
+    let record = Record::new(VERSION, COMMAND, flags, files);
     let made = Source::given(&arguments.out);
     let hashed = Fingerprint::of_file(&arguments.out)
         .map_err(|error| Failure::internal(format!("the log that was written: {error}")))?;
-    record.outputs.push(hashed.output(&file_name(&made.path)));
     let text = replayed.residuals_csv(&log).into_bytes();
+    let mut written = vec![(residuals_name.as_str(), text)];
+    let mut record = record.with_outputs(&written);
+    record
+        .outputs
+        .insert(0, hashed.output(&file_name(&made.path)));
     let mut summary = Written {
         log: made.label,
         residuals: residuals_name.clone(),
@@ -83,13 +78,8 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         provenance: record,
     };
     let json = sealed_json(&summary)?;
-    write_all(
-        folder,
-        &[
-            (residuals_name.as_str(), text),
-            (beside.as_str(), json.into_bytes()),
-        ],
-    )?;
+    written.push((beside.as_str(), json.into_bytes()));
+    write_all(&rule, folder, &written)?;
     drop(progress);
     terminal::warn(&device.warnings);
     terminal::warn(&log.warnings);
@@ -98,7 +88,7 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
     if arguments.json {
         return terminal::write_json(&summary);
     }
-    terminal::write_output(summary.text(&outputs[1]).as_bytes())
+    terminal::write_output(summary.text(&place).as_bytes())
 }
 
 impl Written<'_> {

@@ -76,7 +76,7 @@ fn a_proposal_is_printed_or_written_and_works_as_it_is() {
     std::fs::write(bench.path().join("new/proposal.toml"), "# mine\n").unwrap();
     bench.refused(
         "--guess table.csv --out new/proposal.toml",
-        &["another content", "--force"],
+        &["no earlier `haptical import` wrote it", "--force"],
     );
 }
 

@@ -347,7 +347,7 @@ fn a_repair_is_made_again_by_verify_and_never_over_its_input() {
         .unwrap();
     assert_eq!(over.status.code(), Some(2));
     assert!(
-        text(&over.stderr).contains("it would overwrite the input"),
+        text(&over.stderr).contains("is an input of this run"),
         "{}",
         text(&over.stderr)
     );

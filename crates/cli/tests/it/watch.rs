@@ -328,3 +328,154 @@ fn what_is_left_out_is_not_answered_for() {
         assert!(all.contains(said), "{file}: {all}");
     }
 }
+
+/// A log with nothing to judge behind a sound reference is not true: whatever is missing, the answer is that nothing was judged.
+#[test]
+fn nothing_to_judge_is_not_true() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let sound = rows(4000, 4000, 0.0);
+    write("was.csv", &sound);
+    let header = sound.lines().next().unwrap();
+    let lines = |count: usize| sound.split_inclusive('\n').take(count).collect::<String>();
+    let unreadable: String = (0..60).map(|row| format!("{row},ERR,ERR\n")).collect();
+    std::fs::create_dir(folder.path().join("incoming")).unwrap();
+    for (name, text, rows) in [
+        ("none.csv", String::new(), 0),
+        ("header.csv", format!("{header}\n"), 0),
+        ("unreadable.csv", format!("{header}\n{unreadable}"), 0),
+        ("one.csv", lines(2), 1),
+        ("few.csv", lines(101), 100),
+        ("-", String::new(), 0),
+        ("-", lines(51), 50),
+        ("incoming", String::new(), 0),
+    ] {
+        if name.ends_with("csv") {
+            write(name, &text);
+        }
+        for form in ["text", "json"] {
+            let output = haptical()
+                .current_dir(folder.path())
+                .args(["watch", "--device", "one.toml", "--reference-s", "100"])
+                .args(["--reference", "was.csv", "--once", "--lines", form, name])
+                .write_stdin(text.clone())
+                .output()
+                .unwrap();
+            let said = self::text(&output.stdout);
+            assert_eq!(output.status.code(), Some(3), "{name}: {said}");
+            assert!(!said.contains("is true"), "{name}: {said}");
+            let why = format!("othing was judged: {rows} rows behind the reference are too few");
+            assert!(said.contains(&why), "{name}: {said}");
+            if form == "json" {
+                let end: Value = serde_json::from_str(said.lines().last().unwrap()).unwrap();
+                assert_eq!(end["verdict"], "not-judged", "{end}");
+            }
+        }
+    }
+}
+
+/// Two joints at 100 Hz, read in counts of 0.3 mrad without other noise; every 150 s the second one creeps for four seconds.
+fn creeping(seconds: u32, start: f64) -> String {
+    let count_rad = 3e-4;
+    let read = |angle_rad: f64| count_rad * (angle_rad / count_rad).round();
+    let mut text = "t_s,theta1_rad,theta2_rad,out1_rad,out2_rad\n".to_owned();
+    let (mut first, mut second) = (0.5 * start, 0.37 * start);
+    for row in 0..100 * seconds {
+        let t_s = f64::from(row) / 100.0;
+        let creeps = (t_s + 20.0 * start) % 150.0 < 4.0;
+        second += if creeps { 4e-6 } else { 1.3e-2 };
+        first += 9e-3;
+        let angles = [
+            0.8 * f64::sin(first) + 0.3 * f64::sin(2.55 * first + 1.0),
+            0.6 * f64::sin(second),
+        ];
+        let [a, b] = angles;
+        let [c, d] = angles.map(read);
+        writeln!(text, "{t_s},{a:.7},{b:.7},{c:.7},{d:.7}").unwrap();
+    }
+    text
+}
+
+/// Of a joint that creeps an encoder has the same error of rounding row after row, the more the more rows a second has.
+#[test]
+fn counts_of_a_joint_that_creeps_are_no_alarm() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let joint =
+        |name: &str| format!("[[joint]]\nname = \"{name}\"\nexternal_encoder_sd_rad = 1e-4\n");
+    write("two.toml", &(joint("one") + &joint("two")));
+    write("was.csv", &creeping(600, 0.0));
+    for (start, zero_rad, status) in [
+        (1.0, 0.0, 0),
+        (2.0, 0.0, 0),
+        (3.0, 0.0, 0),
+        (4.0, 0.0, 0),
+        (4.0, 1e-4, 4),
+    ] {
+        let log = creeping(300, start);
+        let mut lines = log.lines();
+        let mut text = format!("{}\n", lines.next().unwrap());
+        for (row, line) in lines.enumerate() {
+            let (rest, last) = line.rsplit_once(',').unwrap();
+            let moved_rad = if row < 15_000 { 0.0 } else { zero_rad };
+            writeln!(text, "{rest},{}", last.parse::<f64>().unwrap() + moved_rad).unwrap();
+        }
+        write("is.csv", &text);
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(["watch", "--device", "two.toml", "--reference-s", "500"])
+            .args([
+                "--reference",
+                "was.csv",
+                "--once",
+                "--lines",
+                "json",
+                "is.csv",
+            ])
+            .output()
+            .unwrap();
+        let said = self::text(&output.stdout);
+        assert_eq!(output.status.code(), Some(status), "{start}: {said}");
+        if status == 4 {
+            let mut lines = said
+                .lines()
+                .map(|line| serde_json::from_str::<Value>(line).unwrap());
+            let alarm = lines.find(|line| line["event"] == "alarm").unwrap();
+            let [from, to] = [0, 1].map(|end| alarm["since_ci95_s"][end].as_f64().unwrap());
+            assert!(from <= 150.0 && 150.0 <= to, "{alarm}");
+            assert!(alarm["seen_s"].as_f64().unwrap() < 165.0, "{alarm}");
+            assert_eq!(alarm["channels"][0]["channel"], "out2");
+        }
+    }
+}
+
+/// A mean that moved by half of the noise is an alarm, and a diagnosis of the rows since may see no gap: both are said.
+#[test]
+fn an_alarm_without_a_gap_says_what_both_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    device(folder.path());
+    let output = haptical()
+        .current_dir(folder.path())
+        .args(["watch", "--device", "one.toml", "--reference-s", "100", "-"])
+        .write_stdin(rows(3400, 3000, 4e-5))
+        .output()
+        .unwrap();
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    let mut lines = said
+        .lines()
+        .map(|line| serde_json::from_str::<Value>(line).unwrap());
+    let cause = lines.find(|line| line["event"] == "cause").unwrap();
+    assert_eq!(
+        (&cause["verdict"], &cause["effect"]),
+        (&"no-gap".into(), &Value::Null),
+        "{cause}"
+    );
+    let answer = cause["answer"].as_str().unwrap();
+    assert!(
+        answer.contains("The alarm and the diagnosis differ"),
+        "{answer}"
+    );
+    assert!(!answer.contains("No gap"), "{answer}");
+}

@@ -34,8 +34,8 @@ use serde::Serialize;
 use crate::device::{Device, refuse_other_device};
 use crate::error::Error;
 use crate::files::{
-    DIAGNOSIS_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, VERSION, sealed_json,
-    write_result,
+    DIAGNOSIS_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, VERSION, WriteRule,
+    sealed_json, write_result,
 };
 use crate::identify::{flag_of_loss, flags_of_fit, hold};
 use crate::lines::labelled;
@@ -347,7 +347,8 @@ impl Diagnosed {
     /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
         let (kind, files) = (ResultKind::DIAGNOSIS, self.files()?);
-        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
+        let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
+        let written = write_result(folder.as_ref(), &kind, &files, &rule, &|| false)?;
         Ok(written.written)
     }
 }

@@ -25,45 +25,6 @@ pub fn check_folder(folder: &Path) -> Result<(), Error> {
     }
 }
 
-/// Refuses files to write that would replace an input, or what is no file, before any work.
-///
-/// # Errors
-/// The first output that would.
-pub fn check_outputs(outputs: &[PathBuf], inputs: &[&Path]) -> Result<(), Error> {
-    for output in outputs {
-        let Ok(there) = std::fs::metadata(output) else {
-            continue;
-        };
-        let refuse = |what: String, next: &str| {
-            let place = output.display().to_string();
-            Err(Error::bad_input("unwritable", what, place, next))
-        };
-        // Renaming a file over a device or a pipe would replace it.
-        if !there.is_file() {
-            let kind = if there.is_dir() {
-                "a folder"
-            } else {
-                "no regular file"
-            };
-            return refuse(
-                format!("cannot write: it is {kind}"),
-                "give the name of a file",
-            );
-        }
-        let same = |input: &&&Path| {
-            let places = (output.canonicalize(), input.canonicalize());
-            matches!(places, (Ok(output), Ok(input)) if output == input)
-        };
-        if let Some(input) = inputs.iter().find(same) {
-            return refuse(
-                format!("it would overwrite the input {}", input.display()),
-                "give another --out",
-            );
-        }
-    }
-    Ok(())
-}
-
 /// Folders that were made for output; those that are empty when it is dropped are removed again.
 #[derive(Debug)]
 pub struct MadeFolders(Vec<PathBuf>);
@@ -95,7 +56,7 @@ impl Drop for MadeFolders {
 ///
 /// # Errors
 /// The folder cannot be written to, or `stop` said so.
-pub fn write_all(
+pub(super) fn write_all(
     folder: &Path,
     files: &[NewFile<'_>],
     stop: &dyn Fn() -> bool,

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::{Fingerprint, OutputFile, ResultKind, file_name, is_seal_whole, is_sealed_by};
-use crate::error::Error;
+use super::{Fingerprint, OutputFile, ResultKind, is_seal_whole};
 
 /// Largest result that is read; a result takes some hundred kilobytes.
 const LARGEST_RESULT_BYTES: u64 = 64 << 20;
@@ -48,18 +47,10 @@ impl Recorded {
         let read = |kind| Self::read(folder, kind);
         ResultKind::ALL.into_iter().filter_map(read).collect()
     }
-
-    /// Whether this run wrote a file of the folder as it is now.
-    pub(super) fn wrote(&self, folder: &Path, name: &str) -> bool {
-        if name == self.kind.result {
-            return self.is_whole;
-        }
-        is_listed(&folder.join(name), name, &self.outputs)
-    }
 }
 
 /// The JSON of a command, the other files that it says it wrote, and whether nobody changed it since.
-fn provenance(text: &str, command: &str) -> Option<(Value, Vec<OutputFile>, bool)> {
+pub(super) fn provenance(text: &str, command: &str) -> Option<(Value, Vec<OutputFile>, bool)> {
     let value: Value = serde_json::from_str(text).ok()?;
     let provenance = value.get("provenance")?;
     if provenance.get("command")?.as_str()? != command {
@@ -71,7 +62,7 @@ fn provenance(text: &str, command: &str) -> Option<(Value, Vec<OutputFile>, bool
 }
 
 /// Whether a file is there with the bytes that are listed under a name.
-fn is_listed(path: &Path, name: &str, outputs: &[OutputFile]) -> bool {
+pub(super) fn is_listed(path: &Path, name: &str, outputs: &[OutputFile]) -> bool {
     let is_as_long = |listed: &&OutputFile| {
         std::fs::metadata(path).is_ok_and(|there| there.is_file() && there.len() == listed.bytes)
     };
@@ -87,54 +78,4 @@ pub(super) fn own_text(path: &Path) -> Option<String> {
     let there = std::fs::metadata(path).ok()?;
     let is_small = there.is_file() && there.len() <= LARGEST_TEXT_BYTES;
     is_small.then(|| std::fs::read_to_string(path).ok())?
-}
-
-/// Refuses to overwrite a file that holds its own hash, [`sealed_text`](super::sealed_text) or
-/// [`sealed_json`](super::sealed_json), unless the command wrote it as it is.
-///
-/// # Errors
-/// The file is there and is none that the command wrote, or was changed since.
-pub fn check_own_file(file: &Path, command: &str) -> Result<(), Error> {
-    let is_own = |text: &str| {
-        let in_json = || {
-            let value: Value = serde_json::from_str(text).ok()?;
-            let is_of_command = value.get("command")?.as_str()? == command;
-            Some(is_of_command && is_seal_whole(text, value.get("result_sha256")?.as_str()?))
-        };
-        is_sealed_by(text, &format!("haptical {command}")) || in_json().unwrap_or(false)
-    };
-    let is_there = file.symlink_metadata().is_ok();
-    match is_there && !own_text(file).is_some_and(|text| is_own(&text)) {
-        true => Err(not_own(file, command)),
-        false => Ok(()),
-    }
-}
-
-/// Refuses to overwrite a file or the record of it, unless the command wrote both as they are.
-///
-/// # Errors
-/// One of them is there and is none that the command wrote, or was changed since.
-pub fn check_own_record(file: &Path, record: &Path, command: &str) -> Result<(), Error> {
-    let found = own_text(record).and_then(|text| provenance(&text, command));
-    if record.symlink_metadata().is_ok() && !found.as_ref().is_some_and(|(_, _, whole)| *whole) {
-        return Err(not_own(record, command));
-    }
-    let is_own = found.is_some_and(|(_, outputs, _)| is_listed(file, &file_name(file), &outputs));
-    match file.symlink_metadata().is_ok() && !is_own {
-        true => Err(not_own(file, command)),
-        false => Ok(()),
-    }
-}
-
-/// The refusal to overwrite a file that a command did not write.
-pub fn not_own(file: &Path, command: &str) -> Error {
-    let what = format!(
-        "the file is there, and no earlier `haptical {command}` wrote it, or it was changed since"
-    );
-    Error::in_file(
-        "exists",
-        what,
-        file,
-        "give another --out, or --force to overwrite it",
-    )
 }

@@ -4,18 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::index;
 use super::output::replace_all;
-use super::own::{Recorded, not_own};
-use super::{INDEX, NewFile, ResultKind};
+use super::own::Recorded;
+use super::{INDEX, NewFile, ResultKind, WriteRule};
 use crate::error::Error;
-
-/// Which files of a folder may be overwritten.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Overwrite {
-    /// Those that an earlier run of the same command wrote and nobody changed since.
-    Own,
-    /// Any.
-    Any,
-}
 
 /// What became of the files in a folder.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -28,55 +19,26 @@ pub struct WrittenResult {
     pub foreign: Vec<PathBuf>,
 }
 
-/// Whether an earlier run of a command wrote a file of the folder, and nobody changed it since. The index is
-/// every command's.
-fn is_own(folder: &Path, kind: &ResultKind, results: &[Recorded], name: &str) -> bool {
-    let is_index = name == INDEX;
-    let mut writers = results
-        .iter()
-        .filter(|result| is_index || result.kind == *kind);
-    writers.any(|result| result.wrote(folder, name))
-        || is_index && index::is_one(&folder.join(name))
-}
-
-/// Refuses to overwrite a file of a folder that no earlier run of the command wrote, or that was changed since.
-///
-/// # Errors
-/// The first such file.
-pub fn check_own(folder: &Path, kind: &ResultKind) -> Result<(), Error> {
-    let results = Recorded::read_all(folder);
-    let is_foreign = |name: &&str| {
-        let is_there = folder.join(name).symlink_metadata().is_ok();
-        is_there && !is_own(folder, kind, &results, name)
-    };
-    let foreign = kind.outputs().find(is_foreign);
-    foreign.map_or(Ok(()), |name| {
-        Err(not_own(&folder.join(name), kind.command))
-    })
-}
-
 /// Writes the files of a result and the index of the folder, and takes away what an earlier run of the same
 /// command wrote there and this one does not: all or nothing. It ends where `stop` says so.
 ///
 /// # Errors
-/// A file that is not the command's own, unless any may be overwritten; the folder cannot be written to; `stop` said so.
+/// A file that the rule refuses; the folder cannot be written to; `stop` said so.
 pub fn write_result(
     folder: &Path,
     kind: &ResultKind,
     files: &[NewFile<'static>],
-    overwrite: Overwrite,
+    rule: &WriteRule,
     stop: &dyn Fn() -> bool,
 ) -> Result<WrittenResult, Error> {
-    if overwrite == Overwrite::Own {
-        check_own(folder, kind)?;
-    }
+    let outputs: Vec<PathBuf> = kind.outputs().map(|name| folder.join(name)).collect();
+    rule.check(&outputs)?;
     let mut results = Recorded::read_all(folder);
     let is_new = |name: &str| files.iter().any(|(new, _)| *new == name);
     let is_there = |name: &str| folder.join(name).symlink_metadata().is_ok();
     let names = kind.files.iter().copied();
     let stale = names.filter(|name| !is_new(name) && is_there(name));
-    let (own, foreign): (Vec<&str>, Vec<&str>) =
-        stale.partition(|name| is_own(folder, kind, &results, name));
+    let (own, foreign) = rule.partition(folder, stale.collect(), kind.outputs());
     let new = files.iter().find(|(name, _)| *name == kind.result);
     let new =
         new.and_then(|(_, content)| Recorded::parse(std::str::from_utf8(content).ok()?, *kind));
@@ -97,7 +59,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::files::{Record, UNSEALED, sealed_json};
+    use crate::files::{Overwrite, Record, UNSEALED, sealed_json};
 
     const KIND: ResultKind = ResultKind::IDENTIFICATION;
 
@@ -118,7 +80,8 @@ mod tests {
         files: &[NewFile<'static>],
         overwrite: Overwrite,
     ) -> Result<WrittenResult, Error> {
-        write_result(folder, &KIND, files, overwrite, &|| false)
+        let rule = WriteRule::new(KIND.command, Vec::new(), overwrite);
+        write_result(folder, &KIND, files, &rule, &|| false)
     }
 
     #[test]

@@ -39,7 +39,7 @@ use crate::device::{Device, InputDrumDenominators};
 use crate::error::Error;
 use crate::files::{
     IDENTIFICATION_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, Source, Thresholds,
-    VERSION, sealed_json, without_comments, write_result,
+    VERSION, WriteRule, sealed_json, without_comments, write_result,
 };
 use crate::log::Log;
 
@@ -351,7 +351,8 @@ impl Found {
 /// Writes the files of an identification, all of them or none.
 fn write_identification(folder: &Path, files: &[NewFile<'static>]) -> Result<Vec<PathBuf>, Error> {
     let kind = ResultKind::IDENTIFICATION;
-    let written = write_result(folder, &kind, files, Overwrite::Own, &|| false)?;
+    let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
+    let written = write_result(folder, &kind, files, &rule, &|| false)?;
     Ok(written.written)
 }
 

@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::device::Device;
 use crate::error::Error;
 use crate::files::{
-    InputFile, NewFile, Overwrite, PLAN_FILES, Record, ResultKind, VERSION, sealed_json,
+    InputFile, NewFile, Overwrite, PLAN_FILES, Record, ResultKind, VERSION, WriteRule, sealed_json,
     write_result,
 };
 use crate::log::Log;
@@ -161,7 +161,8 @@ impl Planned {
     /// [`write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
         let (kind, files) = (ResultKind::PLAN, self.files()?);
-        let written = write_result(folder.as_ref(), &kind, &files, Overwrite::Own, &|| false)?;
+        let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
+        let written = write_result(folder.as_ref(), &kind, &files, &rule, &|| false)?;
         Ok(written.written)
     }
 

@@ -3,16 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use haptical_data::{LogShape, read_log_from};
-use haptical_report::write_atomically;
+use haptical_diagnosis::Verdict;
+use serde_json::json;
 
+use super::{COMMAND, WatchOptions};
 use crate::device::Device;
 use crate::diagnose::{Diagnose, diagnose};
 use crate::error::Error;
-use crate::files::{Overwrite, ResultKind, make_folder, write_result};
+use crate::files::{NewFile, Record, ResultKind, VERSION, WriteRule, sealed_json, write_result};
 use crate::log::Log;
 
-/// Name of the rows that a cause was sought in.
-pub(super) const ROWS: &str = "alarm.csv";
+/// Name of the rows that a cause was sought in, and of what says who wrote them.
+const ROWS: [&str; 2] = ["alarm.csv", "alarm.csv.provenance.json"];
 
 /// What the diagnosis says of the rows since a change.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -21,36 +23,85 @@ pub struct WatchCause {
     pub rows: usize,
     /// The answer in words; where the rows say nothing, why.
     pub answer: String,
+    /// Verdict of the diagnosis of these rows alone, as in gap.json; none where there is no diagnosis. The alarm counts whatever it is.
+    pub verdict: Option<&'static str>,
     /// Effect, where one is named.
     pub effect: Option<String>,
     /// Files that were written.
     pub written: Vec<PathBuf>,
 }
 
+/// Said where the diagnosis of the rows alone finds no gap.
+const NO_GAP: &str = "none found. The alarm and the diagnosis differ: residuals are not what they were in the reference, and these rows \
+    alone show no gap beyond noise. So what moved is smaller than they show, or the reference does not hold this task, load or \
+    temperature. Watch on: more rows show more. Or give a reference with this task";
+
+impl WatchOptions {
+    /// Refuses, before any row is read, files of the run that must not be written: the page, and those of an alarm.
+    ///
+    /// # Errors
+    /// As [`WriteRule::check`].
+    pub fn check_outputs(&self, page: Option<&Path>) -> Result<(), Error> {
+        let within = |names: &mut dyn Iterator<Item = &'static str>| {
+            let folder = self.out.iter();
+            let names: Vec<&str> = names.collect();
+            let all = folder.flat_map(|folder| names.iter().map(move |name| folder.join(name)));
+            all.collect::<Vec<PathBuf>>()
+        };
+        let [rows, record] = ROWS;
+        let mut own = within(&mut [record, rows].into_iter());
+        own.extend(page.map(Path::to_owned));
+        let diagnosis = within(&mut ResultKind::DIAGNOSIS.outputs());
+        self.rule.check(&own)?;
+        self.of_diagnosis().check(&diagnosis)?;
+        own.extend(diagnosis);
+        self.rule.check_inputs(&own)
+    }
+
+    fn of_diagnosis(&self) -> WriteRule {
+        self.rule.of_command(ResultKind::DIAGNOSIS.command)
+    }
+}
+
+/// Writes the rows, with what says who wrote them.
+fn write_rows(
+    device: &Device,
+    text: String,
+    (folder, rule): (&Path, &WriteRule),
+) -> Result<Vec<PathBuf>, Error> {
+    let [rows, record] = ROWS;
+    let mut files: Vec<NewFile<'_>> = vec![(rows, text.into_bytes())];
+    let inputs = device.inputs("device");
+    let own = Record::new(VERSION, COMMAND, Vec::new(), inputs).with_outputs(&files);
+    let json = sealed_json(&json!({ "provenance": own }))?;
+    files.push((record, json.into_bytes()));
+    let written = rule.write(folder, &files, &|| false)?;
+    Ok(written.into_iter().take(1).collect())
+}
+
 /// Diagnoses a log against the device that is watched; with a folder writes the rows and gap.json, gap.html there.
 pub(super) fn cause(
     device: &Device,
     (text, rows): (String, usize),
-    folder: Option<&Path>,
+    options: &WatchOptions,
 ) -> Result<WatchCause, Error> {
+    let folder = options.out.as_deref();
     let shape = LogShape::from(&device.model);
     let mut written = Vec::new();
     let log = match folder {
         Some(folder) => {
-            let file = folder.join(ROWS);
-            let _folder = make_folder(folder)?;
-            write_atomically(&file, text.as_bytes())?;
-            written.push(file.clone());
-            Log::read(&file, device)
+            written = write_rows(device, text, (folder, &options.rule))?;
+            Log::read(&folder.join(ROWS[0]), device)
         }
-        None => read_log_from(text.as_bytes(), ROWS, &shape)
+        None => read_log_from(text.as_bytes(), ROWS[0], &shape)
             .map_err(|error| Error::log(error, &device.model))
-            .and_then(|read| Log::from_recording(read.recording, ROWS, device)),
+            .and_then(|read| Log::from_recording(read.recording, ROWS[0], device)),
     };
     // a watch goes on, whatever its rows say of a cause
     let nothing = |error: &Error, written: Vec<PathBuf>| WatchCause {
         rows,
         answer: format!("the rows since the change name no effect: {}", error.what()),
+        verdict: None,
         effect: None,
         written,
     };
@@ -58,26 +109,29 @@ pub(super) fn cause(
         Ok(log) => log,
         Err(error) => return Ok(nothing(&error, written)),
     };
-    let options = Diagnose {
+    let request = Diagnose {
         model: Some(device),
         ..Diagnose::default()
     };
-    let found = match diagnose(device, &log, &options) {
+    let found = match diagnose(device, &log, &request) {
         Ok(found) => found,
         Err(error) => return Ok(nothing(&error, written)),
     };
     if let Some(folder) = folder {
         let kind = ResultKind::DIAGNOSIS;
-        let files = write_result(folder, &kind, &found.files()?, Overwrite::Any, &|| false)?;
+        let rule = options.of_diagnosis();
+        let files = write_result(folder, &kind, &found.files()?, &rule, &|| false)?;
         written.extend(files.written);
     }
     let effect = found.named().map(|cause| cause.0.effect.clone());
     Ok(WatchCause {
         rows,
-        answer: match found.named() {
-            Some(cause) => cause.to_string(),
-            None => found.answer.clone(),
+        answer: match (found.named(), found.diagnosis.verdict) {
+            (Some(cause), _) => cause.to_string(),
+            (None, Verdict::NoGap) => NO_GAP.to_owned(),
+            (None, _) => found.answer.clone(),
         },
+        verdict: Some(found.diagnosis.verdict.name()),
         effect,
         written,
     })

@@ -31,11 +31,14 @@ use self::cause::cause;
 use self::intake::{Intake, Rows, nothing_to_watch};
 use self::kept::Kept;
 use self::lines::Lines;
-use self::motion::moved_since;
+use self::motion::{Motion, joint_of};
 use crate::device::Device;
 use crate::error::Error;
+use crate::files::{Overwrite, WriteRule};
 use crate::replay::{placed, predicted_residuals};
 
+/// Its name.
+pub(crate) const COMMAND: &str = "watch";
 /// Rows before a part that its effects are worked out with: a play knows where its joint was.
 const CONTEXT_ROWS: usize = 256;
 /// Rows that a tracker's place is fitted to at most; of more every k-th is taken.
@@ -71,6 +74,8 @@ pub struct WatchOptions {
     pub diagnosed_rows: usize,
     /// Folder for the rows of an alarm and their diagnosis.
     pub out: Option<PathBuf>,
+    /// What may be written there.
+    pub rule: WriteRule,
 }
 
 impl Default for WatchOptions {
@@ -83,6 +88,7 @@ impl Default for WatchOptions {
             keep_rows: 20_000,
             diagnosed_rows: 2000,
             out: None,
+            rule: WriteRule::new(COMMAND, Vec::new(), Overwrite::Own),
         }
     }
 }
@@ -110,6 +116,8 @@ struct Component {
     channel: String,
     axis: usize,
     unit: String,
+    /// The joint that it sees alone, and how far that moves between two readings of their own.
+    joint: Option<(usize, f64)>,
 }
 
 /// A watch of one device.
@@ -119,8 +127,7 @@ pub struct Watch {
     options: WatchOptions,
     shape: LogShape,
     intake: Intake,
-    /// Joints at the last row that was a reading of its own.
-    last_joints: Vec<f64>,
+    motion: Motion,
     course: Course,
     ceased: ceased::Ceased,
     kept: Kept,
@@ -179,7 +186,7 @@ impl Watch {
         Ok(Self {
             shape: LogShape::from(&device.model),
             intake: Intake::new(),
-            last_joints: Vec::new(),
+            motion: Motion::default(),
             course: Course::default(),
             ceased: ceased::Ceased::default(),
             kept: Kept::new(options.keep_rows.max(CONTEXT_ROWS)),
@@ -345,6 +352,7 @@ impl Watch {
                     channel,
                     axis,
                     unit,
+                    joint: joint_of(&own.channel, own.noise_floor),
                 });
             }
         }
@@ -444,17 +452,20 @@ impl Watch {
             }
         }
         let nothing = vec![f64::NAN; width];
-        for (row, values) in values.chunks_exact(width).enumerate().skip(before) {
+        let mut joints = Vec::with_capacity(recording.joint.len());
+        for (row, values) in values.chunks_exact_mut(width).enumerate().skip(before) {
             self.last_s = self.time_of(recording, row);
             let Some(monitor) = &mut self.monitor else {
                 return Ok(());
             };
-            let joints = recording.joint.iter().map(|column| column[row]);
-            self.course.push(self.last_s, joints);
-            let is_new = moved_since(&mut self.last_joints, recording, row);
+            joints.clear();
+            joints.extend(recording.joint.iter().map(|column| column[row]));
+            self.course.push(self.last_s, joints.iter().copied());
+            let is_new = self.motion.has_moved(recording, row);
             let event = match is_new {
                 true => {
                     self.ceased.take(values, self.last_s);
+                    self.motion.thin(&self.components, &joints, values);
                     monitor.push(self.last_s, values)
                 }
                 false => monitor.push(self.last_s, &nothing),
@@ -464,6 +475,7 @@ impl Watch {
             match event {
                 Some(Event::Referenced) => {
                     events.extend(self.reference_entry().map(WatchEvent::Reference));
+                    events.extend(self.unread());
                 }
                 Some(Event::Alarm) => {
                     self.alarm = self.alarm_entry();
@@ -510,7 +522,7 @@ impl Watch {
             return Ok(None);
         }
         let since = self.kept.since(alarm.sure_row);
-        let found = cause(&self.device, since, self.options.out.as_deref())?;
+        let found = cause(&self.device, since, &self.options)?;
         self.cause = Some(found.clone());
         Ok(Some(found))
     }
@@ -542,6 +554,7 @@ impl Watch {
             ));
         };
         events.push(WatchEvent::Reference(found));
+        events.extend(self.unread());
         Ok(events)
     }
 
@@ -558,13 +571,11 @@ impl Watch {
         Ok(events)
     }
 
-    /// Whether the reference is complete, and an alarm was given.
+    /// Whether the reference is complete, enough rows were judged, and an alarm was given.
     pub fn verdict(&self) -> WatchVerdict {
         match self.monitor.as_ref().map(Monitor::phase) {
             None | Some(Phase::Reference) => WatchVerdict::NotJudged,
-            Some(Phase::Watching) if self.lacks_rows() || self.is_blind() => {
-                WatchVerdict::NotJudged
-            }
+            Some(Phase::Watching) if self.not_judged().is_some() => WatchVerdict::NotJudged,
             Some(Phase::Watching) => WatchVerdict::True,
             Some(Phase::Alarmed) => WatchVerdict::Untrue,
         }

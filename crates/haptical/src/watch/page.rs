@@ -3,8 +3,9 @@
 use haptical_report::{Block, Cell, Document, Section, Table, Tone};
 
 use super::state::{WatchState, WatchVerdict, when};
-use super::{WatchChannel, WatchEvent};
+use super::{COMMAND, WatchChannel, WatchEvent};
 use crate::error::Error;
+use crate::files::sealed_text;
 use crate::units::Shown;
 
 impl WatchState {
@@ -21,13 +22,7 @@ impl WatchState {
         };
         let text = match (&self.alarm, self.verdict) {
             (Some(alarm), _) => WatchEvent::Alarm(alarm.clone()).line(),
-            (None, WatchVerdict::NotJudged) if self.reference.is_some() => {
-                format!("{}.", self.not_judged.as_deref().unwrap_or_default())
-            }
-            (None, WatchVerdict::NotJudged) => format!(
-                "The first rows say what the device's errors are while it is true: {}.",
-                self.not_judged.as_deref().unwrap_or("there are no rows")
-            ),
+            (None, WatchVerdict::NotJudged) => format!("{}.", self.why_not_judged()),
             _ => "The residuals are what they were in the reference.".to_owned(),
         };
         let label = label.to_owned();
@@ -63,10 +58,12 @@ impl WatchState {
         let lead = format!("{}: the rows of its log as they come.", self.device);
         let html = Document::new("Watch", lead, sections).to_html();
         let again = format!("<meta http-equiv=\"refresh\" content=\"{refresh_s}\"></head>");
-        Ok(match refresh_s {
+        let html = match refresh_s {
             0 => html,
             _ => html.replacen("</head>", &again, 1),
-        })
+        };
+        let by = format!("haptical {COMMAND}");
+        Ok(sealed_text(&html, &by, ["<!-- ", " -->"]))
     }
 }
 

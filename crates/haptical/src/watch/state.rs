@@ -18,7 +18,7 @@ const NAMED: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WatchVerdict {
-    /// The reference is not complete.
+    /// The reference is not complete, or the rows behind it say too little.
     NotJudged,
     /// No alarm was given.
     True,
@@ -127,7 +127,7 @@ pub struct WatchState {
     pub channels: Vec<WatchChannel>,
     /// The reference, where it is complete.
     pub reference: Option<WatchReference>,
-    /// Why there is no reference yet.
+    /// Why there is no answer yet.
     pub not_judged: Option<String>,
     /// The alarm, where there is one.
     pub alarm: Option<WatchAlarm>,
@@ -164,7 +164,10 @@ impl Watch {
             ceased: self.ceased(),
             channels: present.collect(),
             reference: self.reference_entry(),
-            not_judged: self.not_judged(),
+            not_judged: match self.verdict() {
+                WatchVerdict::NotJudged => self.not_judged(),
+                _ => None,
+            },
             alarm: self.alarm.clone(),
             cause: self.cause.clone(),
         }
@@ -188,39 +191,60 @@ impl Watch {
         ceased.count() == self.components.len()
     }
 
-    /// Why there is no reference yet; nothing where there is one.
+    /// Why there is no answer yet; nothing where there is one.
     pub(super) fn not_judged(&self) -> Option<String> {
         let monitor = self.monitor.as_ref();
         let least = monitor.map_or(
             LEAST_REFERENCE_ROWS as u64,
             haptical_monitor::Monitor::least_reference_rows,
         );
-        match monitor.is_some_and(|own| own.reference().is_some()) {
-            true if self.lacks_rows() => {
-                let left_out = &self.intake.left_out;
-                Some(format!(
-                    "{} rows of {} are left out, too many to answer for all{}",
-                    left_out.unreadable + left_out.out_of_order,
-                    self.rows + left_out.unreadable + left_out.out_of_order,
-                    left_out
-                        .first
-                        .as_ref()
-                        .map_or_else(String::new, |first| format!(": {first}"))
-                ))
-            }
-            true if self.is_blind() => {
-                Some("no channel is read any more, though the arm moves".to_owned())
-            }
-            true => None,
-            false if self.rows < least => Some(format!(
-                "{} rows are too few for a reference, which needs {least}",
-                self.rows
-            )),
-            false => Some(format!(
-                "{} rows do not show that their noise has no memory as long as they last, so they are no reference: record longer",
-                self.rows
-            )),
+        let Some(judging) = monitor.filter(|own| own.reference().is_some()) else {
+            return Some(match self.rows < least {
+                true => format!(
+                    "nothing was judged: {} rows are too few for a reference, which needs {least}",
+                    self.rows
+                ),
+                false => format!(
+                    "nothing was judged: {} rows do not show that their noise has no memory as long as they last, so they are no \
+                     reference: record longer, or say with --tolerance what a channel may be off",
+                    self.rows
+                ),
+            });
+        };
+        let (blocks, wanted) = (judging.blocks_judged(), judging.least_blocks());
+        if blocks < wanted {
+            let rows = judging.rows() - judging.reference_rows();
+            let length = judging.reference().map_or(0, |own| own.block_rows) as u64;
+            return Some(format!(
+                "nothing was judged: {rows} rows behind the reference are too few, {} are needed",
+                wanted * length
+            ));
         }
+        if self.lacks_rows() {
+            let left_out = &self.intake.left_out;
+            let first = left_out.first.as_ref();
+            return Some(format!(
+                "{} rows of {} are left out, too many to answer for all{}",
+                left_out.unreadable + left_out.out_of_order,
+                self.rows + left_out.unreadable + left_out.out_of_order,
+                first.map_or_else(String::new, |first| format!(": {first}"))
+            ));
+        }
+        let text = "no channel is read any more, though the arm moves";
+        self.is_blind().then(|| text.to_owned())
+    }
+
+    /// Says which channels had too few readings in the reference to be judged.
+    pub(super) fn unread(&self) -> Option<WatchEvent> {
+        let reference = self.monitor.as_ref()?.reference()?;
+        let features = reference.features.iter().enumerate();
+        let unread = features.filter(|(_, own)| own.is_none());
+        let names: Vec<String> = unread.map(|(index, _)| self.name(index)).collect();
+        let text = format!(
+            "not judged: {}; the reference has too few readings between which the joint moved",
+            names.join(", ")
+        );
+        (!names.is_empty()).then_some(WatchEvent::Note { text })
     }
 
     fn name(&self, index: usize) -> String {
@@ -341,6 +365,15 @@ impl WatchState {
         text
     }
 
+    /// Why there is no answer, as the beginning of a sentence.
+    pub(super) fn why_not_judged(&self) -> String {
+        let why = self.not_judged.as_deref().unwrap_or("there are no rows");
+        match why.strip_prefix("nothing was judged") {
+            Some(rest) => format!("Nothing was judged{rest}"),
+            None => format!("Not judged: {why}"),
+        }
+    }
+
     /// The last words: what was judged, and the answer.
     pub fn summary(&self) -> String {
         let mut text = String::new();
@@ -354,8 +387,8 @@ impl WatchState {
             .map(|own| own.block_s * self.blocks as f64 / 3600.0);
         text += &match self.verdict {
             WatchVerdict::NotJudged => format!(
-                "Not judged: {}.{}\n",
-                self.not_judged.as_deref().unwrap_or("there are no rows"),
+                "{}.{}\n",
+                self.why_not_judged(),
                 match self.reference.is_some() {
                     true => "",
                     false => " Give --reference a log of the device while it was true, or go on.",

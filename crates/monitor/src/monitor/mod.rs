@@ -339,19 +339,7 @@ impl Monitor {
             self.ring.drain(..width);
         }
         for (index, sums) in self.open.iter_mut().enumerate() {
-            let own = sums
-                .features(reference.block_rows)
-                .zip(reference.features[index]);
-            // fewer readings in a block: its features scatter more
-            let filled = (f64::from(sums.count) / reference.block_rows as f64)
-                .min(1.0)
-                .sqrt();
-            let standard = own.map(|([mean, size], [of_mean, of_size])| {
-                [
-                    filled * (mean - of_mean.mean) / of_mean.sd,
-                    filled * (size - of_size.mean) / of_size.sd,
-                ]
-            });
+            let standard = reference.standardised(index, *sums);
             self.ring.extend(standard.unwrap_or([f64::NAN; 2]));
             self.judged[index] = standard;
             *sums = Sums::default();
@@ -378,6 +366,16 @@ impl Monitor {
         if let Some(detector) = &mut self.detector {
             detector.reset();
         }
+    }
+
+    /// Blocks after which a shift by one standard deviation of a block is an alarm, of the mean of one component; 0 without a
+    /// reference. Fewer say little.
+    pub fn least_blocks(&self) -> u64 {
+        let (Some(reference), Some(detector)) = (&self.reference, &self.detector) else {
+            return 0;
+        };
+        let wanted = self.rows_between / reference.block_rows as f64;
+        detector.blocks_until(wanted)
     }
 
     /// What the monitor is at.

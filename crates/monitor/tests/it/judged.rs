@@ -117,7 +117,10 @@ fn a_large_shift_is_told_with_its_size() {
         assert!((moved - size).abs() < 1.5 * shift.half_width, "{shift:?}");
         assert!((moved - size).abs() < 0.2 * size.abs(), "{shift:?}");
         assert!(shift.rms_since > 0.9 * size.abs(), "{shift:?}");
-        let state = monitor.state(0, 60).unwrap();
+        // the last turn of the swing, whatever the length of a block
+        let turn = (150.0 * std::f64::consts::TAU).round() as usize;
+        let blocks = turn / monitor.reference().unwrap().block_rows;
+        let state = monitor.state(0, blocks).unwrap();
         assert!(
             (state.shift - size).abs() < 0.3 * size.abs().max(swing),
             "{state:?}"
@@ -247,4 +250,106 @@ fn settings_and_rows_out_of_range_are_refused() {
     assert!(monitor.set_rows_between_false_alarms(0.0).is_err());
     let refused = monitor.push(0.0, &[1.0]).unwrap_err();
     assert_eq!(refused, MonitorError::Width { got: 1, wanted: 2 });
+}
+
+/// Noise of standard deviation 1 at 1 kHz, and an error that follows the posture: it stays alike for seconds, far longer than any
+/// block of a few rows, and within the tolerance.
+fn following(seed: u64, size: f64) -> impl FnMut() -> f64 {
+    let (mut noise, mut posture) = (Noise::new(seed, 0.0), Noise::new(seed + 1000, 0.9995));
+    move || noise.next() + size * posture.next().clamp(-2.0, 2.0)
+}
+
+/// Blocks of 8 rows are hardly correlated with their neighbours, but with hundreds of blocks together: taken for independent they are false
+/// alarms, asked for independence beyond the tolerance there is never a reference.
+#[test]
+fn an_error_that_follows_the_posture_is_no_alarm_at_any_rate_of_rows() {
+    let mut alarms = 0;
+    for seed in 0..8 {
+        let mut next = following(seed, 0.05);
+        let own = Settings {
+            tolerances: vec![0.1],
+            reference_rows: 300_000,
+            ..settings(1)
+        };
+        let mut monitor = Monitor::new(own).unwrap();
+        // one in a thousand hours at 1 kHz
+        monitor.set_rows_between_false_alarms(3.6e9).unwrap();
+        let mut is_alarmed = false;
+        for row in 0..1_200_000_u32 {
+            is_alarmed |= monitor.push(f64::from(row), &[next()]).unwrap() == Some(Event::Alarm);
+        }
+        assert_ne!(monitor.phase(), Phase::Reference, "{seed}: no reference");
+        alarms += usize::from(is_alarmed);
+        // what is beyond the tolerance is an alarm within seconds
+        let moved = rows_until_alarm(&mut monitor, 20_000, |_| next() + 0.5);
+        assert!(is_alarmed || moved.is_some(), "{seed}: a shift is not seen");
+    }
+    assert_eq!(alarms, 0);
+}
+
+/// A joint that turns back shows one error of rounding for many rows: most blocks know nothing of it, a few are all of it. Blocks
+/// must be so long that the reference itself is no alarm.
+#[test]
+fn readings_that_stay_alike_for_a_while_make_longer_blocks() {
+    let mut alarms = 0;
+    for seed in 30..42 {
+        let mut noise = Noise::new(seed, 0.0);
+        let (mut row, mut held) = (0_u64, 0.0);
+        // uniform, held for 40 rows of each 400
+        let mut next = move || {
+            row += 1;
+            let fresh = (12_345.678 * noise.next()).rem_euclid(2.0) - 1.0;
+            if row % 400 == 1 {
+                held = fresh;
+            }
+            if row % 400 <= 40 { held } else { fresh }
+        };
+        let own = Settings {
+            reference_rows: 60_000,
+            ..settings(1)
+        };
+        let mut monitor = Monitor::new(own).unwrap();
+        monitor.set_rows_between_false_alarms(3.6e7).unwrap();
+        let mut is_alarmed = false;
+        for row in 0..400_000_u32 {
+            is_alarmed |= monitor.push(f64::from(row), &[next()]).unwrap() == Some(Event::Alarm);
+        }
+        assert_ne!(monitor.phase(), Phase::Reference, "{seed}: no reference");
+        alarms += usize::from(is_alarmed);
+    }
+    // one in 100 hours of 100 rows a second is stated; each stream has less than one
+    assert_eq!(alarms, 0);
+}
+
+/// A channel that is read at every twentieth row is judged as one that is read at each.
+#[test]
+fn a_channel_that_is_read_seldom_is_judged() {
+    let mut noise = Noise::new(14, 0.0);
+    let mut monitor = Monitor::new(Settings {
+        reference_rows: 20_000,
+        ..settings(2)
+    })
+    .unwrap();
+    monitor.set_rows_between_false_alarms(3.6e6).unwrap();
+    let mut found = None;
+    for row in 0..80_000_u32 {
+        let moved = if row < 60_000 { 0.0 } else { 2.0 };
+        let seldom = if row % 20 == 0 {
+            noise.next() + moved
+        } else {
+            f64::NAN
+        };
+        if monitor
+            .push(f64::from(row), &[noise.next(), seldom])
+            .unwrap()
+            == Some(Event::Alarm)
+        {
+            found = Some(row);
+        }
+    }
+    assert!(
+        found.is_some_and(|row| (60_000..64_000).contains(&row)),
+        "{found:?}"
+    );
+    assert_eq!(monitor.shifts(0)[0].component, 1);
 }

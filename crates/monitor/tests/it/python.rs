@@ -51,7 +51,7 @@ fn the_program_in_python_finds_the_same() {
                 for (own, other) in own.iter().zip(case["features"].as_array().unwrap()) {
                     near(own.mean, &other["mean"], 1e-10);
                     near(own.sd, &other["sd"], 1e-10);
-                    near(own.correlation, &other["correlation"], 1e-8);
+                    near(own.shared, &other["shared"], 1e-8);
                     near(own.margin, &other["margin"], 1e-8);
                     near(own.widened, &other["widened"], 1e-8);
                 }
