@@ -39,7 +39,9 @@ pub use problem::device_problem::DeviceProblem;
 pub use problem::gauge::GaugedProblem;
 pub use problem::measurement::tracked::Tracked;
 pub use problem::reduced::{ChannelRows, ReducedProblem};
-pub use problem::residuals::{ChannelResiduals, channel_residuals, rows_with_known_errors};
+pub use problem::residuals::{
+    ChannelResiduals, channel_residuals, is_in_range, rows_with_known_errors, with_ranges_of,
+};
 pub use problem::weights::Weights;
 pub use report::channel_noise::{ChannelNoise, UnevenNoise};
 pub use report::channel_report::{ChannelReport, HandReport};

@@ -17,7 +17,7 @@ use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
 use crate::signal::samples::Samples;
 use crate::survey::usable;
-use crate::unseen::{Unseen, within};
+use crate::unseen::{PARTS, Unseen, within};
 
 /// Edges of the band in which a spring between motor and link is looked for once more \[Hz\].
 const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
@@ -46,7 +46,17 @@ pub fn examine(
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let logs = Logs::new(device, recording, second);
-    let found = examined_each(device, &logs, without)?;
+    let mut found = examined_each(device, &logs, without)?;
+    if found
+        .findings
+        .first()
+        .is_some_and(|own| own.effect == SAMPLING)
+    {
+        let mut others = without.to_vec();
+        others.push(SAMPLING.to_owned());
+        let as_read = examine_with(device, &Logs::new(device, recording, None), &others, Reading::default());
+        found.set_right = as_read.map_or_else(|_| Vec::new(), |own| set_right(&own, &found));
+    }
     let is_push = |own: &Finding| own.effect == CONTACT;
     if !found.is_adequate() || !found.findings.iter().any(is_push) {
         return Ok(found);
@@ -223,6 +233,41 @@ fn left_of(unseen: &[Unseen]) -> Option<f64> {
     Some(after.max(0.0) / before.max(1.0))
 }
 
+/// What the base model leaves of torques as they are read, and once rows are set right.
+fn set_right(as_read: &Examined, found: &Examined) -> Vec<Unseen> {
+    let by_parts = |rest: &[f64]| {
+        let mut sums = ([0.0; PARTS], [0; PARTS]);
+        for (row, own) in rest.iter().enumerate() {
+            let part = row * PARTS / rest.len();
+            sums.0[part] += own * own;
+            sums.1[part] += 1;
+        }
+        sums
+    };
+    let of_joint = |own: &ChannelFit| {
+        let as_read = as_read
+            .channels
+            .iter()
+            .find(|other| other.joint == own.joint)?;
+        let (before, rows) = by_parts(&as_read.before);
+        let (mut after, rows_after) = by_parts(&own.before);
+        // the rows that are left are fewer
+        for (sum, (rows, own)) in after.iter_mut().zip(rows.iter().zip(&rows_after)) {
+            *sum *= *rows as f64 / (*own).max(1) as f64;
+        }
+        Some(Unseen {
+            joint: own.joint,
+            noise: own.noise,
+            left_out: (0, 0.0),
+            rows,
+            before,
+            after,
+            predictions: Vec::new(),
+        })
+    };
+    found.channels.iter().filter_map(of_joint).collect()
+}
+
 /// What was selected, where a channel has a gap, the effects take as much off one as a gap is, or the law of all is exact; else nothing: what
 /// friction and ripple explain beside noise by less is that a sound arm's are no law to the last digit.
 fn shown(problem: &Problem, selection: Selection) -> Selection {
@@ -302,7 +347,11 @@ fn examined(
     let fastest = |dq: &Vec<f64>| dq.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
     let fastest: Vec<f64> = problem.states.motor.dq.iter().map(fastest).collect();
     let most = fastest.iter().copied().fold(0.0, f64::max);
+    let [repeated_rows, behind_missing_rows] = problem.samples.set_right.clone();
     Examined {
+        set_right: Vec::new(),
+        repeated_rows,
+        behind_missing_rows,
         channels: channels.collect(),
         findings: findings(problem, selection),
         before_nats: selection.bare.excess,

@@ -57,6 +57,12 @@ pub struct Examined {
     /// Torques of rows that were not fitted: of the second recording, where there is one; of parts that were left out in turn,
     /// where effects were found; else none.
     pub unseen: Vec<Unseen>,
+    /// Rows (from 0) that the log repeats, which were left out, and those behind ones that it lacks, from which on time was set right.
+    pub repeated_rows: Vec<usize>,
+    /// See [`Examined::repeated_rows`].
+    pub behind_missing_rows: Vec<usize>,
+    /// Where the log repeats rows or lacks some: torques as they are read, and once that is set right, by the base model.
+    pub set_right: Vec<Unseen>,
     /// Why the second recording is not among them.
     pub second: Option<MotionError>,
     /// Effects and joints (from 0) that explained something of the log and were left out: the second recording's torques are predicted better
@@ -362,6 +368,7 @@ mod tests {
             found.unseen = vec![Unseen {
                 joint: 0,
                 noise: 1.0,
+                left_out: (0, 0.0),
                 rows: [10; PARTS],
                 before: [10.0 * before; PARTS],
                 after: [10.0; PARTS],

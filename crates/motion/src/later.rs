@@ -13,7 +13,7 @@ use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
 use crate::fit::system::System;
 use crate::select::{Fitted, Frame, Pick, Place, Pool, Selection, within_limits};
-use crate::unseen::{Unseen, collected};
+use crate::unseen::{Unseen, collected, end};
 
 /// What a pick makes worse of a second recording that refutes it \[nats\].
 const REFUTED_NATS: f64 = 4.0;
@@ -88,8 +88,8 @@ impl Later {
         let before = here.rest(&selection.bare, 0.0, &[]);
         let mut after = here.rest(&selection.fitted, selection.early_s, &picks);
         for pick in &selection.picks {
-            if let Some((joint, limit_nm)) = ends_at(pick) {
-                here.end(&mut after, joint, limit_nm);
+            if let Some(ends) = ends_at(pick) {
+                end(&self.problem, &mut after, ends);
             }
         }
         Predicted {
@@ -118,8 +118,9 @@ impl Predicted<'_> {
     pub(crate) fn unseen(self, first: (&Problem, &Base)) -> Vec<Unseen> {
         let problem = self.here.problem;
         let of_both = self.of_both(first);
+        let is_predicted = self.is_predicted();
         let rests = [self.before, self.after];
-        let mut found = collected(problem, &rests);
+        let mut found = collected(problem, &rests, (&is_predicted, None));
         let rows = problem.states.rows();
         for (channel, unseen) in found.iter_mut().enumerate() {
             let torque = problem.states.torque(&problem.samples, unseen.joint, 0.0);
@@ -132,7 +133,8 @@ impl Predicted<'_> {
                     [torque[row], before, after],
                 )
             };
-            unseen.predictions = (0..rows).map(at).collect();
+            let rows = (0..rows).filter(|row| is_predicted[channel * rows + row]);
+            unseen.predictions = rows.map(at).collect();
             unseen.of_both = of_both.as_ref().map(|own| own[channel]);
         }
         found
@@ -190,6 +192,32 @@ impl Predicted<'_> {
         )
     }
 
+    /// Rows of which the first recording determines both predictions.
+    fn is_predicted(&self) -> Vec<bool> {
+        let (bare, fitted) = (&self.selection.bare, &self.selection.fitted);
+        let base = self.here.base.columns.iter();
+        let base: Vec<_> = base.map(|own| Some(own.column.clone())).collect();
+        // the effects' columns of a system, in whatever order they were taken
+        let here = |own: &Rc<Column>| {
+            let mut picks = self.selection.picks.iter().zip(&self.columns);
+            picks.find_map(|(pick, here)| {
+                let index = pick
+                    .columns
+                    .iter()
+                    .position(|other| Rc::ptr_eq(own, other))?;
+                here.get(index).cloned()
+            })
+        };
+        let effects = fitted.system.columns[fitted.base_columns..]
+            .iter()
+            .map(here);
+        let with: Vec<_> = base.iter().cloned().chain(effects).collect();
+        let by_base = bare.system.determines(&bare.solved, &base);
+        let by_all = fitted.system.determines(&fitted.solved, &with);
+        let rows = 0..self.before.len();
+        rows.map(|row| by_base(row) && by_all(row)).collect()
+    }
+
     /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model
     /// are fitted to the first recording anew. Beside a pick that belongs to the first recording alone none is refuted, for then this
     /// one may have one of its own.
@@ -237,20 +265,6 @@ struct Here<'p> {
 }
 
 impl Here<'_> {
-    /// What is left where a joint's readings end at a torque.
-    fn end(&self, rest: &mut [f64], joint: usize, limit_nm: f64) {
-        let (problem, rows) = (self.problem, self.problem.states.rows());
-        let Some(channel) = problem.channel_of(joint) else {
-            return;
-        };
-        let torque = problem.states.torque(&problem.samples, joint, 0.0);
-        for (row, reading) in torque.into_iter().enumerate() {
-            let k = channel * rows + row;
-            let model = reading - rest[k] / problem.weight(k);
-            rest[k] = (reading - model.clamp(-limit_nm, limit_nm)) * problem.weight(k);
-        }
-    }
-
     /// What a fit of the first recording leaves, with columns of effects and their coefficients.
     fn rest(&self, fitted: &Fitted, early_s: f64, effects: &[(&[Rc<Column>], &[f64])]) -> Vec<f64> {
         let mut rest = self.problem.recorded(early_s);

@@ -2,6 +2,7 @@
 
 use std::rc::Rc;
 
+use crate::effect::ends_at;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -20,6 +21,9 @@ pub struct Unseen {
     pub joint: usize,
     /// Noise of a row, in the torque's unit.
     pub noise: f64,
+    /// Rows that are not predicted and in nothing else of this, as the fit does not determine them (A245), and the sum of squares that
+    /// the base model leaves in them where it is fitted to all rows.
+    pub left_out: (usize, f64),
     /// Rows of each part in time.
     pub rows: [usize; PARTS],
     /// Sums of squares that the base model leaves in each part, in the torque's unit.
@@ -50,8 +54,13 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
     let effects: Vec<Rc<Column>> = (selection.picks.iter())
         .flat_map(|own| own.columns.iter().cloned())
         .collect();
+    // what readings lack where they end is of their own rows; others of which the model is beyond the end end there as well
+    let is_lacking: Vec<bool> = (selection.picks.iter())
+        .flat_map(|own| own.columns.iter().map(|_| ends_at(own).is_some()))
+        .collect();
     let part = |row: usize| row * PARTS / rows;
     let mut rests = [Vec::new(), Vec::new()];
+    let mut is_predicted = vec![true; problem.channel_rows()];
     for (rest, (fitted, columns, early_s)) in rests.iter_mut().zip([
         (&selection.bare, [].as_slice(), 0.0),
         (&selection.fitted, effects.as_slice(), selection.early_s),
@@ -62,6 +71,10 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
             .chain(columns)
             .cloned()
             .collect();
+        let is_own = |index: usize| {
+            let effect = index.checked_sub(base.columns.len());
+            effect.is_some_and(|effect| is_lacking[effect])
+        };
         let known: Vec<Option<f64>> = base.columns.iter().map(|own| own.known_sd).collect();
         for fold in 0..FOLDS {
             let is_held = |row: usize| part(row) % FOLDS == fold;
@@ -69,10 +82,22 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
                 .iter()
                 .map(|own| Rc::new(own.masked(|k| !is_held(k % rows))))
                 .collect();
-            let solved = System::new(&kept, &known).solve(&recorded, &fitted.fixed);
+            let system = System::new(&kept, &known);
+            let solved = system.solve(&recorded, &fitted.fixed);
+            let columns: Vec<Option<Rc<Column>>> = (all.iter().enumerate())
+                .map(|(index, own)| (!is_own(index)).then(|| own.clone()))
+                .collect();
+            let is_determined = system.determines(&solved, &columns);
             let mut left = recorded.clone();
-            for (column, value) in all.iter().zip(&solved.solution) {
-                column.add_to(&mut left, -value);
+            for (column, value) in columns.iter().zip(&solved.solution) {
+                if let Some(column) = column {
+                    column.add_to(&mut left, -value);
+                }
+            }
+            if !columns.iter().all(Option::is_some) {
+                for (joint, limit_nm) in selection.picks.iter().filter_map(ends_at) {
+                    end(problem, &mut left, (joint, limit_nm));
+                }
             }
             for (k, value) in left
                 .into_iter()
@@ -80,20 +105,45 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
                 .filter(|(k, _)| is_held(k % rows))
             {
                 rest[k] = value;
+                is_predicted[k] &= is_determined(k);
             }
         }
     }
-    collected(problem, &rests)
+    collected(
+        problem,
+        &rests,
+        (&is_predicted, Some(&selection.bare.solved.rest)),
+    )
 }
 
-/// Sums of squares of both rests, channel by channel and part by part.
-pub(crate) fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen> {
+/// What is left where a joint's readings end at a torque.
+pub(crate) fn end(problem: &Problem, rest: &mut [f64], (joint, limit_nm): (usize, f64)) {
+    let rows = problem.states.rows();
+    let Some(channel) = problem.channel_of(joint) else {
+        return;
+    };
+    let torque = problem.states.torque(&problem.samples, joint, 0.0);
+    for (row, reading) in torque.into_iter().enumerate() {
+        let k = channel * rows + row;
+        let model = reading - rest[k] / problem.weight(k);
+        rest[k] = (reading - model.clamp(-limit_nm, limit_nm)) * problem.weight(k);
+    }
+}
+
+/// Sums of squares of both rests, channel by channel and part by part, of the rows that are predicted; of the others those of `seen`,
+/// what is left of them where they are fitted, if they are.
+pub(crate) fn collected(
+    problem: &Problem,
+    rests: &[Vec<f64>; 2],
+    (is_predicted, seen): (&[bool], Option<&[f64]>),
+) -> Vec<Unseen> {
     let rows = problem.states.rows();
     let of_channel = |(channel, &joint): (usize, &usize)| {
         let noise = problem.row_sd[channel];
         let mut found = Unseen {
             joint,
             noise,
+            left_out: (0, 0.0),
             rows: [0; PARTS],
             before: [0.0; PARTS],
             after: [0.0; PARTS],
@@ -102,7 +152,13 @@ pub(crate) fn collected(problem: &Problem, rests: &[Vec<f64>; 2]) -> Vec<Unseen>
         };
         for row in 0..rows {
             let part = row * PARTS / rows;
-            let square = |rest: &[f64]| (noise * rest[channel * rows + row]).powi(2);
+            let k = channel * rows + row;
+            let square = |rest: &[f64]| (noise * rest[k]).powi(2);
+            if !is_predicted[k] {
+                found.left_out.0 += 1;
+                found.left_out.1 += seen.map_or(0.0, square);
+                continue;
+            }
             found.rows[part] += 1;
             found.before[part] += square(&rests[0]);
             found.after[part] += square(&rests[1]);

@@ -53,6 +53,11 @@ pub enum Untested {
         /// Their correlation.
         correlation: f64,
     },
+    /// A second log, none of whose rows the first one predicts.
+    Elsewhere {
+        /// Its rows.
+        rows: usize,
+    },
     /// Rows are farther apart than a servo takes to answer.
     Coarse {
         /// Median time between rows \[s\].
@@ -89,6 +94,10 @@ impl fmt::Display for Untested {
             Self::Opposite { correlation } => write!(
                 f,
                 "it moves against its command (correlation {correlation:.2}): is the sign of one of the two turned?"
+            ),
+            Self::Elsewhere { rows } => write!(
+                f,
+                "none of its {rows} rows is where the first log determines what the joint does"
             ),
             Self::Coarse { step_s } => write!(
                 f,

@@ -1,5 +1,7 @@
 //! What the causes that one log shows make of another log of the same joint.
 
+use haptical_linalg::Information;
+
 use crate::answer::JointAnswer;
 use crate::change::Change;
 use crate::effect::droop;
@@ -13,6 +15,8 @@ pub(crate) struct Model {
     terms: Terms,
     fit: Fit,
     angles: Vec<bool>,
+    /// How well the log determines predictions of others.
+    information: Information,
     changes: Vec<Change>,
 }
 
@@ -27,24 +31,28 @@ pub struct Predicted {
     pub before: Vec<f64>,
     /// With the causes.
     pub after: Vec<f64>,
+    /// Rows that are not among these, as the first log does not determine what they do.
+    pub left_out: usize,
 }
 
 impl Model {
     pub(crate) fn new(series: &Series, terms: Terms, fit: &Fit, changes: &[Change]) -> Self {
+        let angles = droop::moving(series);
         Self {
+            information: Problem::with_droop(series, &angles).information(terms, fit),
             terms,
             fit: fit.clone(),
-            angles: droop::moving(series),
+            angles,
             changes: changes.to_vec(),
         }
     }
 }
 
 impl JointAnswer {
-    /// Predicts another log of the same joint: nothing is fitted to it. What changed within the first log is taken to last.
+    /// Predicts another log of the same joint where the first one determines that: nothing is fitted to it. What changed within the first log is taken to last.
     ///
     /// # Errors
-    /// [`Untested`] where the other log has no command, no times or few rows, or does not move.
+    /// [`Untested`] where the other log has no command, no times or few rows, does not move, or goes where the first one says nothing.
     ///
     /// # Examples
     /// ```
@@ -75,18 +83,33 @@ impl JointAnswer {
         changes
             .clone()
             .for_each(|change| change.delay_all(&mut series));
-        let mut after = match &self.model {
+        let (mut after, determined) = match &self.model {
             Some(model) => {
-                Problem::with_droop(&series, &model.angles).predicted(model.terms, &model.fit)
+                let problem = Problem::with_droop(&series, &model.angles);
+                let fit = (model.terms, &model.fit);
+                (
+                    problem.predicted(model.terms, &model.fit),
+                    problem.determined(fit, &model.information),
+                )
             }
-            None => before.clone(),
+            None => (before.clone(), vec![true; before.len()]),
         };
         changes.rev().for_each(|change| change.read_all(&mut after));
+        let kept: Vec<usize> = (0..determined.len())
+            .filter(|row| determined[*row])
+            .collect();
+        if kept.len() < FOLDS {
+            return Err(Untested::Elsewhere {
+                rows: determined.len(),
+            });
+        }
+        let of_kept = |own: &[f64]| kept.iter().map(|row| own[*row]).collect::<Vec<f64>>();
         Ok(Predicted {
-            row: series.row,
-            measured: series.response,
-            before,
-            after,
+            row: kept.iter().map(|row| series.row[*row]).collect(),
+            measured: of_kept(&series.response),
+            before: of_kept(&before),
+            after: of_kept(&after),
+            left_out: determined.len() - kept.len(),
         })
     }
 }
@@ -147,4 +170,47 @@ pub(crate) fn jackknife_sd(values: impl Iterator<Item = f64>) -> f64 {
     let mean = values.iter().sum::<f64>() / count.max(1.0);
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (squares * (count - 1.0) / count.max(1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::Shape;
+
+    /// A joint 0.05 rad beside its command, which swings so far.
+    fn series(swing_rad: f64) -> Series {
+        let time_s: Vec<f64> = (0..1500).map(|row| 0.02 * f64::from(row)).collect();
+        let command: Vec<f64> = time_s.iter().map(|t| swing_rad * (1.7 * t).sin()).collect();
+        let response: Vec<f64> = command.iter().map(|at| at + 0.05).collect();
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&command),
+            response: &response,
+            ..JointLog::default()
+        };
+        Series::new(&log).unwrap()
+    }
+
+    /// Sines and cosines of a droop that a small swing hardly tells from an offset.
+    #[test]
+    fn a_droop_is_not_predicted_where_the_first_log_did_not_go() {
+        let terms = Terms {
+            offset: true,
+            droop: true,
+            ..Terms::NONE
+        };
+        let (first, second) = (series(0.15), series(1.4));
+        let problem = Problem::new(&first);
+        let fit = problem.evaluate(terms, Shape::default(), &None);
+        let information = problem.information(terms, &fit);
+        let there = Problem::with_droop(&second, &droop::moving(&first));
+        let determined = there.determined((terms, &fit), &information);
+        let is_there =
+            |angle: &f64| determined[second.command.iter().position(|at| at == angle).unwrap()];
+        let (near, far): (Vec<f64>, Vec<f64>) = (second.command.iter())
+            .filter(|angle| !(0.15..1.2).contains(&angle.abs()))
+            .partition(|angle| angle.abs() < 0.15);
+        assert!(!near.is_empty() && near.iter().all(is_there));
+        assert!(!far.is_empty() && !far.iter().any(is_there));
+    }
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use haptical_identification::Problem;
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, Recording, TransmissionError};
 
 use crate::error::wrap;
 use crate::problem::loads::Loads;
@@ -88,7 +88,7 @@ pub fn channel_residuals(
         .map(|&channel| {
             let (known, unknown): (Vec<usize>, Vec<usize>) = (0..recording.len())
                 .filter(|&row| channel.has_reading(recording, row))
-                .partition(|&row| is_known(range_of, recording, channel, row));
+                .partition(|&row| is_in_range(range_of, recording, channel, row));
             let part = match unknown.is_empty() && known.len() == recording.len() {
                 true => Cow::Borrowed(recording),
                 false => Cow::Owned(recording.select(&known)),
@@ -144,13 +144,61 @@ fn all_known(device: &Device, recording: &Recording, row: usize) -> bool {
     known.all(|known| known)
 }
 
-fn is_known(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {
+/// Whether a channel's reading lies within the ranges that the polynomials which it depends on were fitted on: that of an
+/// encoder on a joint's output depends on its own joint's, what measures the chain on all.
+///
+/// ```
+/// use haptical_calibration::{Channel, is_in_range};
+/// use haptical_model::{Device, Recording, TransmissionError};
+/// let mut device = Device::from_toml("[[joint]]\n[[joint]]\n", "two.toml")?.device;
+/// device.joints[0].transmission_error =
+///     TransmissionError::Chebyshev { range_rad: [-0.5, 0.5], coefficients: vec![0.0, 1e-3] };
+/// let recording = Recording { joint: vec![vec![0.6], vec![0.6]], ..Recording::default() };
+/// let [first, second] = [0, 1].map(|joint| is_in_range(&device, &recording, Channel::Output { joint }, 0));
+/// assert!(!first && second && !is_in_range(&device, &recording, Channel::Position, 0));
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn is_in_range(device: &Device, recording: &Recording, channel: Channel, row: usize) -> bool {
     match channel {
         Channel::Output { joint } => {
             device.joints[joint].error_is_known_at(recording.joint[joint][row])
         }
         _ => all_known(device, recording, row),
     }
+}
+
+/// The device with its polynomials' ranges no wider than the readings of some rows: those of a fit that saw no others.
+///
+/// ```
+/// use haptical_calibration::{Channel, is_in_range, with_ranges_of};
+/// use haptical_model::{Device, Recording, TransmissionError};
+/// let mut device = Device::from_toml("[[joint]]\n", "one.toml")?.device;
+/// device.joints[0].transmission_error =
+///     TransmissionError::Chebyshev { range_rad: [-0.5, 0.5], coefficients: vec![0.0, 1e-3] };
+/// let recording = Recording { joint: vec![vec![-0.2, 0.4, 0.1]], ..Recording::default() };
+/// let seen = with_ranges_of(&device, &recording, &|row| row != 1);
+/// let is_in_range = |row| is_in_range(&seen, &recording, Channel::Output { joint: 0 }, row);
+/// assert_eq!([0, 1, 2].map(is_in_range), [true, false, true]);
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+#[must_use]
+pub fn with_ranges_of(
+    device: &Device,
+    recording: &Recording,
+    seen: &dyn Fn(usize) -> bool,
+) -> Device {
+    let mut device = device.clone();
+    for (joint, readings) in device.joints.iter_mut().zip(&recording.joint) {
+        if let TransmissionError::Chebyshev { range_rad, .. } = &mut joint.transmission_error {
+            let rows = readings.iter().enumerate();
+            let seen = rows.filter(|(row, reading)| seen(*row) && reading.is_finite());
+            let [low, high] = seen.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], own| {
+                [low.min(*own.1), high.max(*own.1)]
+            });
+            *range_rad = [range_rad[0].max(low), range_rad[1].min(high)];
+        }
+    }
+    device
 }
 
 /// Each reading's residual: signed of one axis, the Euclidean length of three.

@@ -32,6 +32,8 @@ pub enum NoReduction {
     FloorContradicted,
     /// Nothing but what the model leaves says how large the noise is.
     NoiseUnknown,
+    /// Most of the gap is in rows of which no others determine a prediction, such as an event in one place.
+    Undetermined,
 }
 
 impl NoReduction {
@@ -47,6 +49,7 @@ impl NoReduction {
             Self::WithinNoise => "not known: within the noise",
             Self::FloorContradicted => "not known: less is left than the noise floor",
             Self::NoiseUnknown => "not known: nothing says how large the noise is",
+            Self::Undetermined => "not known: no other rows predict those that show it",
         }
     }
 }

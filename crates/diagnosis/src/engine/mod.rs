@@ -4,6 +4,7 @@ pub(crate) mod anchor;
 pub(crate) mod base;
 pub(crate) mod base_problem;
 pub(crate) mod blocks;
+pub(crate) mod determined;
 pub(crate) mod earlier_model;
 pub(crate) mod layout;
 pub(crate) mod least;

@@ -262,7 +262,7 @@ impl Links {
     }
 
     fn warnings(&self, words: &Words<'_>) -> Vec<String> {
-        let mut warnings = Vec::new();
+        let mut warnings = words.not_predicted();
         for own in &self.found.examined.findings {
             if let (Some(joint), true) = (own.joint, own.numbers.iter().any(|own| own.0 == SECANT))
             {

@@ -14,7 +14,7 @@ use self::followed::followed;
 pub(crate) use self::warnings::leaves_of_second;
 use self::warnings::warnings;
 use self::words::Words;
-use crate::answer::ChannelGap;
+use crate::answer::{CauseAnswer, ChannelGap};
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, names, not_predicted};
 
@@ -110,7 +110,14 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
     } else if is_adequate {
         findings = words.causes();
     }
-    let unexplained = match (examined.has_gap(), is_adequate || of_log.is_some()) {
+    // that a log repeats rows or lacks some is no cause of a gap that stays once it is set right
+    let closes = |own: &CauseAnswer| {
+        let held_out = own.held_out.as_ref();
+        held_out.is_some_and(|own| own.reduction_ci95.is_some_and(|ci95| ci95[0] > 0.0))
+    };
+    findings.retain(|own| own.effect != SAMPLING.name || closes(own));
+    let is_explained = is_adequate || !findings.is_empty();
+    let unexplained = match (examined.has_gap(), is_explained) {
         (_, true) => examined.unexplained_share(),
         (true, false) => 1.0,
         (false, false) => 0.0,
@@ -133,7 +140,7 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
                 .collect(),
             false => Vec::new(),
         },
-        warnings: warnings(words.device, examined),
+        warnings: [warnings(words.device, examined), words.not_predicted()].concat(),
     }
 }
 

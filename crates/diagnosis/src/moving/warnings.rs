@@ -12,6 +12,7 @@ const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
 
 pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     let mut warnings = of_torques(device, examined);
+    warnings.extend(of_rows(examined));
     warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
     if examined
@@ -71,6 +72,44 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         });
     }
     warnings
+}
+
+/// Rows that are listed.
+const LISTED_ROWS: usize = 5;
+
+/// Rows that the log repeats, and places where it lacks some.
+fn of_rows(examined: &Examined) -> Vec<String> {
+    let listed = |rows: &[usize]| {
+        let first: Vec<String> = rows
+            .iter()
+            .take(LISTED_ROWS)
+            .map(usize::to_string)
+            .collect();
+        let more = if rows.len() > LISTED_ROWS {
+            ", ..."
+        } else {
+            ""
+        };
+        format!("{}{more}", first.join(", "))
+    };
+    let (repeated, behind) = (&examined.repeated_rows, &examined.behind_missing_rows);
+    let said = [
+        (!repeated.is_empty()).then(|| {
+            format!(
+                "{} rows repeat the one before them while the arm moves, and were left out: {} (from 0)",
+                repeated.len(),
+                listed(repeated)
+            )
+        }),
+        (!behind.is_empty()).then(|| {
+            format!(
+                "the log lacks rows before {} others though its stamps run on, and time was set right: {} (from 0)",
+                behind.len(),
+                listed(behind)
+            )
+        }),
+    ];
+    said.into_iter().flatten().collect()
 }
 
 /// Whether a device with the causes holds what was found.

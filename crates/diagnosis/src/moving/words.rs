@@ -1,6 +1,7 @@
 //! What was examined of a motion, torques or encoders on links, as channels, causes and predictions.
 
 use haptical_calibration::Channel;
+use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
 use haptical_motion::{ChannelFit, Examined, Finding, MotionError, PARTS, Unseen};
@@ -169,7 +170,12 @@ impl<'e> Words<'e> {
                 .collect(),
             share,
             class_probability: LISTED_PROBABILITY,
-            held_out: self.held_out(found.joint),
+            held_out: match found.effect == SAMPLING.name {
+                true => self.set_right(),
+                false => self
+                    .held_out(found.joint)
+                    .map(|held_out| of_log(found, held_out)),
+            },
             ..CauseAnswer::named(
                 found.effect,
                 found.joint,
@@ -195,22 +201,16 @@ impl<'e> Words<'e> {
 
     /// The gap of the torque with the largest one, or a joint's own, on rows that were not fitted.
     fn held_out(&self, joint: Option<usize>) -> Option<HeldOutAnswer> {
-        let beyond = |own: &Unseen| {
-            let rows = own.rows_in_all().max(1);
-            own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows as f64)
-        };
-        let of_joint = self
-            .examined
-            .unseen
-            .iter()
-            .find(|own| Some(own.joint) == joint);
-        let largest = || {
-            self.examined
-                .unseen
-                .iter()
-                .max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
-        };
-        of_joint.or_else(largest).map(|own| self.answer_of(own))
+        let unseen = &self.examined.unseen;
+        let of_joint = unseen.iter().find(|own| Some(own.joint) == joint);
+        let own = of_joint.or_else(|| largest_of(unseen));
+        own.map(|own| self.answer_of(own))
+    }
+
+    /// The gap of the torques as the log has them, and once its rows are set right: no torque was fitted for that.
+    pub(super) fn set_right(&self) -> Option<HeldOutAnswer> {
+        let own = largest_of(&self.examined.set_right)?;
+        Some(self.answer_with(own, &own.after))
     }
 
     fn answer_of(&self, unseen: &Unseen) -> HeldOutAnswer {
@@ -219,6 +219,10 @@ impl<'e> Words<'e> {
             true => &unseen.after,
             false => &unseen.before,
         };
+        self.answer_with(unseen, sums_after)
+    }
+
+    fn answer_with(&self, unseen: &Unseen, sums_after: &[f64; PARTS]) -> HeldOutAnswer {
         let rms = |sums: &[f64; PARTS], without: Option<usize>| {
             let kept = (0..PARTS).filter(|part| Some(*part) != without);
             let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
@@ -226,6 +230,11 @@ impl<'e> Words<'e> {
             });
             (sum / rows.max(1) as f64).sqrt()
         };
+        // where no other rows predict those that hold most of the gap, the rest says nothing of it
+        let beyond = |(rows, square): (usize, f64)| square - rows as f64 * unseen.noise.powi(2);
+        let predicted = (unseen.rows_in_all(), unseen.before.iter().sum::<f64>());
+        let is_elsewhere = unseen.left_out.0 > 0
+            && (predicted.0 == 0 || beyond(unseen.left_out) > beyond(predicted).max(0.0));
         // within what the noise is known to there is no gap, and no share of one
         let is_gap = rms(&unseen.before, None)
             > floor(unseen.joint, unseen.noise, unseen.rows_in_all() as f64).ci95()[1];
@@ -235,7 +244,7 @@ impl<'e> Words<'e> {
                 rms(sums_after, without),
                 unseen.noise,
             );
-            share.filter(|_| is_gap)
+            share.filter(|_| is_gap && !is_elsewhere)
         };
         let percent = reduction(None);
         // jackknife over the parts (Efron and Stein 1981)
@@ -254,11 +263,15 @@ impl<'e> Words<'e> {
             unit: self.unit(unseen.joint).to_owned(),
             reduction_percent: percent,
             reduction_ci95: interval,
-            no_reduction: (!is_gap).then_some(NoReduction::WithinNoise),
+            no_reduction: match (is_elsewhere, is_gap) {
+                (true, _) => Some(NoReduction::Undetermined),
+                (false, true) => None,
+                (false, false) => Some(NoReduction::WithinNoise),
+            },
         }
     }
 
-    fn not_predicted(&self, why: &MotionError) -> String {
+    fn why_not_predicted(&self, why: &MotionError) -> String {
         match self.shown {
             Shown::Output => {
                 format!(
@@ -267,6 +280,21 @@ impl<'e> Words<'e> {
             }
             Shown::Torque | Shown::Tracking => not_predicted(&why.to_string()),
         }
+    }
+
+    /// What is said of rows that are not predicted.
+    pub(super) fn not_predicted(&self) -> Vec<String> {
+        let with_such = (self.examined.unseen.iter()).filter(|own| own.left_out.0 > 0);
+        let said = with_such.map(|own| {
+            format!(
+                "{}: {} of {} rows that the fit did not see are not predicted and left out: the rows that it saw hardly show what the \
+                 prediction depends on",
+                self.channel(own.joint),
+                own.left_out.0,
+                own.left_out.0 + own.rows_in_all()
+            )
+        });
+        said.collect()
     }
 
     /// What the second recording shows, where it was predicted.
@@ -278,7 +306,7 @@ impl<'e> Words<'e> {
             .examined
             .second
             .iter()
-            .map(|why| self.not_predicted(why))
+            .map(|why| self.why_not_predicted(why))
             .collect();
         for own in unseen {
             let answer = self.answer_of(own);
@@ -336,6 +364,26 @@ impl<'e> Words<'e> {
             after: after.clone(),
         })
     }
+}
+
+/// A push belongs to its log alone: on other rows no share of it can close.
+fn of_log(found: &Finding, held_out: HeldOutAnswer) -> HeldOutAnswer {
+    let is_push = found.effect == CONTACT.name;
+    let why = is_push.then_some(NoReduction::Undetermined);
+    HeldOutAnswer {
+        no_reduction: why.or(held_out.no_reduction),
+        ..held_out
+    }
+    .settled()
+}
+
+/// The joint whose torque has the largest gap over its noise.
+fn largest_of(unseen: &[Unseen]) -> Option<&Unseen> {
+    let beyond = |own: &Unseen| {
+        let rows = own.rows_in_all().max(1);
+        own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows as f64)
+    };
+    unseen.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
 }
 
 /// The channel with the largest gap.

@@ -24,6 +24,7 @@ fn reason() -> impl Strategy<Value = Option<NoReduction>> {
         Just(Some(NoReduction::WithinNoise)),
         Just(Some(NoReduction::FloorContradicted)),
         Just(Some(NoReduction::NoiseUnknown)),
+        Just(Some(NoReduction::Undetermined)),
     ]
 }
 

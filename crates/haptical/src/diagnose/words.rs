@@ -320,6 +320,14 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
         reduction(channel.reduction_percent, channel.reduction_ci95).filter(|_| channel.has_gap)
     };
     if let Some(held_out) = held_out_answer(diagnosis)
+        && held_out.no_reduction == Some(NoReduction::Undetermined)
+    {
+        return Some(format!(
+            "No share of the gap of {} can be given on data that the fit did not see: no other rows predict those that show it.",
+            held_out.channel
+        ));
+    }
+    if let Some(held_out) = held_out_answer(diagnosis)
         && let Some(text) = record(diagnosis, &held_out.channel).and_then(share)
     {
         return Some(format!(

@@ -1,5 +1,6 @@
 //! One joint's rows fitted with terms, beside a noise with a memory.
 
+use haptical_linalg::MOST_LEVERAGE;
 use nalgebra::{DMatrix, DVector};
 
 use super::rows::JointRows;
@@ -96,6 +97,40 @@ pub(super) fn predicted(rows: &JointRows, terms: &[Term], coefficients: &[f64]) 
     sum
 }
 
+/// Whether a fit determines its predictions of rows, its own recording's with the pieces' offsets, or another's about theirs (A245).
+pub(super) fn determined(fitted: &Fitted, rows: &JointRows, with_offsets: bool) -> Vec<bool> {
+    let effects = fitted.terms.iter().flat_map(|own| own.columns(rows));
+    let mut columns: Vec<Vec<f64>> = effects.collect();
+    if with_offsets {
+        columns.extend(offsets(rows));
+    }
+    // a fit that had no solution determines nothing
+    let has_solution = fitted.covariance.ncols() >= columns.len();
+    let leverage = |row: usize| {
+        let entry = |a: usize| columns[a][row];
+        let along = |a: usize| -> f64 {
+            (0..columns.len())
+                .map(|b| fitted.covariance[(a, b)] * entry(b))
+                .sum()
+        };
+        let variance: f64 = (0..columns.len()).map(|a| entry(a) * along(a)).sum();
+        variance / fitted.sd.powi(2)
+    };
+    (0..rows.count())
+        .map(|row| has_solution && leverage(row) <= MOST_LEVERAGE)
+        .collect()
+}
+
+/// A column of ones for each piece.
+fn offsets(rows: &JointRows) -> impl Iterator<Item = Vec<f64>> {
+    rows.pieces.windows(2).map(|own| {
+        let piece = own[0]..own[1];
+        (0..rows.count())
+            .map(|k| f64::from(u8::from(piece.contains(&k))))
+            .collect()
+    })
+}
+
 /// Fits terms to the rows of which `is_kept`; the others take no part.
 ///
 /// Generalised least squares with a first-order autoregression, its correlation and size settled in turn with the coefficients
@@ -105,14 +140,7 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
     let pieces = rows.pieces.len() - 1;
     let mut columns: Vec<Vec<f64>> = terms.iter().flat_map(|own| own.columns(rows)).collect();
     let effects = columns.len();
-    for piece in 0..pieces {
-        let own = rows.pieces[piece]..rows.pieces[piece + 1];
-        columns.push(
-            (0..rows.count())
-                .map(|k| f64::from(own.contains(&k)))
-                .collect(),
-        );
-    }
+    columns.extend(offsets(rows));
     let flight = terms.iter().find_map(|own| own.flight(rows));
     let probe = Fitted {
         terms: terms.to_vec(),

@@ -1,7 +1,7 @@
 //! What the terms leave of rows that they were not fitted to.
 
 use super::choose::Chosen;
-use super::fit::{Fitted, fit, predicted};
+use super::fit::{Fitted, determined, fit, predicted};
 use super::rows::{JointRows, Rows};
 use super::terms::Term;
 use crate::MotionError;
@@ -9,25 +9,34 @@ use crate::unseen::{FOLDS, PARTS, Unseen};
 
 /// Rows of the recording, left out in turn.
 pub(super) fn within(rows: &Rows, chosen: &Chosen) -> Vec<Unseen> {
-    let of_joint = |(rows, own): (&JointRows, &Fitted)| {
+    let of_joint = |(rows, (bare, own)): (&JointRows, (&Fitted, &Fitted))| {
         let count = rows.count();
         let part = |k: usize| k * PARTS / count;
-        let rest = |terms: &[Term]| {
+        let mut is_predicted = vec![true; count];
+        let mut rest = |terms: &[Term]| {
             let mut rest = vec![0.0; count];
             for fold in 0..FOLDS {
                 let is_held = |k: usize| part(k) % FOLDS == fold;
                 let fitted = fit(rows, terms, &|k| !is_held(k));
+                let is_determined = determined(&fitted, rows, true);
                 for (k, value) in fitted.rest.iter().enumerate().filter(|(k, _)| is_held(*k)) {
                     rest[k] = *value;
+                    is_predicted[k] &= is_determined[k];
                 }
             }
             rest
         };
-        collected(rows, &own.weights, [&rest(&shapes(own)), &rest(&own.terms)])
+        let rests = [rest(&shapes(own)), rest(&own.terms)];
+        collected(
+            rows,
+            &own.weights,
+            &rests,
+            (&is_predicted, Some(&bare.rest)),
+        )
     };
     rows.joints
         .iter()
-        .zip(&chosen.fitted)
+        .zip(chosen.bare.iter().zip(&chosen.fitted))
         .map(of_joint)
         .collect()
 }
@@ -56,7 +65,10 @@ pub(super) fn on_second(
                 .map(|(own, model)| own - model);
             about_zero(there, &weights, rest.collect())
         });
-        let mut unseen = collected(there, &weights, [&rests[0], &rests[1]]);
+        let mut is_predicted = determined(own, there, false);
+        let of_bare = determined(bare, there, false);
+        (is_predicted.iter_mut().zip(of_bare)).for_each(|(own, bare)| *own &= bare);
+        let mut unseen = collected(there, &weights, &rests, (&is_predicted, None));
         let at = |k: usize| {
             let measured = there.link[k];
             (
@@ -64,7 +76,8 @@ pub(super) fn on_second(
                 [measured, measured - rests[0][k], measured - rests[1][k]],
             )
         };
-        unseen.predictions = (0..there.count()).map(at).collect();
+        let rows = (0..there.count()).filter(|k| is_predicted[*k]);
+        unseen.predictions = rows.map(at).collect();
         found.push(unseen);
     }
     Ok(found)
@@ -99,13 +112,20 @@ pub(super) fn about_zero(rows: &JointRows, weights: &[f64], mut rest: Vec<f64>) 
     rest
 }
 
-/// Sums of squares by parts; a row counts by its weight.
-fn collected(rows: &JointRows, weights: &[f64], [before, after]: [&[f64]; 2]) -> Unseen {
+/// Sums of squares by parts of the rows that are predicted; a row counts by its weight. Of the others those of `seen`, if there is such
+/// a fit.
+fn collected(
+    rows: &JointRows,
+    weights: &[f64],
+    [before, after]: &[Vec<f64>; 2],
+    (is_predicted, seen): (&[bool], Option<&[f64]>),
+) -> Unseen {
     let count = rows.count();
     let mean = weights.iter().sum::<f64>() / count.max(1) as f64;
     let mut found = Unseen {
         joint: rows.joint,
         noise: rows.noise,
+        left_out: (0, 0.0),
         rows: [0; PARTS],
         before: [0.0; PARTS],
         after: [0.0; PARTS],
@@ -115,6 +135,11 @@ fn collected(rows: &JointRows, weights: &[f64], [before, after]: [&[f64]; 2]) ->
     for k in 0..count {
         let part = k * PARTS / count;
         let weight = weights[k] / mean.max(1e-300);
+        if !is_predicted[k] {
+            found.left_out.0 += 1;
+            found.left_out.1 += seen.map_or(0.0, |seen| weight * seen[k].powi(2));
+            continue;
+        }
         found.rows[part] += 1;
         found.before[part] += weight * before[k].powi(2);
         found.after[part] += weight * after[k].powi(2);

@@ -48,6 +48,15 @@ impl Column {
         }
     }
 
+    /// Its value in a row.
+    pub(crate) fn at_row(&self, row: usize) -> f64 {
+        let (first, values) = self.parts();
+        let index = row.checked_sub(first);
+        index
+            .and_then(|index| values.get(index))
+            .map_or(0.0, |value| *value)
+    }
+
     /// Product with a vector.
     pub(crate) fn dot(&self, vector: &[f64]) -> f64 {
         if let Self::Spans { values, spans } = self {

@@ -6,7 +6,7 @@
 
 use std::rc::Rc;
 
-use haptical_linalg::dot;
+use haptical_linalg::{Information, dot};
 use nalgebra::DMatrix;
 
 use crate::fit::column::Column;
@@ -166,6 +166,28 @@ impl System {
         own.solution = solution;
         own.rest = rest;
         own
+    }
+
+    /// Whether a solution determines predictions at rows of `columns`, which are those of the system in other rows; none of those that
+    /// are nothing there (A245). Columns that are fixed are known.
+    pub(crate) fn determines<'c>(
+        &self,
+        solved: &Solved,
+        columns: &'c [Option<Rc<Column>>],
+    ) -> impl Fn(usize) -> bool + use<'c> {
+        let free = solved.free.clone();
+        let information = Information::new(free.len(), |a, b| {
+            let known = if a == b { self.known[free[a]] } else { 0.0 };
+            self.products[(free[a], free[b])] + known
+        });
+        move |row| {
+            let entry = |own: usize| {
+                columns[free[own]]
+                    .as_ref()
+                    .map_or(0.0, |own| own.at_row(row))
+            };
+            information.determines(entry)
+        }
     }
 
     /// Products of columns with those of the system.

@@ -45,6 +45,8 @@ pub(crate) struct Samples {
     pub(crate) lost_share: f64,
     /// Rows that it repeats or lacks, as shares of all: they were set right.
     pub(crate) sampling: Option<[f64; 2]>,
+    /// Those that it repeats, and those behind ones that it lacks.
+    pub(crate) set_right: [Vec<usize>; 2],
     /// Root mean square deviation of the stamps from an even grid, as a share of a step.
     pub(crate) jitter: f64,
     /// Whether the positions are smoother on an even grid than at the stamps: rows were taken evenly, and stamped unevenly.
@@ -116,6 +118,9 @@ impl Samples {
             },
             pieces,
             sampling: shares,
+            set_right: sampling.map_or_else(<[Vec<usize>; 2]>::default, |own| {
+                [own.repeated, own.behind_missing]
+            }),
             lost_share: 1.0 - count as f64 / recording.len() as f64,
             jitter: (deviation / count as f64).sqrt(),
             is_stamped_late,

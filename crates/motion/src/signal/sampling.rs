@@ -21,6 +21,9 @@ const FINE: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Sampling {
     pub(crate) rows: Vec<usize>,
+    /// Rows that repeat the one before them, and those behind missing ones.
+    pub(crate) repeated: Vec<usize>,
+    pub(crate) behind_missing: Vec<usize>,
     pub(crate) time_s: Vec<f64>,
     /// Rows that repeat the one before them, and rows that are missing, as shares of all.
     pub(crate) repeated_share: f64,
@@ -50,8 +53,8 @@ impl Sampling {
                 && moves(row + 1, row)
                 && moves(row - 1, row - 2)
         };
-        let rows: Vec<usize> = (0..all).filter(|&row| !is_repeated(row)).collect();
-        let repeated = all - rows.len();
+        let (repeats, rows): (Vec<usize>, Vec<usize>) = (0..all).partition(|&row| is_repeated(row));
+        let repeated = repeats.len();
         let mut stamps: Vec<f64> = rows.iter().map(|&row| time_s[row]).collect();
         let mut missing = 0;
         let finest: Vec<f64> = recording
@@ -108,7 +111,10 @@ impl Sampling {
             shift += own;
             *stamp += shift;
         }
+        let behind = (0..rows.len()).filter(|k| shifts[*k] > 0.0);
         Some(Self {
+            behind_missing: behind.map(|k| rows[k]).collect(),
+            repeated: repeats,
             rows,
             time_s: stamps,
             repeated_share: repeated as f64 / all as f64,

@@ -134,6 +134,7 @@ fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Uns
         let mut own = Unseen {
             joint,
             noise: own_sd.max(sd),
+            left_out: (0, 0.0),
             rows: [0; PARTS],
             before: [0.0; PARTS],
             after: [0.0; PARTS],

@@ -286,6 +286,29 @@ fn a_push_for_a_part_of_the_log_is_named_with_its_share_of_it() {
     assert_found(truth, "contact", None, ("share", 0.075, 0.02));
 }
 
+/// What a push adds is free in its own rows, of which no others say anything: predicted, they were off by millions.
+#[test]
+fn rows_of_a_push_are_not_predicted_by_the_others() {
+    let truth = Truth {
+        push_n: 25.0,
+        ..Truth::default()
+    };
+    let found = examined(truth, 1);
+    assert_eq!(found.findings[0].effect, "contact");
+    let all = found.time_s.len();
+    for own in &found.unseen {
+        let (left_out, square) = own.left_out;
+        assert_eq!(left_out + own.rows_in_all(), all, "{own:?}");
+        assert!((1..all / 3).contains(&left_out), "{left_out} of {all} rows");
+        // they hold the gap of a torque that feels the push
+        let beyond = |square: f64, rows: usize| square / own.noise.powi(2) - rows as f64;
+        let [before, after] = [own.before, own.after].map(|own| own.iter().sum::<f64>());
+        let rows = own.rows_in_all();
+        assert!(beyond(square, left_out) > beyond(before, rows), "{own:?}");
+        assert!(after < 2.0 * own.noise.powi(2) * rows as f64, "{own:?}");
+    }
+}
+
 #[test]
 fn friction_near_rest_is_named_by_another_law_than_it_was_made_with() {
     let truth = Truth {

@@ -23,6 +23,13 @@ fn readings_that_end_are_named_with_their_end_though_they_do_for_a_third_of_the_
         let (_, value, sd) = first.numbers[0];
         assert!((value - end_nm).abs() < 2.0 * sd, "{value} +- {sd}");
         assert!(sd < 0.1, "{sd}");
+        // rows of the log that the fit does not see end there too, and none is predicted by what no other row fixes
+        let own = found.unseen.iter().find(|own| own.joint == 1).unwrap();
+        let [before, after] = [own.before, own.after].map(|own| own.iter().sum::<f64>().sqrt());
+        assert!(
+            after < 0.3 * before,
+            "seed {seed}: {after} of {before} is left of unseen rows"
+        );
         // the second recording's end there too
         let second = second_recording(truth, seed);
         let found = examine(&device(), &recording(truth, seed), Some(&second), &[]).unwrap();

@@ -6,6 +6,8 @@ pub(crate) mod search;
 
 use std::ops::Range;
 
+use haptical_linalg::{Information, dot};
+
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::thresholds::MOST_LAG_S;
@@ -94,12 +96,7 @@ impl<'s> Problem<'s> {
     /// What a fit to another log of the joint predicts of this one; the joint starts where it stands.
     pub(crate) fn predicted(&self, terms: Terms, fit: &Fit) -> Vec<f64> {
         let series = self.series;
-        let mut evaluator = Evaluator::new(self, terms, &None);
-        let mut followed = evaluator.driven(fit.shape).to_vec();
-        for piece in series.pieces() {
-            let first = series.response[piece.start] - fit.offset;
-            friction::followed(piece, fit.shape.half_width, first, &mut followed);
-        }
+        let followed = self.followed(terms, fit);
         let columns = self.columns(terms);
         let mut predicted = match terms.gain {
             true => vec![0.0; series.len()],
@@ -111,6 +108,40 @@ impl<'s> Problem<'s> {
             }
         }
         predicted
+    }
+
+    /// What a fit's joint follows here.
+    fn followed(&self, terms: Terms, fit: &Fit) -> Vec<f64> {
+        let series = self.series;
+        let mut evaluator = Evaluator::new(self, terms, &None);
+        let mut followed = evaluator.driven(fit.shape).to_vec();
+        for piece in series.pieces() {
+            let first = series.response[piece.start] - fit.offset;
+            friction::followed(piece, fit.shape.half_width, first, &mut followed);
+        }
+        followed
+    }
+
+    /// How well these rows determine predictions of others, by the numbers that enter linearly.
+    pub(crate) fn information(&self, terms: Terms, fit: &Fit) -> Information {
+        let followed = self.followed(terms, fit);
+        let columns = self.columns(terms);
+        let column = |index: usize| columns[index].unwrap_or(&followed);
+        Information::new(columns.len(), |a, b| dot(column(a), column(b)))
+    }
+
+    /// Rows of which that of another log determines the prediction (A245).
+    pub(crate) fn determined(
+        &self,
+        (terms, fit): (Terms, &Fit),
+        information: &Information,
+    ) -> Vec<bool> {
+        let followed = self.followed(terms, fit);
+        let columns = self.columns(terms);
+        let column = |index: usize| columns[index].unwrap_or(&followed);
+        let rows = 0..self.series.len();
+        rows.map(|row| information.determines(|index| column(index)[row]))
+            .collect()
     }
 
     /// Columns that enter linearly, in the order of their numbers; `None` is what is followed.

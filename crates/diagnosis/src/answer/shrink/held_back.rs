@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use haptical_calibration::{HeldOut, split, without_own_places};
+use haptical_calibration::{HeldOut, split, with_ranges_of, without_own_places};
 use haptical_effects::Stream;
 use haptical_model::Recording;
 
@@ -10,6 +10,7 @@ use super::Shrink;
 use super::reduction::collect;
 use crate::DiagnosisError;
 use crate::engine::Engine;
+use crate::engine::determined::{Fit, Predicted};
 use crate::select::Selection;
 use crate::thresholds::recording::HELD_BACK;
 
@@ -42,12 +43,21 @@ pub(crate) fn on_held_back(
     let with = engine.refit_on(&part, effects, &selection.refit.model)?;
     let before = earlier.unwrap_or(&plain.residual);
     let after = &with.residual;
-    let rows = |stream: usize, row: usize| held[row] && engine.usable[stream][row];
+    let fit = Fit {
+        engine,
+        part: &part,
+        effects,
+        causes: with.model.causes.iter().map(|own| (own, own)).collect(),
+    };
+    let device = with_ranges_of(&engine.base.device, recording, &seen);
+    let asked = |stream: usize, row: usize| held[row] && engine.usable[stream][row];
+    let predicted = Predicted::new(engine, (&device, recording), Some(&fit), &asked);
+    let rows = |stream: usize, row: usize| predicted.has(stream, row);
     Ok(Shrink {
         channels: collect(engine, &rows, before, after),
         predictions: Vec::new(),
         description,
-        warnings: Vec::new(),
+        warnings: predicted.warnings,
     })
 }
 

@@ -10,6 +10,7 @@ use super::reduction::{Unseen, collect};
 use crate::DiagnosisError;
 use crate::answer::{Prediction, SECOND_RECORDING};
 use crate::engine::base::Base;
+use crate::engine::determined::{Fit, Predicted};
 use crate::engine::earlier_model::{placed, places};
 use crate::engine::model::Cause;
 use crate::engine::{Engine, Prepared};
@@ -53,9 +54,9 @@ pub(crate) fn on_second(
     let second = prepared.without(&gone, &cleaned).fit(None)?;
     let effects = selection.selector.effects;
     let causes = selection.causes().iter();
-    let causes: Vec<Cause> = causes
-        .filter_map(|cause| in_second(&second, effects, cause))
-        .collect();
+    let (firsts, causes): (Vec<&Cause>, Vec<Cause>) = causes
+        .filter_map(|cause| Some((cause, in_second(&second, effects, cause)?)))
+        .unzip();
     let before = match (earlier, &touched) {
         (Some(model), Some(_)) => {
             let there = placed(&model.device, &base.device, validation, &base.channels)?;
@@ -68,24 +69,29 @@ pub(crate) fn on_second(
         (None, Some(touched)) => model_residual(&touched.plain, &cleaned, &second)?,
         (None, None) => second.residual_of(effects, &selection.engine().start.model.values, &[])?,
     };
+    let is_of_first = touched.is_none();
     let with = match touched {
         Some(_) => places_beside(&second, effects, &causes)?,
         None => selection.refit.model.values.clone(),
     };
     let after = second.residual_of(effects, &with, &causes)?;
     let (before, after) = zeroed(&second, before, after, &mut warnings);
-    let known = known_rows(&base.device, validation);
-    let outside = known.iter().filter(|known| !**known).count();
-    if outside > 0 {
-        warnings.push(format!(
-            "{outside} rows of the second recording lie outside the range of a transmission's polynomial \
-             and are left out"
-        ));
-    }
-    let rows = |stream: usize, row: usize| known[row] && second.usable[stream][row];
+    // an event of the second recording was fitted to it, and so are places
+    let pairs = firsts.into_iter().zip(&causes);
+    let fit = Fit {
+        engine: selection.engine(),
+        part: &selection.engine().whole,
+        effects,
+        causes: pairs.filter(|(own, _)| own.times.is_empty()).collect(),
+    };
+    let fit = Some(&fit).filter(|_| is_of_first);
+    let asked = |stream: usize, row: usize| second.usable[stream][row];
+    let predicted = Predicted::new(&second, (&base.device, validation), fit, &asked);
+    warnings.extend(predicted.warnings.iter().cloned());
+    let rows = |stream: usize, row: usize| predicted.has(stream, row);
     Ok(Shrink {
         channels: collect(&second, &rows, &before, &after),
-        predictions: predictions(&second, validation, &before, &after, &known),
+        predictions: predictions(&second, validation, (&before, &after), &predicted),
         description: SECOND_RECORDING.to_owned(),
         warnings,
     })
@@ -108,23 +114,13 @@ pub(crate) fn device_on_second(
     let before = model_residual(&plain, &cleaned, &second)?;
     let after = model_residual(&with, &cleaned, &second)?;
     let (before, after) = zeroed(&second, before, after, &mut Vec::new());
-    let known = known_rows(&plain.device, validation);
+    let asked = |stream: usize, row: usize| second.usable[stream][row];
+    let predicted = Predicted::new(&second, (&plain.device, validation), None, &asked);
     let is_finite = |stream: usize, row: usize| {
         before[stream][row].is_finite() && after[stream][row].is_finite()
     };
-    let rows = |stream: usize, row: usize| {
-        known[row] && second.usable[stream][row] && is_finite(stream, row)
-    };
+    let rows = |stream: usize, row: usize| predicted.has(stream, row) && is_finite(stream, row);
     Ok(collect(&second, &rows, &before, &after))
-}
-
-/// Rows within the ranges of all transmissions' polynomials.
-fn known_rows(device: &Device, recording: &Recording) -> Vec<bool> {
-    let is_known = |row: usize| {
-        let mut pairs = device.joints.iter().zip(&recording.joint);
-        pairs.all(|(joint, column)| joint.error_is_known_at(column[row]))
-    };
-    (0..recording.len()).map(is_known).collect()
 }
 
 /// A model with places for the runs and tools of a second recording that the first one lacks; none where it has all.
@@ -285,9 +281,8 @@ fn in_second(second: &Engine<'_>, effects: &[Box<dyn Effect>], cause: &Cause) ->
 fn predictions(
     engine: &Engine<'_>,
     recording: &Recording,
-    before: &[Vec<f64>],
-    after: &[Vec<f64>],
-    known: &[bool],
+    (before, after): (&[Vec<f64>], &[Vec<f64>]),
+    predicted: &Predicted,
 ) -> Vec<Prediction> {
     let mut all = Vec::new();
     for (index, stream) in engine.context.streams.iter().enumerate() {
@@ -299,11 +294,14 @@ fn predictions(
             // so are touches, whose measured value is that nothing is left between
             _ => Some(0.0),
         };
-        for (row, known) in known.iter().enumerate() {
+        for row in 0..recording.len() {
             let Some(measured) = measured(row).filter(|value| value.is_finite()) else {
                 continue;
             };
-            if *known && before[index][row].is_finite() && after[index][row].is_finite() {
+            if predicted.has(index, row)
+                && before[index][row].is_finite()
+                && after[index][row].is_finite()
+            {
                 all.push(Prediction {
                     row,
                     channel: stream.name(),

@@ -1,0 +1,120 @@
+//! Where a fit determines what its model predicts of rows that it did not see.
+
+use haptical_calibration::is_in_range;
+use haptical_effects::{Effect, Signal};
+use haptical_linalg::{Information, dot};
+use haptical_model::{Device, Recording};
+
+use crate::engine::Engine;
+use crate::engine::model::Cause;
+use crate::engine::part::{Part, dense};
+
+/// A fit: its engine, the rows that it saw, and its causes.
+pub(crate) struct Fit<'f, 'a> {
+    pub(crate) engine: &'f Engine<'a>,
+    pub(crate) part: &'f Part,
+    pub(crate) effects: &'f [Box<dyn Effect>],
+    /// Each cause as it was fitted, and as it is where it predicts.
+    pub(crate) causes: Vec<(&'f Cause, &'f Cause)>,
+}
+
+impl Fit<'_, '_> {
+    /// Whether the rows of the fit determine the prediction of a reading of `there`, the same engine or one of another recording, by
+    /// stream and row, of those that are `asked` (A245).
+    pub(crate) fn determines(
+        &self,
+        there: &Engine<'_>,
+        asked: &dyn Fn(usize, usize) -> bool,
+    ) -> Vec<Vec<bool>> {
+        let (here, context) = (self.engine, &self.engine.context);
+        let free = &here.base.free;
+        let mut columns: Vec<Vec<f64>> = (0..self.part.free.columns())
+            .map(|column| self.part.free.dense(column))
+            .collect();
+        let mut signals: Vec<Signal> = Vec::new();
+        for (fitted, predicting) in &self.causes {
+            let own = fitted.derivative(self.effects, context);
+            columns.extend(own.iter().map(|signal| dense(self.part, signal)));
+            signals.extend(predicting.derivative(self.effects, &there.context));
+        }
+        let stiffness = here.base.stiffness();
+        let information = Information::new(columns.len(), |a, b| {
+            let known = stiffness.get(a).filter(|_| a == b);
+            dot(&columns[a], &columns[b]) + known.map_or(0.0, |own| own * own)
+        });
+        let streams = 0..there.context.streams.len();
+        let of_stream = |stream: usize| {
+            let mut slopes: Vec<Vec<f64>> = Vec::with_capacity(columns.len());
+            let rows = 0..there.usable[stream].len();
+            // without parameters there are no columns of them
+            for &parameter in free.iter().take(self.part.free.columns()) {
+                let derivative = there.derivatives.as_ref().and_then(|derivatives| {
+                    there.problem.derivative(derivatives, stream, parameter)
+                });
+                slopes
+                    .push(derivative.map_or_else(Vec::new, |own| rows.clone().map(own).collect()));
+            }
+            for signal in &signals {
+                let own = signal.parts.iter().find(|(other, _)| *other == stream);
+                slopes.push(own.map_or_else(Vec::new, |(_, values)| values.clone()));
+            }
+            let noise = here.floor[stream].max(1e-300);
+            let is_determined = |row: usize| {
+                let entry = |column: usize| slopes[column].get(row).map_or(0.0, |own| own / noise);
+                !asked(stream, row) || information.determines(entry)
+            };
+            rows.clone().map(is_determined).collect()
+        };
+        streams.map(of_stream).collect()
+    }
+}
+
+/// Which readings that a fit did not see are predicted, and what is said of the others.
+pub(crate) struct Predicted {
+    by_stream: Vec<Vec<bool>>,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Predicted {
+    /// Of the `asked` readings those within the ranges of the polynomials of `device`, which are those of the rows of the fit, and
+    /// where its rows determine the prediction; `fit` is none of a fit that has no columns there.
+    pub(crate) fn new(
+        there: &Engine<'_>,
+        (device, recording): (&Device, &Recording),
+        fit: Option<&Fit<'_, '_>>,
+        asked: &dyn Fn(usize, usize) -> bool,
+    ) -> Self {
+        let streams = &there.context.streams;
+        let in_range = |stream: usize, row: usize| {
+            asked(stream, row) && is_in_range(device, recording, streams[stream].channel, row)
+        };
+        let determined = fit.map(|fit| fit.determines(there, &in_range));
+        let mut warnings = Vec::new();
+        let mut by_stream = Vec::new();
+        for (stream, own) in streams.iter().enumerate() {
+            let is_determined =
+                |row: usize| (determined.as_ref()).is_none_or(|determined| determined[stream][row]);
+            let rows: Vec<bool> = (0..recording.len())
+                .map(|row| in_range(stream, row) && is_determined(row))
+                .collect();
+            let all = (0..rows.len()).filter(|row| asked(stream, *row)).count();
+            let left_out = all - rows.iter().filter(|own| **own).count();
+            if left_out > 0 {
+                warnings.push(format!(
+                    "{}: {left_out} of {all} readings that the fit did not see are not predicted and left out: the rows that it saw \
+                     do not cover their angles, or hardly show what the prediction depends on",
+                    own.name()
+                ));
+            }
+            by_stream.push(rows);
+        }
+        Self {
+            by_stream,
+            warnings,
+        }
+    }
+
+    pub(crate) fn has(&self, stream: usize, row: usize) -> bool {
+        self.by_stream[stream][row]
+    }
+}
