@@ -65,10 +65,10 @@ pub(crate) fn diagnose(
             why: slow.unwrap_or_else(|| why.clone()),
         });
     }
-    let verdict = verdict::by_torques(&force);
-    let place = in_torques(&force).filter(|_| verdict != Verdict::NoGap);
+    let by_log = verdict::by_torques(&force);
+    let place = in_torques(&force).filter(|_| by_log != Verdict::NoGap);
     let located = place.as_ref().map(|place| place.channel.as_str());
-    let gap = Gap::new(verdict, located, force.channels.clone());
+    let gap = Gap::new(by_log, located, force.channels.clone());
     let mut causes = force.findings.clone();
     for cause in &mut causes {
         let held_out = cause.held_out.take();
@@ -100,11 +100,16 @@ pub(crate) fn diagnose(
             held_out = format!("{SECOND_RECORDING}, {rows}");
         }
     }
+    let (verdict, candidates, said) = verdict::on_unseen(by_log, &mut causes);
+    warnings.extend(said);
     Ok(Diagnosis {
         verdict,
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: traces(&force, verdict),
-        unexplained_share: force.unexplained_share,
+        unexplained_share: match (by_log, verdict) {
+            (Verdict::Named | Verdict::Ambiguous, Verdict::Unknown) => 1.0,
+            _ => force.unexplained_share,
+        },
         closed_unseen_share: force
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
@@ -123,7 +128,7 @@ pub(crate) fn diagnose(
         detectable: Vec::new(),
         noise: Vec::new(),
         whiteness: Whiteness::default(),
-        candidates: Vec::new(),
+        candidates,
         absorbed: None,
         plausibility: Vec::new(),
         warnings,

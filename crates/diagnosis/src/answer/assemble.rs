@@ -19,7 +19,7 @@ use crate::judge::second::on_second;
 use crate::judge::touched::Touched;
 use crate::judge::unlisted::hedge;
 use crate::judge::untold_loads::{self, WEIGH};
-use crate::judge::verdict::{self, contradicted, verdict};
+use crate::judge::verdict::{self, contradicted, verdict, why_not};
 use crate::judge::whiteness::Tested;
 use crate::moving::leaves_of_second;
 use crate::noise::NoiseSource;
@@ -207,6 +207,8 @@ fn warnings(
             cause.place()
         )
     }));
+    let unnamed = causes.first().filter(|_| verdict == Verdict::Unknown);
+    warnings.extend(unnamed.and_then(why_not));
     let left = contradicted(findings, causes).filter(|_| verdict == Verdict::Unknown);
     warnings.extend(left.zip(causes.first()).map(|(left, cause)| {
         leaves_of_second(&format!("{} at {}", cause.effect, cause.place()), left)

@@ -483,6 +483,23 @@ pub struct CandidateAnswer {
     pub parameters: BTreeMap<String, f64>,
 }
 
+impl CandidateAnswer {
+    /// A cause that was fitted, and is not named.
+    pub(crate) fn of_cause(cause: &CauseAnswer) -> Self {
+        let numbers = cause.parameters.iter();
+        Self {
+            effect: cause.effect.clone(),
+            joint: cause.joint,
+            share: cause.share,
+            nats_behind: 0.0,
+            probability: 0.0,
+            parameters: numbers
+                .map(|(name, own)| (name.clone(), own.value))
+                .collect(),
+        }
+    }
+}
+
 /// A value of the base model that is hardly plausible.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hint {

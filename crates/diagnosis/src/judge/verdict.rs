@@ -2,7 +2,7 @@
 
 use haptical_effects::{Family, Parameter};
 
-use crate::answer::{CauseAnswer, HeldOutAnswer, Verdict};
+use crate::answer::{CandidateAnswer, CauseAnswer, HeldOutAnswer, Verdict};
 use crate::force::answer::ForceAnswer;
 use crate::judge::findings::Findings;
 use crate::select::excess;
@@ -64,13 +64,69 @@ fn by_probability(first: Option<&CauseAnswer>) -> Verdict {
     }
 }
 
-/// Whether a cause has a size, and does not make predictions of what the fit did not see worse.
+/// Whether a cause has a size, and makes predictions of what the fit did not see better.
 fn is_credible(cause: &CauseAnswer) -> bool {
     let mut sizes = sizes(cause).peekable();
     let has_size = sizes.peek().is_none() || sizes.any(|ci95| ci95[0] * ci95[1] > 0.0);
-    let is_worse =
-        |held_out: &HeldOutAnswer| held_out.reduction_ci95.is_some_and(|ci95| ci95[1] <= 0.0);
-    has_size && !cause.held_out.as_ref().is_some_and(is_worse)
+    has_size && is_borne_out(cause)
+}
+
+/// Whether a cause closes a share of its channel's gap that is above nothing beyond chance on rows that its fit did not see, or such a
+/// share cannot be given (A246).
+pub(crate) fn is_borne_out(cause: &CauseAnswer) -> bool {
+    let is_above = |held_out: &HeldOutAnswer| match (held_out.no_reduction, held_out.reduction_ci95)
+    {
+        (None, Some([low, _])) => low > 0.0,
+        (None, None) => held_out
+            .reduction_percent
+            .is_none_or(|percent| percent > 0.0),
+        (Some(_), _) => true,
+    };
+    cause.held_out.as_ref().is_none_or(is_above)
+}
+
+/// The verdict on causes that are judged without positions, where unseen rows bear them out: those that they do not are taken off
+/// `causes`, and with the first of them the name. They are among the candidates then, with what is said of them.
+pub(crate) fn on_unseen(
+    verdict: Verdict,
+    causes: &mut Vec<CauseAnswer>,
+) -> (Verdict, Vec<CandidateAnswer>, Vec<String>) {
+    let (mut candidates, mut said) = (Vec::new(), Vec::new());
+    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+        return (verdict, candidates, said);
+    }
+    let is_first_borne_out = causes.first().is_some_and(is_borne_out);
+    causes.retain(|cause| {
+        let is_kept = is_first_borne_out && is_borne_out(cause);
+        if !is_kept {
+            said.extend(why_not(cause));
+            candidates.push(CandidateAnswer::of_cause(cause));
+        }
+        is_kept
+    });
+    let verdict = match is_first_borne_out {
+        true => verdict,
+        false => Verdict::Unknown,
+    };
+    (verdict, candidates, said)
+}
+
+/// Why a cause is not named that unseen rows do not bear out.
+pub(crate) fn why_not(cause: &CauseAnswer) -> Option<String> {
+    let held_out = cause.held_out.as_ref().filter(|_| !is_borne_out(cause))?;
+    let interval = held_out
+        .reduction_ci95
+        .map_or_else(String::new, |[low, high]| {
+            format!(" (95 % interval {low:.1} to {high:.1} %)")
+        });
+    Some(format!(
+        "{} at {} would fit the log, but on rows that its fit did not see it closes {:.1} %{interval} of the gap of {}, which is not above \
+         nothing beyond chance: not named",
+        cause.effect,
+        cause.place(),
+        held_out.reduction_percent.unwrap_or_default(),
+        held_out.channel
+    ))
 }
 
 /// Share of the squares beyond noise that a moving arm's first cause leaves of a second recording, where that is more than it
@@ -113,4 +169,65 @@ fn sizes(cause: &CauseAnswer) -> impl Iterator<Item = [f64; 2]> {
     sizes
         .filter(move |(name, _)| is_size(name))
         .map(|(_, size)| size.ci95)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::answer::NoReduction;
+
+    fn closing(
+        effect: &str,
+        percent: f64,
+        ci95: [f64; 2],
+        why: Option<NoReduction>,
+    ) -> CauseAnswer {
+        CauseAnswer {
+            held_out: Some(HeldOutAnswer {
+                channel: "torque2".to_owned(),
+                rms_before: 1.0,
+                rms_after: 1.0,
+                noise_floor: 0.1,
+                unit: "N m".to_owned(),
+                reduction_percent: Some(percent),
+                reduction_ci95: Some(ci95),
+                no_reduction: why,
+            }),
+            ..CauseAnswer::named(effect, Some(1), 0.97)
+        }
+    }
+
+    /// Real: "Named. sampling explains the gap, 0.0 % closes", and "-20418909534770.5 %".
+    #[test]
+    fn a_cause_that_closes_nothing_on_unseen_rows_is_no_name_but_a_candidate() {
+        for (percent, ci95) in [
+            (0.0, [0.0, 0.0]),
+            (12.0, [-3.0, 27.0]),
+            (-2e13, [-4e13, -2e11]),
+        ] {
+            let mut causes = vec![closing("torque-saturation", percent, ci95, None)];
+            let (verdict, candidates, said) = on_unseen(Verdict::Named, &mut causes);
+            assert_eq!((verdict, causes.len()), (Verdict::Unknown, 0), "{percent}");
+            assert_eq!(candidates[0].effect, "torque-saturation");
+            assert!(said[0].contains("at joint 2 would fit the log"), "{said:?}");
+        }
+    }
+
+    #[test]
+    fn a_cause_of_which_no_share_can_be_given_keeps_its_name() {
+        let why = Some(NoReduction::Undetermined);
+        let mut causes = vec![
+            closing("contact", -50.0, [-90.0, -10.0], why),
+            closing("motor-cogging", 3.0, [-5.0, 11.0], None),
+            CauseAnswer::named("torque-gain", Some(0), 0.97),
+        ];
+        let (verdict, candidates, _) = on_unseen(Verdict::Named, &mut causes);
+        assert_eq!(verdict, Verdict::Named);
+        let names: Vec<&str> = causes.iter().map(|own| own.effect.as_str()).collect();
+        assert_eq!(names, ["contact", "torque-gain"]);
+        assert_eq!(candidates[0].effect, "motor-cogging");
+        // a gap without a name, and none, stay what they are
+        let (verdict, ..) = on_unseen(Verdict::NoGap, &mut Vec::new());
+        assert_eq!(verdict, Verdict::NoGap);
+    }
 }

@@ -12,6 +12,7 @@ use crate::answer::{
     CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
     Verdict, Whiteness,
 };
+use crate::judge::verdict::on_unseen;
 
 /// Share of a gap above which all of it is accounted for.
 const ALL_CLOSED: f64 = 0.95;
@@ -61,6 +62,14 @@ impl Tested {
                         }
                         second => second.and_then(Result::ok),
                     };
+                    let left_out = second.as_ref().map_or(0, |second| second.left_out);
+                    unseen.extend((left_out > 0).then(|| {
+                        format!(
+                            "joint {}: {left_out} rows of the second recording are not predicted and left out: the first one does not \
+                             determine what the joint does there",
+                            index + 1
+                        )
+                    }));
                     joints.push(Joint {
                         answer: kept,
                         index,
@@ -103,8 +112,9 @@ pub(super) fn answer(
         joint.weight = energy(joint) / total.max(1e-300);
     }
     joints.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    let (causes, words) = causes(device, &joints, &scales);
-    let verdict = verdict(&joints, &causes);
+    let (mut causes, words) = causes(device, &joints, &scales);
+    let by_log = verdict(&joints, &causes);
+    let (verdict, candidates, refused) = on_unseen(by_log, &mut causes);
     let located = located(&joints, &causes);
     let name = located.map(|joint| channel(joint.index));
     let channels = joints.iter().map(|joint| gap(device, joint)).collect();
@@ -151,10 +161,10 @@ pub(super) fn answer(
         detectable: Vec::new(),
         noise: joints.iter().map(noise).collect(),
         whiteness: Whiteness::default(),
-        candidates: Vec::new(),
+        candidates,
         absorbed: None,
         plausibility: Vec::new(),
-        warnings: warnings(&joints, &untested, words, options),
+        warnings: [warnings(&joints, &untested, words, options), refused].concat(),
         held_out: match options.validation {
             Some(_) => SECOND_RECORDING.to_owned(),
             None => "an eighth of the log in turn".to_owned(),
