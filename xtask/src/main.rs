@@ -5,7 +5,7 @@
     reason = "a command talks to its terminal"
 )]
 
-mod compare_results;
+mod command;
 mod real_arms;
 
 use std::process::ExitCode;
@@ -40,8 +40,10 @@ enum Job {
     BenchScaling(bench_scaling::Arguments),
     /// Computes the figures of docs/evidence.md and writes it.
     Evidence(xtask_evidence::Arguments),
-    /// Runs fixed commands and compares their results with the recorded ones.
-    CompareResults(compare_results::Arguments),
+    /// Identifies and diagnoses the golden scenes and compares the whole answers with the recorded ones.
+    CompareResults(xtask_scenes::Arguments),
+    /// Changes the golden scenes in ways that no answer may depend on, and compares with the list of laws that are broken.
+    Laws(xtask_scenes::LawsArguments),
     /// Runs identify and diagnose on measured data of real arms, and writes docs/real-arms.md.
     RealArms(real_arms::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
@@ -58,7 +60,8 @@ fn main() -> ExitCode {
         Job::PeersMoving(arguments) => moving::run(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
-        Job::CompareResults(arguments) => compare_results::run(&arguments),
+        Job::CompareResults(arguments) => xtask_scenes::compare_results(&arguments),
+        Job::Laws(arguments) => xtask_scenes::laws(&arguments),
         Job::RealArms(arguments) => real_arms::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
     };

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use xtask_output::put_between;
 
-use crate::compare_results::command;
+use crate::command::command;
 use sets::{Folders, Sets};
 
 /// The page with the table.

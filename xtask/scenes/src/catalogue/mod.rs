@@ -1,0 +1,28 @@
+//! All scenes: every rig and every view once at least.
+
+mod arms;
+mod hand;
+mod rigs;
+mod servos;
+mod torques;
+
+use crate::scene::Scene;
+
+/// The lists of scenes.
+const LISTS: [&[Scene]; 5] = [
+    rigs::SCENES,
+    arms::SCENES,
+    hand::SCENES,
+    torques::SCENES,
+    servos::SCENES,
+];
+
+/// All scenes, in order.
+pub(crate) static SCENES: std::sync::LazyLock<Vec<Scene>> =
+    std::sync::LazyLock::new(|| LISTS.concat());
+
+/// Scenes whose name contains a text.
+pub(crate) fn named(part: &str) -> Vec<Scene> {
+    let scenes = SCENES.iter().filter(|scene| scene.name.contains(part));
+    scenes.copied().collect()
+}

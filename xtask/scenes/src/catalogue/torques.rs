@@ -1,0 +1,292 @@
+//! Arms in motion: torques that rigid bodies, friction and one effect ask for, angles in counts.
+
+use std::f64::consts::TAU;
+
+use anyhow::Result;
+use haptical::model::{MotionWork, RigidBodies};
+
+use crate::noise::Noise;
+use crate::scene::{DeviceFile, Identified, Made, Scene, scene};
+use crate::table::Table;
+
+pub(crate) const SCENES: &[Scene] = &[
+    scene("moving-clean", &[], || made(&Truth::default())),
+    scene("moving-payload", &["payload"], || {
+        let truth = Truth {
+            payload_kg: 0.8,
+            ..Truth::default()
+        };
+        with_second(&truth, &truth)
+    }),
+    scene("moving-second-of-another", &["payload"], || {
+        let loaded = Truth {
+            payload_kg: 2.0,
+            ..Truth::default()
+        };
+        with_second(&Truth::default(), &loaded)
+    }),
+    scene("moving-stribeck", &["stribeck-friction"], || {
+        made(&Truth {
+            stribeck_nm: 1.5,
+            ..Truth::default()
+        })
+    }),
+    scene("moving-late-encoders", &["encoder-latency"], || {
+        made(&Truth {
+            late_s: 0.012,
+            ..Truth::default()
+        })
+    }),
+    scene("moving-saturation", &["torque-saturation"], || {
+        made(&Truth {
+            end_nm: Some(4.0),
+            ..Truth::default()
+        })
+    }),
+    scene("moving-cogging", &["motor-cogging"], || {
+        made(&Truth {
+            cogging_nm: 0.6,
+            ..Truth::default()
+        })
+    }),
+    scene("moving-unknown", &[], || {
+        made(&Truth {
+            dent_nm: 3.0,
+            ..Truth::default()
+        })
+    }),
+    scene(
+        "link-elastic",
+        &["capstan-compliance", "joint-compliance"],
+        || {
+            let elastic = Truth {
+                yields_nm_per_rad: Some(3000.0),
+                ..Truth::default()
+            };
+            made(&elastic)
+        },
+    ),
+    scene("link-play", &["backlash"], || {
+        let play = Truth {
+            play_rad: Some(0.004),
+            ..Truth::default()
+        };
+        made(&play)
+    }),
+    scene("loop-late-commands", &["command-latency"], || {
+        let late = Truth {
+            command_late_s: Some(0.04),
+            ..Truth::default()
+        };
+        made(&late)
+    }),
+];
+
+/// What the true arm has and its file does not say.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Truth {
+    /// At the flange.
+    payload_kg: f64,
+    /// Friction more at low speed, first joint.
+    stribeck_nm: f64,
+    /// How late angles are logged.
+    late_s: f64,
+    /// Where readings of the second torque end.
+    end_nm: Option<f64>,
+    /// Torque of 30 periods a turn of the first joint.
+    cogging_nm: f64,
+    /// Friction near an angle of the first joint, in no catalogue.
+    dent_nm: f64,
+    /// Stiffness of the first drive, where links have encoders.
+    yields_nm_per_rad: Option<f64>,
+    /// Play of the first drive, where links have encoders.
+    play_rad: Option<f64>,
+    /// How late the drives follow, where commands are logged.
+    command_late_s: Option<f64>,
+}
+
+/// Length and rate of each recording.
+const SECONDS: f64 = 16.0;
+const STEP_S: f64 = 0.005;
+/// Noise of a torque, of a link's encoder.
+const TORQUE_SD_NM: f64 = 0.1;
+const OUTPUT_SD_RAD: f64 = 5e-5;
+/// Gains of the controller \[N m/rad, N m s/rad\].
+const GAINS: [[f64; 2]; 2] = [[900.0, 60.0], [400.0, 25.0]];
+
+/// The device file; `factors` are what the true masses are multiples of.
+fn device_toml(factors: [f64; 2], payload_kg: f64, has_outputs: bool) -> String {
+    let encoder = match has_outputs {
+        true => format!("external_encoder_sd_rad = {OUTPUT_SD_RAD}\n"),
+        false => String::new(),
+    };
+    let [first, second] = [3.0 * factors[0], 2.0 * factors[1]];
+    // the load is a part of the second link, at its end
+    let whole = second + payload_kg;
+    let centre = (0.15 * second + 0.3 * payload_kg) / whole;
+    let apart = second * (centre - 0.15_f64).powi(2) + payload_kg * (0.3 - centre).powi(2);
+    let about = 0.02 + apart;
+    format!(
+        "[device]\nname = \"two links\"\ndof = 2\n[gravity]\nvector_mps2 = [0.0, -9.81, 0.0]\n\
+         [[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
+         [[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = {first}\ncentre_of_mass_m = [0.2, 0.0, 0.0]\n\
+         inertia_kgm2 = [0.002, 0.05, 0.05, 0.0, 0.0, 0.0]\n\
+         [[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = {whole}\ncentre_of_mass_m = [{centre}, 0.0, 0.0]\n\
+         inertia_kgm2 = [0.001, {about}, {about}, 0.0, 0.0, 0.0]\n\
+         [[joint]]\nname = \"shoulder\"\narmature_kgm2 = 0.3\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}\
+         [[joint]]\nname = \"elbow\"\narmature_kgm2 = 0.1\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}"
+    )
+}
+
+/// Angle, speed and acceleration of a joint that six sines move.
+struct Course {
+    waves: Vec<[f64; 3]>,
+}
+
+impl Course {
+    fn drawn(noise: &mut Noise) -> Self {
+        let wave = |k: usize| {
+            let rate = TAU * (0.1 + 0.15 * k as f64);
+            [noise.between(0.05, 0.25), rate, noise.between(0.0, TAU)]
+        };
+        Self {
+            waves: (0..6).map(wave).collect(),
+        }
+    }
+
+    fn at(&self, time_s: f64) -> [f64; 3] {
+        let mut state = [0.0; 3];
+        for [size, rate, phase] in &self.waves {
+            let (sine, cosine) = libm::sincos(rate * time_s + phase);
+            state[0] += size * sine;
+            state[1] += size * rate * cosine;
+            state[2] -= size * rate * rate * sine;
+        }
+        state
+    }
+}
+
+/// The true arm on its course.
+struct Arm<'t> {
+    truth: &'t Truth,
+    bodies: RigidBodies,
+    work: MotionWork,
+    courses: [Course; 2],
+}
+
+impl Arm<'_> {
+    fn states(&self, time_s: f64) -> [[f64; 3]; 2] {
+        [0, 1].map(|joint: usize| self.courses[joint].at(time_s))
+    }
+
+    /// What the drives exert.
+    fn torques(&mut self, time_s: f64) -> Result<[f64; 2]> {
+        let states = self.states(time_s);
+        let of = |order: usize| states.map(|state| state[order]);
+        let mut torques = [0.0; 2];
+        let bodies = &self.bodies;
+        bodies.torques(&of(0), &of(1), &of(2), &mut self.work, &mut torques)?;
+        add_friction(self.truth, &states, &mut torques);
+        Ok(torques)
+    }
+
+    /// What each controller was sent, so that it exerts these torques once it hears it.
+    fn commands(&mut self, time_s: f64, late_s: f64) -> Result<[f64; 2]> {
+        let heard_s = time_s + late_s;
+        let (torques, states) = (self.torques(heard_s)?, self.states(heard_s));
+        Ok([0, 1].map(|joint: usize| {
+            let [stiffness, damping] = GAINS[joint];
+            states[joint][0] + (torques[joint] + damping * states[joint][1]) / stiffness
+        }))
+    }
+}
+
+fn log(truth: &Truth, seed: u64) -> Result<Table> {
+    let has_outputs = truth.has_outputs();
+    let true_arm = DeviceFile::toml(device_toml([1.04, 0.97], truth.payload_kg, has_outputs));
+    let bodies = RigidBodies::of_device(&true_arm.open()?.model)?;
+    let mut noise = Noise::new(seed);
+    let mut arm = Arm {
+        truth,
+        work: bodies.work(),
+        bodies,
+        courses: [Course::drawn(&mut noise), Course::drawn(&mut noise)],
+    };
+    let rows = (SECONDS / STEP_S) as usize;
+    let times: Vec<f64> = (0..rows).map(|row| row as f64 * STEP_S).collect();
+    let mut columns = [(); 4].map(|()| [Vec::new(), Vec::new()]);
+    let mut follows = 0.0;
+    for &time_s in &times {
+        let torques = arm.torques(time_s)?;
+        let logged = arm.states(time_s - truth.late_s).map(|state| state[0]);
+        let [angles, readings, outputs, commands] = &mut columns;
+        for joint in 0..2 {
+            let count = TAU / 400_000.0;
+            angles[joint].push(libm::round(logged[joint] / count) * count);
+            let reading = torques[joint] + noise.normal(TORQUE_SD_NM);
+            let end = truth.end_nm.filter(|_| joint == 1);
+            readings[joint].push(end.map_or(reading, |end| reading.clamp(-end, end)));
+        }
+        if has_outputs {
+            let half = 0.5 * truth.play_rad.unwrap_or(0.0);
+            follows = f64::clamp(follows, logged[0] - half, logged[0] + half);
+            let yields = truth.yields_nm_per_rad.map_or(0.0, |own| torques[0] / own);
+            outputs[0].push(follows - yields + noise.normal(OUTPUT_SD_RAD));
+            outputs[1].push(logged[1] + noise.normal(OUTPUT_SD_RAD));
+        }
+        if let Some(late_s) = truth.command_late_s {
+            for (column, command) in commands.iter_mut().zip(arm.commands(time_s, late_s)?) {
+                column.push(command);
+            }
+        }
+    }
+    let mut table = Table::default();
+    table.push("t_s", times);
+    let stems = [
+        ("theta", "rad"),
+        ("torque", "nm"),
+        ("out", "rad"),
+        ("command", "rad"),
+    ];
+    for ((stem, unit), cells) in stems.into_iter().zip(columns) {
+        for (joint, cells) in cells.into_iter().enumerate() {
+            if !cells.is_empty() {
+                table.push(format!("{stem}{}_{unit}", joint + 1), cells);
+            }
+        }
+    }
+    Ok(table)
+}
+
+impl Truth {
+    /// Whether links have encoders of their own.
+    fn has_outputs(&self) -> bool {
+        self.yields_nm_per_rad.is_some() || self.play_rad.is_some()
+    }
+}
+
+/// Coulomb's and viscous friction of both joints, and what the truth adds.
+fn add_friction(truth: &Truth, [first, second]: &[[f64; 3]; 2], torques: &mut [f64; 2]) {
+    let side = |speed: f64| libm::tanh(speed / 0.006);
+    let more = truth.stribeck_nm / (1.0 + (first[1] / 0.15).powi(2))
+        + truth.dent_nm * libm::exp(-0.5 * ((first[0] - 0.1) / 0.05).powi(2));
+    torques[0] += (1.5 + more) * side(first[1]) + 0.8 * first[1];
+    torques[0] += truth.cogging_nm * libm::sin(30.0 * first[0] + 0.4);
+    torques[1] += 0.6 * side(second[1]) + 0.3 * second[1];
+}
+
+fn made(truth: &Truth) -> Result<Made> {
+    let device = DeviceFile::toml(device_toml([1.0, 1.0], 0.0, truth.has_outputs()));
+    Ok(Made {
+        identify: Identified::Dynamics,
+        links_follow: truth.late_s == 0.0 && !truth.has_outputs(),
+        ..Made::new(device, log(truth, 1)?)
+    })
+}
+
+fn with_second(truth: &Truth, second: &Truth) -> Result<Made> {
+    Ok(Made {
+        validate: Some(log(second, 2)?),
+        ..made(truth)?
+    })
+}

@@ -1,0 +1,119 @@
+//! Laws that add a truthful column to a log.
+
+use anyhow::Result;
+
+use crate::noise::Noise;
+use crate::scene::Made;
+use crate::table::{Column, Table};
+
+/// Seed of added noise.
+const SEED: u64 = 5;
+/// Noise of a force sensor that touches nothing \[N\].
+const FORCE_SD_N: f64 = 0.1;
+/// Noise of an encoder on a link \[rad\], \[m\].
+const OUTPUT_SD: f64 = 2e-5;
+/// A room \[degC\].
+const ROOM_DEGC: f64 = 21.5;
+
+/// Adds columns to each log of a scene; none where `add` adds none to the first.
+fn to_each(
+    made: &Made,
+    add: impl Fn(&mut Table, &mut Noise) -> Result<bool>,
+) -> Result<Option<Made>> {
+    let mut changed = made.clone();
+    let mut noise = Noise::new(SEED);
+    if !add(&mut changed.log, &mut noise)? {
+        return Ok(None);
+    }
+    for further in changed.also.iter_mut().chain(&mut changed.validate) {
+        add(further, &mut noise)?;
+    }
+    Ok(Some(changed))
+}
+
+/// A wrist sensor that touches nothing, on an arm with a handle.
+pub(super) fn forces(made: &Made) -> Result<Option<Made>> {
+    let has_links = made.device.open()?.model.has_links();
+    to_each(made, |log, noise| {
+        if log.has("fx_n") || !has_links {
+            return Ok(false);
+        }
+        for name in ["fx_n", "fy_n", "fz_n"] {
+            let cells = (0..log.rows()).map(|_| noise.normal(FORCE_SD_N)).collect();
+            log.push(name, cells);
+        }
+        Ok(true)
+    })
+}
+
+/// Encoders on the links, where those are where the motors say.
+pub(super) fn outputs(made: &Made) -> Result<Option<Made>> {
+    if !made.links_follow {
+        return Ok(None);
+    }
+    to_each(made, |log, noise| {
+        for (joint, unit, angles) in joints(log) {
+            let read = angles.iter().map(|angle| angle + noise.normal(OUTPUT_SD));
+            log.push(format!("out{joint}_{unit}"), read.collect());
+        }
+        Ok(true)
+    })
+}
+
+/// Commands of drives that meet them at once.
+pub(super) fn commands(made: &Made) -> Result<Option<Made>> {
+    to_each(made, |log, _| {
+        if !log.has("t_s") || log.has("command1_rad") {
+            return Ok(false);
+        }
+        for (joint, unit, angles) in joints(log) {
+            log.push(format!("command{joint}_{unit}"), angles);
+        }
+        Ok(true)
+    })
+}
+
+/// A room that stays as warm as it is.
+pub(super) fn temperature(made: &Made) -> Result<Option<Made>> {
+    to_each(made, |log, _| {
+        if log.has("temp_degc") {
+            return Ok(false);
+        }
+        log.push("temp_degc", vec![ROOM_DEGC; log.rows()]);
+        Ok(true)
+    })
+}
+
+/// Velocities, as differences of the angles say them.
+pub(super) fn velocities(made: &Made) -> Result<Option<Made>> {
+    to_each(made, |log, _| {
+        if !log.has("t_s") || log.has("velocity1_rad_per_s") {
+            return Ok(false);
+        }
+        let times = log.numbers("t_s")?.to_vec();
+        let runs = log.runs();
+        for (joint, unit, angles) in joints(log) {
+            let speed = |row: usize| {
+                let near = |other: &usize| *other < times.len() && runs[*other] == runs[row];
+                let before = row.checked_sub(1).filter(near).unwrap_or(row);
+                let after = Some(row + 1).filter(near).unwrap_or(row);
+                (angles[after] - angles[before]) / (times[after] - times[before])
+            };
+            let speeds = (0..times.len()).map(speed).collect();
+            log.push(format!("velocity{joint}_{unit}_per_s"), speeds);
+        }
+        Ok(true)
+    })
+}
+
+/// Number, unit and readings of each motor encoder.
+fn joints(log: &Table) -> Vec<(String, String, Vec<f64>)> {
+    let read = |(name, column): &(String, Column)| {
+        let (joint, unit) = name.strip_prefix("theta")?.split_once('_')?;
+        match column {
+            Column::Numbers(cells) => Some((joint.to_owned(), unit.to_owned(), cells.clone())),
+            _ => None,
+        }
+    };
+    log.columns.iter().filter_map(read).collect()
+}

@@ -1,0 +1,19 @@
+//! Golden scenes: devices and logs of every rig and every view, their whole answers against recorded ones, and the laws that answers keep.
+#![allow(
+    clippy::print_stdout,
+    reason = "the jobs of this crate talk to a terminal"
+)]
+
+mod answer;
+mod catalogue;
+mod compare;
+mod job;
+mod laws;
+mod noise;
+mod record;
+mod scene;
+mod table;
+mod workers;
+
+pub use job::{Arguments, compare_results};
+pub use laws::{LawsArguments, laws};
