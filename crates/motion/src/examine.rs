@@ -54,7 +54,12 @@ pub fn examine(
     {
         let mut others = without.to_vec();
         others.push(SAMPLING.to_owned());
-        let as_read = examine_with(device, &Logs::new(device, recording, None), &others, Reading::default());
+        let as_read = examine_with(
+            device,
+            &Logs::new(device, recording, None),
+            &others,
+            Reading::default(),
+        );
         found.set_right = as_read.map_or_else(|_| Vec::new(), |own| set_right(&own, &found));
     }
     let is_push = |own: &Finding| own.effect == CONTACT;
