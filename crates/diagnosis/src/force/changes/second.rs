@@ -104,10 +104,13 @@ impl Model<'_, '_, '_> {
         if seen.channels.iter().any(|own| own.has_gap) && both.carries_more.is_none() {
             let context = Context::new(device, &joined, &[])?;
             let together = examine(&context, &[])?;
-            if together.not_tested.is_none() && !together.significant {
+            if !together.significant {
                 let channels = seen.channels.iter_mut();
                 channels.for_each(SecondChannel::explain_by_both);
             }
+            let not_tested = together.not_tested.into_iter();
+            let not_tested = not_tested.map(|why| format!("torques of both recordings: {why}"));
+            seen.not_predicted.extend(not_tested);
         }
         let device_joints = first
             .channels
