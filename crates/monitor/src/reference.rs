@@ -73,7 +73,7 @@ impl Reference {
                 .collect();
             let found = Self::of_blocks(&series, blocks.rows * factor, &wanted)?;
             if let Some(found) = found
-                && !found.is_alarmed_by(&series, miss)
+                && !found.is_alarmed_by(&series)
             {
                 return Ok(Some(found));
             }
@@ -126,11 +126,11 @@ impl Reference {
         Ok(found.features.iter().any(Option::is_some).then_some(found))
     }
 
-    /// Whether the test that is to judge with this reference takes the reference itself for an alarm. While the law holds for its blocks
-    /// that has at most the probability `miss`, by the bound on false alarms.
-    fn is_alarmed_by(&self, series: &[Vec<Sums>], miss: f64) -> bool {
+    /// Whether the test that is to judge with this reference takes the reference itself for an alarm, at the rate of one false alarm in
+    /// its length. Where the law holds for its blocks that is rare; where a few of them hold most of a scatter it is not.
+    fn is_alarmed_by(&self, series: &[Vec<Sums>]) -> bool {
         let mut detector = Detector::new(self);
-        let most = self.blocks as f64 / miss;
+        let most = self.blocks as f64;
         let mut judged = vec![None; series.len()];
         (0..self.blocks).any(|block| {
             for (component, own) in judged.iter_mut().enumerate() {

@@ -83,7 +83,7 @@ def reference(noise, least):
                 low = stats.chi2.ppf(0.5 * (1 - level), count - 1) / (count - 1)
                 own.append((mean, sd, common, margin, low**-0.5))
             worst = max(one[2] for one in own)
-            if worst + count**-0.5 <= 0.2 and largest(features(part, length), own) < count / 0.05:
+            if worst + count**-0.5 <= 0.2 and largest(features(part, length), own) < count:
                 return centre, scale, length, own, settle + base * 8
             length *= 2
     return None

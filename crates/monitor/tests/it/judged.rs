@@ -295,14 +295,18 @@ fn readings_that_stay_alike_for_a_while_make_longer_blocks() {
     for seed in 30..42 {
         let mut noise = Noise::new(seed, 0.0);
         let (mut row, mut held) = (0_u64, 0.0);
-        // uniform, held for 40 rows of each 400
+        // uniform, held for 24 rows of each 2000
         let mut next = move || {
             row += 1;
             let fresh = (12_345.678 * noise.next()).rem_euclid(2.0) - 1.0;
-            if row % 400 == 1 {
+            if row % 2000 == 1 {
                 held = fresh;
             }
-            if row % 400 <= 40 { held } else { fresh }
+            if (1..=24).contains(&(row % 2000)) {
+                held
+            } else {
+                fresh
+            }
         };
         let own = Settings {
             reference_rows: 60_000,
