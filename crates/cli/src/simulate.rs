@@ -154,12 +154,13 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.poses {
         return poses::run(arguments, path);
     }
+    let rule = arguments.overwrite.rule(COMMAND);
+    rule.check_inputs(std::slice::from_ref(&arguments.out))?;
     let (folder, name) = folder_and_name(&arguments.out)?;
     // a log cannot say itself how it came about
     let beside = format!("{name}.provenance.json");
     let place = folder.join(&beside);
     let truth_name = format!("{name}.truth.toml");
-    let rule = arguments.overwrite.rule(COMMAND);
     let mut outputs = vec![place.clone(), arguments.out.clone()];
     outputs.extend(arguments.deviate.map(|_| folder.join(&truth_name)));
     rule.check(&outputs)?;

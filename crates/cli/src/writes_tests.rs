@@ -124,7 +124,7 @@ const CASES: &[Case] = &[
     ),
     case("watch --device {1} --once --page {out} {dir}", &[""]),
     case("init {out}", &["/device.toml", "/log.csv"]),
-    case("import mukca {dir} --out {out}.csv", &[".csv", ".toml"]),
+    case("import mukca {dir} --out {out}.csv", &[".csv", ".rig.toml"]),
     case(
         "import --columns {1} --device {2} --rig {3} {4} --out {out}",
         &[""],
@@ -177,8 +177,12 @@ impl<'c> Scene<'c> {
     }
 
     fn input(&self, number: usize) -> PathBuf {
-        // `identify --with` takes a gap.json
-        self.folder.path().join(format!("in{number}.json"))
+        // `identify --with` takes a gap.json, `import` asks the name what a table is
+        let end = match self.case.words.contains(&format!("--with {{{number}}}")) {
+            true => "json",
+            false => "csv",
+        };
+        self.folder.path().join(format!("in{number}.{end}"))
     }
 
     fn output(&self, end: &str) -> PathBuf {

@@ -92,7 +92,11 @@ impl WriteRule {
         files: &[NewFile<'_>],
         stop: &dyn Fn() -> bool,
     ) -> Result<Vec<PathBuf>, Error> {
-        let outputs: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+        let place = |name: &str| match folder == Path::new(".") {
+            true => PathBuf::from(name),
+            false => folder.join(name),
+        };
+        let outputs: Vec<PathBuf> = files.iter().map(|(name, _)| place(name)).collect();
         let is_same = |output: &Path| {
             let content = files.iter().zip(&outputs).find(|(_, own)| *own == output);
             content
