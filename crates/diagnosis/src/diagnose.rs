@@ -325,7 +325,8 @@ fn accounts_for(again: &Diagnosis, first: &Diagnosis, is_bounded: bool) -> bool 
         Verdict::NoGap => first.verdict == Verdict::Unknown,
         Verdict::Named | Verdict::Ambiguous => {
             // without candidates there is no cause but findings on the data
-            let found = (first.causes.first()).filter(|_| !first.candidates.is_empty());
+            let found = (first.causes.first())
+                .filter(|_| (first.candidates.iter()).any(|candidate| candidate.refused.is_none()));
             let names = |name: &String| {
                 let mut named = again.causes.iter().take(1);
                 named.any(|cause| cause.effect == *name || cause.confusable_with.contains(name))

@@ -42,6 +42,8 @@ pub fn start_values(
         model: engine.start.model.clone(),
         residual: engine.start.residual.clone(),
         covariance: None,
+        promised: engine.start.promised,
+        convergence: engine.start.convergence,
         last_step: engine.start.last_step,
     };
     for own in own {

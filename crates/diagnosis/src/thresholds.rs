@@ -169,7 +169,7 @@ pub(crate) mod fit {
     /// Steps after which a search that has found no minimum is left where it is: an effect that no base model resembles can
     /// keep it wandering. Cost.
     pub(crate) const MOST_STEPS: usize = 100;
-    /// Passes of the base model's own refit. Cost.
+    /// Steps of the base model's own refit with the derivatives of its start. Cost.
     pub(crate) const BASE_PASSES: usize = 3;
     /// Blocks that a long recording is averaged into, about. Cost.
     pub(crate) const BLOCKS: usize = 1200;
@@ -177,14 +177,11 @@ pub(crate) mod fit {
     pub(crate) const LONGEST_REST_ROWS: usize = 400;
     /// Time within which what is left of a gap hardly changes \[s\]. Choice.
     pub(crate) const WINDOW_S: f64 = 0.25;
-    /// Change of the predictions over the noise below which a step ends a refit. Choice.
-    pub(crate) const SMALL_STEP: f64 = 0.02;
-    /// Passes of a refit with causes. Cost.
-    pub(crate) const PASSES: usize = 7;
-    /// Steps that are tried where a step does not lower the cost. Cost.
-    pub(crate) const SHORTENED_STEPS: usize = 5;
-    /// Length of each of them over that of the one before. Choice.
-    pub(crate) const SHORTER: f64 = 0.4;
+    /// Fall of the cost that the linearised problem promises, in variances of the noise or of what is left, below which a fit has
+    /// converged: its numbers are within a tenth of their standard deviations of the minimum. Choice.
+    pub(crate) const LEAST_FALL: f64 = 0.01;
+    /// Steps of a refit after which it has not converged. Cost.
+    pub(crate) const PASSES: usize = 50;
     /// Ratio of two squared residuals of one model that are of one minimum. Choice.
     pub(crate) const NO_WORSE: f64 = 1.02;
     /// Noise that falls below this share of itself with the causes in the model was partly gap.

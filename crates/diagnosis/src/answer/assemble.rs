@@ -220,6 +220,13 @@ fn warnings(
             .map(Ahead::words),
     );
     warnings.extend(overruled(findings));
+    // where the calibration's own search found none either, the diagnosis says so
+    if !engine.start.has_converged() && engine.base.unfinished.is_none() {
+        warnings.push(format!(
+            "the base model's fit without causes did not converge ({}): what causes gain on it is rough",
+            engine.start.convergence
+        ));
+    }
     warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
@@ -279,7 +286,7 @@ fn provenance(findings: &Findings<'_>) -> Provenance {
         base_identifiable: engine.base.free.len(),
         tested: findings.selection.selector.tested.len(),
         thresholds: crate::thresholds::VERSION.to_owned(),
-        last_step: engine.start.last_step,
+        last_step: findings.selection.refit.last_step,
         without: findings.inputs.options.without.clone(),
     }
 }

@@ -154,7 +154,9 @@ pub(crate) fn correction(
             ..Corrections::default()
         });
     };
-    let found = with_it(engine, joint, fitted)?;
+    let Some(found) = with_it(engine, joint, fitted)? else {
+        return Ok(Corrections::default());
+    };
     match second {
         Some(second) => confirmed(found, engine, second, &located.answer.channel),
         None => Ok(Corrections {
@@ -264,12 +266,12 @@ fn normal(engine: &Engine<'_>, joint: usize, places: &[f64], [from, to]: [f64; 2
     normal
 }
 
-/// The device with a curve, whose size is fitted together with geometry and drives.
+/// The device with a curve, whose size is fitted together with geometry and drives; none where that fit finds no minimum.
 fn with_it(
     engine: &Engine<'_>,
     joint: usize,
     fitted: Fitted,
-) -> Result<Correction, DiagnosisError> {
+) -> Result<Option<Correction>, DiagnosisError> {
     let Fitted {
         over,
         column,
@@ -294,6 +296,9 @@ fn with_it(
         ..engine.start.model.clone()
     };
     let refit = engine.refit(&effects, &model)?;
+    if !refit.has_converged() {
+        return Ok(None);
+    }
     let size = refit.model.causes[0].amplitudes[0];
     for coefficient in &mut coefficients {
         *coefficient *= size;
@@ -315,7 +320,7 @@ fn with_it(
         lists: [(coefficients_key(base, joint).to_owned(), coefficients)].into(),
         ..DeviceEffect::default()
     });
-    Ok(Correction {
+    Ok(Some(Correction {
         answer: CorrectionAnswer {
             joint: joint + 1,
             over: column,
@@ -330,5 +335,5 @@ fn with_it(
             on_second: None,
         },
         device,
-    })
+    }))
 }

@@ -479,8 +479,12 @@ pub struct CandidateAnswer {
     pub nats_behind: f64,
     /// Probability.
     pub probability: f64,
-    /// Its numbers by name, as fitted in the first cause's place; empty where it is too far behind to have been fitted.
+    /// Its numbers by name, as fitted in the first cause's place; empty where it is too far behind to have been fitted, or
+    /// refused.
     pub parameters: BTreeMap<String, f64>,
+    /// Why it is no candidate after all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
 }
 
 impl CandidateAnswer {
@@ -522,7 +526,7 @@ pub struct Provenance {
     pub tested: usize,
     /// Version of the thresholds.
     pub thresholds: String,
-    /// Last step of the base fit, in standard deviations of the residuals.
+    /// Step that the fit of base model and causes still asks for at its end, in standard deviations of the residuals.
     pub last_step: f64,
     /// Effects left out on request.
     pub without: Vec<String>,

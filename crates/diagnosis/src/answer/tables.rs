@@ -218,15 +218,52 @@ pub(crate) fn candidates(findings: &Findings<'_>) -> Vec<CandidateAnswer> {
             numbers_of(findings.selection.effect(cause), cause, context)
         })
     };
-    rivals
+    let mut found: Vec<CandidateAnswer> = rivals
         .enumerate()
         .map(|(place, rival)| CandidateAnswer {
-            parameters: numbers(&(place, rival)),
+            parameters: match rival.has_converged {
+                true => numbers(&(place, rival)),
+                false => BTreeMap::new(),
+            },
+            refused: (!rival.has_converged).then(|| NOT_CONVERGED.to_owned()),
             effect: rival.name.to_owned(),
             joint: rival.joint.map(|joint| joint + 1),
             share: rival.share,
             nats_behind: rival.nats_behind,
             probability: rival.probability,
         })
-        .collect()
+        .collect();
+    found.extend(unconverged(findings, &found));
+    found
 }
+
+/// Contenders whose fits ended at no minimum, those that are in the list already left out.
+fn unconverged(findings: &Findings<'_>, listed: &[CandidateAnswer]) -> Vec<CandidateAnswer> {
+    let selection = &findings.selection;
+    let first = selection.first_scan.first();
+    let most = first.map_or(f64::INFINITY, |first| first.score);
+    let scores = selection.unconverged.iter();
+    let answers = scores.map(|score| {
+        let effect = selection.selector.effects[score.effect].as_ref();
+        let behind = first.map_or(0.0, |first| {
+            selection.selector.criterion(first) - selection.selector.criterion(score)
+        });
+        CandidateAnswer {
+            effect: effect.name().to_owned(),
+            joint: effect.joint().map(|joint| joint + 1),
+            share: (score.score / most).min(1.0),
+            nats_behind: behind.max(0.0),
+            probability: 0.0,
+            parameters: BTreeMap::new(),
+            refused: Some(NOT_CONVERGED.to_owned()),
+        }
+    });
+    let is_new = |own: &CandidateAnswer| {
+        let mut others = listed.iter();
+        !others.any(|other| other.effect == own.effect && other.joint == own.joint)
+    };
+    answers.filter(is_new).collect()
+}
+
+/// Why a candidate has no numbers.
+const NOT_CONVERGED: &str = "fit did not converge";

@@ -2,8 +2,10 @@
 
 pub(crate) mod anchor;
 pub(crate) mod base;
+pub(crate) mod base_fit;
 pub(crate) mod base_problem;
 pub(crate) mod blocks;
+pub(crate) mod descent;
 pub(crate) mod determined;
 pub(crate) mod earlier_model;
 pub(crate) mod layout;
@@ -17,7 +19,6 @@ pub(crate) mod regression;
 pub(crate) mod segments;
 pub(crate) mod system;
 
-mod base_fit;
 mod prepared;
 
 use haptical_effects::{Context, Effect, Stream};
@@ -27,7 +28,7 @@ use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
-use crate::engine::model::{Cause, Model, Refit};
+use crate::engine::model::{Cause, Refit};
 use crate::engine::part::{Part, root_mean_square};
 use crate::engine::system::{System, compress_rows};
 use crate::noise::measured::{KnownNoise, estimate_noise, over_stated};
@@ -159,17 +160,12 @@ impl Engine<'_> {
         causes: &[Cause],
     ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
         let bare = self.problem.evaluate(values, false)?.residual;
-        Ok(beside(bare, &self.context, effects, causes))
-    }
-
-    /// Residuals of a model of this recording.
-    pub(crate) fn residual(&self, effects: &[Box<dyn Effect>], model: &Model) -> Vec<Vec<f64>> {
-        beside(model.bare.to_vec(), &self.context, effects, &model.causes)
+        Ok(with_causes(bare, &self.context, effects, causes))
     }
 }
 
 /// Residuals once the causes are in the model.
-fn beside(
+pub(crate) fn with_causes(
     mut residual: Vec<Vec<f64>>,
     context: &Context<'_>,
     effects: &[Box<dyn Effect>],

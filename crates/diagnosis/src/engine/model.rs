@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use haptical_effects::{Context, Effect, Signal};
-use haptical_identification::Matrix;
+use haptical_identification::{Convergence, Matrix};
 
 /// A cause with its fitted numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +69,25 @@ pub(crate) struct Refit {
     /// Covariance of all amplitudes (causes in order, each with its shape last where that is
     /// continuous), for noise of the estimated size.
     pub(crate) covariance: Option<Matrix>,
-    /// Largest step of the last iteration, in standard deviations of the residuals.
+    /// Fall of the cost that the linearised problem still promises, in variances of the noise.
+    pub(crate) promised: f64,
+    /// Why the search stopped.
+    pub(crate) convergence: Convergence,
+    /// Step that its end still asks for, in standard deviations of the residuals (root mean square).
     pub(crate) last_step: f64,
+}
+
+impl Refit {
+    /// Whether its numbers are those of a minimum.
+    pub(crate) fn has_converged(&self) -> bool {
+        self.convergence.was_successful()
+    }
+
+    /// By how much a search that was not stopped might still lower the cost.
+    pub(crate) fn may_fall(&self) -> f64 {
+        match self.has_converged() {
+            true => 0.0,
+            false => self.promised,
+        }
+    }
 }

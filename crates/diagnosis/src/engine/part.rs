@@ -1,7 +1,6 @@
-//! Rows that a fit sees, and one Gauss-Newton step on them.
+//! Rows that a fit sees, and the base model's step on them.
 
 use haptical_effects::{Context, Signal};
-use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns};
 
 use crate::DiagnosisError;
@@ -20,18 +19,6 @@ pub(crate) struct Part {
     basis: Option<OrthonormalBasis>,
     /// One over the standard deviations of the anchored parameters; empty where none is anchored.
     stiffness: Vec<f64>,
-}
-
-/// A Gauss-Newton step of base model and causes.
-pub(crate) struct Step {
-    /// Free parameters, then the causes' numbers.
-    pub(crate) values: Vec<f64>,
-    /// Root mean square change of the predictions, in noise deviations.
-    pub(crate) size: f64,
-    /// Squared residual that the linear model loses.
-    pub(crate) explained: f64,
-    /// Of the causes' numbers.
-    pub(crate) covariance: Option<Matrix>,
 }
 
 impl Part {
@@ -102,86 +89,23 @@ impl Part {
         Ok(system)
     }
 
-    /// The step of the base model alone, with the pull of its anchors; none without parameters.
+    /// The step of the base model alone, with the pull of its anchors, and the fall of the cost that it promises; none without
+    /// parameters.
     pub(crate) fn base_step(
         &self,
         residual: &[Vec<f64>],
         pull: &[f64],
-    ) -> Result<Option<Vec<f64>>, DiagnosisError> {
+    ) -> Result<Option<(Vec<f64>, f64)>, DiagnosisError> {
         let Some(basis) = &self.basis else {
             return Ok(None);
         };
         let mut target = compress_rows(&self.blocks, residual);
         target.extend_from_slice(pull);
-        Ok(Some(basis.solve(&target)?))
-    }
-
-    /// A step with the pull of the anchors, empty where there are none.
-    pub(crate) fn step(
-        &self,
-        columns: &[Vec<f64>],
-        residual: &[Vec<f64>],
-        pull: &[f64],
-    ) -> Result<Step, DiagnosisError> {
-        let mut target = compress_rows(&self.blocks, residual);
-        target.extend_from_slice(pull);
-        let target = target.as_slice();
-        let lengthened = |column: &Vec<f64>| {
-            let mut column = column.clone();
-            column.resize(target.len(), 0.0);
-            column
-        };
-        let columns: Vec<Vec<f64>> = columns.iter().map(lengthened).collect();
-        let columns = columns.as_slice();
-        let across = |vector: &[f64]| {
-            let mut rest = vector.to_vec();
-            if let Some(basis) = &self.basis {
-                for _ in 0..2 {
-                    for direction in basis.directions() {
-                        direction.take_off(&mut rest);
-                    }
-                }
-            }
-            rest
-        };
-        let mut left = target.to_vec();
-        let mut numbers = Vec::new();
-        let mut covariance = None;
-        if !columns.is_empty() {
-            let projected: Vec<Vec<f64>> = columns.iter().map(|column| across(column)).collect();
-            let matrix = Matrix::from_fn(target.len(), columns.len(), |row, column| {
-                projected[column][row]
-            });
-            let reduction = Reduction::new(&matrix, target)?;
-            let all: Vec<usize> = (0..columns.len()).collect();
-            numbers = reduction.solve(&all, 0.0, RANK_TOLERANCE)?.values;
-            covariance = reduction.covariance(&all, RANK_TOLERANCE).ok();
-            for (column, number) in columns.iter().zip(&numbers) {
-                for (entry, value) in left.iter_mut().zip(column) {
-                    *entry -= number * value;
-                }
-            }
-        }
-        let mut values = match &self.basis {
-            Some(basis) => basis.solve(&left)?,
-            None => Vec::new(),
-        };
-        if !values.is_empty() {
-            let mut moved = self.free.times(&values)?;
-            let anchored = self.stiffness.iter().zip(&values);
-            moved.extend(anchored.map(|(stiffness, value)| stiffness * value));
-            for (entry, value) in left.iter_mut().zip(&moved) {
-                *entry -= value;
-            }
-        }
-        let moved: Vec<f64> = target.iter().zip(&left).map(|(a, b)| a - b).collect();
-        values.extend(&numbers);
-        Ok(Step {
-            values,
-            size: root_mean_square(&moved),
-            explained: dot(target, target) - dot(&left, &left),
-            covariance,
-        })
+        let along = basis
+            .directions()
+            .map(|direction| direction.dot(&target).powi(2));
+        let promised = along.sum();
+        Ok(Some((basis.solve(&target)?, promised)))
     }
 }
 
@@ -202,4 +126,15 @@ pub(crate) fn dense(part: &Part, signal: &Signal) -> Vec<f64> {
         dense[part.blocks.range(*stream)].copy_from_slice(&compressed);
     }
     dense
+}
+
+/// The part of a vector across a basis.
+pub(crate) fn across(basis: Option<&OrthonormalBasis>, vector: &[f64]) -> Vec<f64> {
+    let mut rest = vector.to_vec();
+    for _ in 0..2 {
+        for direction in basis.iter().flat_map(|basis| basis.directions()) {
+            direction.take_off(&mut rest);
+        }
+    }
+    rest
 }

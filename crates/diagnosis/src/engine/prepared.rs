@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use haptical_calibration::{Channel, Weights};
 use haptical_effects::{Context, Effect, streams};
+use haptical_identification::Convergence;
 use haptical_linalg::SparseColumns;
 use haptical_model::Recording;
 
-use super::{Engine, beside};
+use super::{Engine, with_causes};
 use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::{BaseProblem, Derivatives};
@@ -38,6 +39,8 @@ pub(super) struct BaseFit {
     pub(super) whole: Part,
     pub(super) values: Vec<f64>,
     pub(super) residual: Vec<Vec<f64>>,
+    pub(super) promised: f64,
+    pub(super) convergence: Convergence,
     pub(super) last_step: f64,
 }
 
@@ -141,7 +144,7 @@ impl<'a> Prepared<'a> {
         limit: f64,
     ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
         let residual = self.problem.evaluate(&model.values, false)?.residual;
-        let residual = beside(residual, &self.context, effects, &model.causes);
+        let residual = with_causes(residual, &self.context, effects, &model.causes);
         Ok(outlying_rows(
             &self.context,
             &self.problem,
@@ -189,6 +192,8 @@ impl<'a> Prepared<'a> {
             whole,
             values,
             residual,
+            promised,
+            convergence,
             last_step,
         } = self.base_fit(residual, known)?;
         let Self {
@@ -228,6 +233,8 @@ impl<'a> Prepared<'a> {
                 },
                 residual,
                 covariance: None,
+                promised,
+                convergence,
                 last_step,
             },
         })

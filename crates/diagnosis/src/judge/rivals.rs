@@ -77,8 +77,14 @@ pub(crate) fn rivals(
     let template = scan.iter().find(|score| score.effect == own).cloned();
     let template = template.unwrap_or_else(|| Score::of_cause(&causes[cause], gained));
     let explained = gained.max(template.score);
-    let mut evidence: Vec<Evidence> = vec![(own, criterion(explained, &template), 1.0, None)];
-    let best = evidence[0].1;
+    let best = criterion(explained, &template);
+    let mut evidence = vec![Evidence {
+        effect: own,
+        nats: best,
+        share: 1.0,
+        cause: None,
+        has_converged: true,
+    }];
     let others: Vec<&Score> = scan
         .iter()
         .filter(|score| score.effect != own)
@@ -100,14 +106,19 @@ pub(crate) fn rivals(
         refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
     for score in others {
         let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
-        let explained = refit.map_or(score.score, |(_, _, cost)| score.score.max(empty - cost));
+        // one that ended at no minimum may explain what its end still promises
+        let explained = refit.map_or(score.score, |(_, fitted, cost)| {
+            score.score.max(empty - cost + fitted.may_fall())
+        });
+        let has_converged = refit.is_none_or(|(_, fitted, _)| fitted.has_converged());
         let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
-        evidence.push((
-            score.effect,
-            criterion(explained, score),
-            explained / gained,
-            fit,
-        ));
+        evidence.push(Evidence {
+            effect: score.effect,
+            nats: criterion(explained, score),
+            share: explained / gained,
+            cause: fit.filter(|_| has_converged),
+            has_converged,
+        });
     }
     hedge(selector, own, best, &mut evidence);
     Ok(listed(selector, own, evidence))
@@ -115,21 +126,19 @@ pub(crate) fn rivals(
 
 /// Evidence as probabilities, the cause itself first and then the best.
 fn listed(selector: &Selector<'_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
-    evidence.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let top = evidence[0].1;
-    let sum: f64 = evidence
-        .iter()
-        .map(|(_, value, _, _)| (value - top).exp())
-        .sum();
+    evidence.sort_by(|a, b| b.nats.total_cmp(&a.nats));
+    let top = evidence[0].nats;
+    let sum: f64 = evidence.iter().map(|own| (own.nats - top).exp()).sum();
     let mut found: Vec<Rival> = evidence
         .into_iter()
-        .map(|(effect, value, share, cause)| Rival {
-            cause,
-            name: selector.effects[effect].name(),
-            joint: selector.effects[effect].joint(),
-            share,
-            nats_behind: top - value,
-            probability: (value - top).exp() / sum,
+        .map(|own| Rival {
+            cause: own.cause,
+            has_converged: own.has_converged,
+            name: selector.effects[own.effect].name(),
+            joint: selector.effects[own.effect].joint(),
+            share: own.share,
+            nats_behind: top - own.nats,
+            probability: (own.nats - top).exp() / sum,
         })
         .collect();
     merge(&mut found);
@@ -143,19 +152,28 @@ fn listed(selector: &Selector<'_>, own: usize, mut evidence: Vec<Evidence>) -> V
     found
 }
 
-/// Position in the catalogue, evidence in nats, share of what the cause explains, its fit.
-type Evidence = (usize, f64, f64, Option<Cause>);
+/// What is known of an effect in a cause's place.
+struct Evidence {
+    /// Position in the catalogue.
+    effect: usize,
+    nats: f64,
+    /// Share of what the cause explains.
+    share: f64,
+    /// Its fit, where it was refitted and ended at a minimum.
+    cause: Option<Cause>,
+    has_converged: bool,
+}
 
 /// Brings effects whose difference is a matter of their laws near to the cause.
 fn hedge(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
     let own_effect = selector.effects[own].as_ref();
     let is_warming = warms_with_time(&selector.engine.context);
-    for (effect, value, share, _) in evidence.iter_mut() {
-        let other = selector.effects[*effect].as_ref();
-        if *effect != own
-            && let Some(behind) = most_nats(own_effect, other, *share, is_warming)
+    for rival in evidence.iter_mut() {
+        let other = selector.effects[rival.effect].as_ref();
+        if rival.effect != own
+            && let Some(behind) = most_nats(own_effect, other, rival.share, is_warming)
         {
-            *value = value.max(best - behind);
+            rival.nats = rival.nats.max(best - behind);
         }
     }
 }

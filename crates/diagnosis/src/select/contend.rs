@@ -18,9 +18,16 @@ pub(crate) struct Tried {
     cost: f64,
 }
 
+impl Tried {
+    /// The effect, where its refit ended at no minimum.
+    pub(crate) fn unconverged(&self) -> Option<usize> {
+        (!self.refit.has_converged()).then_some(self.effect)
+    }
+}
+
 impl Selector<'_> {
-    /// The best effect with its refit; close contenders are refitted too and the costs decide. `tried` keeps
-    /// refits with the same causes.
+    /// The best effect with its refit; close contenders are refitted too and the costs decide. One whose refit ended at no
+    /// minimum has no numbers, and is not taken. `tried` keeps refits with the same causes.
     pub(crate) fn best(
         &self,
         grown: &Grown,
@@ -62,7 +69,7 @@ impl Selector<'_> {
         );
         let mut best: Option<(Refit, Score, f64)> = None;
         for (score, (fitted, cost)) in near.into_iter().zip(refits) {
-            if !self.is_possible(&fitted.model) {
+            if !fitted.has_converged() || !self.is_possible(&fitted.model) {
                 continue;
             }
             let mut score = score.clone();

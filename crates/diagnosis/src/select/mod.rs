@@ -22,6 +22,7 @@ use crate::engine::Engine;
 use crate::engine::model::{Cause, Refit};
 use crate::engine::part::dense;
 use crate::engine::system::{SlowEnergy, System};
+use crate::select::contend::Tried;
 use crate::select::scan::{Candidate, Score, candidates};
 use crate::thresholds::chance::MOST_CAUSES;
 use crate::thresholds::fit::MOVED_FAR;
@@ -46,6 +47,8 @@ pub(crate) struct Selection<'e> {
     pub(crate) first_scan: Vec<Score>,
     /// The best pick that was refused, if any.
     pub(crate) refused: Option<Score>,
+    /// Contenders whose refits ended at no minimum, by effect, with what the scan gives them.
+    pub(crate) unconverged: Vec<Score>,
 }
 
 /// Causes picked so far.
@@ -66,12 +69,24 @@ struct Refused {
     best: Option<Score>,
     /// Their effects, which are not tried again.
     shut: Vec<usize>,
+    /// Contenders whose refits ended at no minimum.
+    unconverged: Vec<Score>,
 }
 
 impl Refused {
     fn add(&mut self, score: Score) {
         self.shut.push(score.effect);
         self.best.get_or_insert(score);
+    }
+
+    /// Notes which of the contenders ended at no minimum.
+    fn note(&mut self, tried: &[Tried], scan: &[Score]) {
+        for effect in tried.iter().filter_map(Tried::unconverged) {
+            let is_known = self.unconverged.iter().any(|score| score.effect == effect);
+            let score = scan.iter().find(|score| score.effect == effect);
+            self.unconverged
+                .extend(score.filter(|_| !is_known).cloned());
+        }
     }
 }
 
@@ -121,6 +136,7 @@ impl<'e> Selector<'e> {
                         system: grown.system,
                         first_scan: grown.first_scan,
                         refused: refused.best,
+                        unconverged: refused.unconverged,
                     });
                 }
             }
@@ -154,7 +170,9 @@ impl<'e> Selector<'e> {
             if full || refused.shut.len() > REFUSALS {
                 break;
             }
-            let Some((next, score)) = self.best(&grown, &scan, &mut tried)? else {
+            let best = self.best(&grown, &scan, &mut tried)?;
+            refused.note(&tried, &scan);
+            let Some((next, score)) = best else {
                 break;
             };
             let system = self.system_of(&next);
@@ -267,7 +285,8 @@ impl<'e> Selection<'e> {
         let mut model = self.refit.model.clone();
         model.causes[cause] = by;
         let fitted = selector.engine.refit(selector.effects, &model)?;
-        if !selector.is_possible(&fitted.model)
+        if !fitted.has_converged()
+            || !selector.is_possible(&fitted.model)
             || selector.cost(&fitted) > selector.cost(&self.refit) + REPLACED_COST
         {
             return Ok(false);

@@ -7,6 +7,8 @@ use crate::engine::model::Cause;
 pub(crate) struct Rival {
     /// Position in the catalogue, and its fit, where it was refitted.
     pub(crate) cause: Option<Cause>,
+    /// Whether its refit, if any, ended at a minimum; one that did not is no further behind than its end promises.
+    pub(crate) has_converged: bool,
     pub(crate) name: &'static str,
     pub(crate) joint: Option<usize>,
     /// Share of the squared residual that it explains of what the cause explains.

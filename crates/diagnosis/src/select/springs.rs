@@ -34,7 +34,10 @@ impl Selector<'_> {
             joints = self.extended(joints, Self::is_spring)?;
             joints = self.extended(joints, Self::yields_elsewhere)?;
             self.trim(&mut joints)?;
-            if self.evidence(&joints) > self.evidence(grown) && self.is_beyond_the_first(&joints) {
+            if joints.refit.has_converged()
+                && self.evidence(&joints) > self.evidence(grown)
+                && self.is_beyond_the_first(&joints)
+            {
                 *grown = joints;
             }
         }

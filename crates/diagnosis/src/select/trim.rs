@@ -23,7 +23,8 @@ impl Selector<'_> {
             }
             let mut weakest: Option<(usize, f64)> = None;
             for index in 0..without.len() {
-                if self.is_superfluous(grown, index)? {
+                // where the others found no minimum, nobody knows what they leave
+                if without[index].has_converged() && self.is_superfluous(grown, index)? {
                     let explained = grown.explained[index];
                     if weakest.is_none_or(|(_, least)| explained < least) {
                         weakest = Some((index, explained));

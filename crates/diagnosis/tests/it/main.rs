@@ -11,6 +11,7 @@ mod arm;
 mod cables;
 mod clean;
 mod columns;
+mod converged;
 mod dependencies;
 mod determinism;
 mod floors;

@@ -188,6 +188,7 @@ pub(crate) fn named() -> Diagnosis {
         nats_behind,
         probability,
         parameters: BTreeMap::new(),
+        refused: None,
     };
     diagnosis.candidates = vec![
         candidate("capstan-compliance", Some(2), 0.0, 0.98),

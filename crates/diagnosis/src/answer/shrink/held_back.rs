@@ -41,6 +41,13 @@ pub(crate) fn on_held_back(
     let part = engine.part(&seen)?;
     let plain = engine.refit_on(&part, effects, &engine.start.model)?;
     let with = engine.refit_on(&part, effects, &selection.refit.model)?;
+    if !(plain.has_converged() && with.has_converged()) {
+        let warning = "the fit to the rows that are not held out did not converge: nothing is said of unseen rows";
+        return Ok(Shrink {
+            warnings: vec![warning.to_owned()],
+            ..Shrink::default()
+        });
+    }
     let before = earlier.unwrap_or(&plain.residual);
     let after = &with.residual;
     let fit = Fit {

@@ -11,6 +11,7 @@ use crate::DiagnosisError;
 use crate::answer::{Prediction, SECOND_RECORDING};
 use crate::engine::base::Base;
 use crate::engine::determined::{Fit, Predicted};
+use crate::engine::base_fit::nearby;
 use crate::engine::earlier_model::{placed, places};
 use crate::engine::model::Cause;
 use crate::engine::{Engine, Prepared};
@@ -71,7 +72,7 @@ pub(crate) fn on_second(
     };
     let is_of_first = touched.is_none();
     let with = match touched {
-        Some(_) => places_beside(&second, effects, &causes)?,
+        Some(_) => places_beside(&second, effects, &causes, &mut warnings)?,
         None => selection.refit.model.values.clone(),
     };
     let after = second.residual_of(effects, &with, &causes)?;
@@ -180,25 +181,26 @@ impl Touched {
     }
 }
 
-/// Where the touched points and planes of a second recording are once the causes are in the model: Gauss-Newton,
-/// exact in one step but for known distances.
+/// Where the touched points and planes of a second recording are once the causes are in the model: exact in one step but for
+/// known distances.
 fn places_beside(
     second: &Engine<'_>,
     effects: &[Box<dyn Effect>],
     causes: &[Cause],
+    warnings: &mut Vec<String>,
 ) -> Result<Vec<f64>, DiagnosisError> {
-    let mut values = second.start.model.values.clone();
-    for _ in 0..3 {
-        let residual = second.residual_of(effects, &values, causes)?;
-        let pull = second.base.pull(&values);
-        let Some(step) = second.whole.base_step(&residual, &pull)? else {
-            break;
-        };
-        for (&parameter, change) in second.base.free.iter().zip(&step) {
-            values[parameter] += change;
-        }
+    let values = second.start.model.values.clone();
+    let evaluate = |values: &[f64]| second.residual_of(effects, values, causes);
+    let residual = evaluate(&values)?;
+    let near = nearby(&second.whole, second.base, (values, residual), &evaluate)?;
+    if !near.convergence.was_successful() {
+        warnings.push(
+            "the places that the second recording touches were not found to the end with the causes in the model: the figures \
+             on it are too bad rather than too good"
+                .to_owned(),
+        );
     }
-    Ok(values)
+    Ok(near.values)
 }
 
 /// Residuals without the zeros of external encoders that differ from those of the first recording: where one number is most

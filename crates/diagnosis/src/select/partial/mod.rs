@@ -92,7 +92,7 @@ impl Selector<'_> {
         let mut model = taken.refit.model.clone();
         model.causes.extend(best.causes.iter().cloned());
         let refit = self.engine.refit(self.effects, &model)?;
-        if !self.is_possible(&refit.model) {
+        if !refit.has_converged() || !self.is_possible(&refit.model) {
             return Ok(None);
         }
         let system = self.system_of(&refit);

@@ -21,6 +21,7 @@ impl Selector<'_> {
         let rival = |hypothesis: &Hypothesis, effect: usize, nats_behind: f64| {
             let effect = self.effects[effect].as_ref();
             Rival {
+                has_converged: true,
                 cause: None,
                 name: effect.name(),
                 joint: effect.joint(),
@@ -83,6 +84,7 @@ impl Selector<'_> {
             .map(|other| {
                 let nats_behind = (cost(other) - cost(effect)).max(0.0);
                 Rival {
+                    has_converged: true,
                     cause: None,
                     name: other.name(),
                     joint: other.joint(),

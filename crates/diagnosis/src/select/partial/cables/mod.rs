@@ -147,7 +147,7 @@ impl<'d> Drive<'d> {
         let first = model.causes.len();
         model.causes.extend(causes);
         let refit = engine.refit(self.selector.effects, &model)?;
-        if !self.selector.is_possible(&refit.model) {
+        if !refit.has_converged() || !self.selector.is_possible(&refit.model) {
             return Ok(None);
         }
         let system = self.after(&refit, first);

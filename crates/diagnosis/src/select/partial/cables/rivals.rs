@@ -50,6 +50,7 @@ impl Drive<'_> {
     fn rival(&self, effect: usize, nats_behind: f64) -> Rival {
         let effect = self.effect(effect);
         Rival {
+            has_converged: true,
             cause: None,
             name: effect.name(),
             joint: effect.joint(),
