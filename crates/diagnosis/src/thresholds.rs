@@ -181,7 +181,7 @@ pub(crate) mod fit {
     /// converged: its numbers are within a tenth of their standard deviations of the minimum. Choice.
     pub(crate) const LEAST_FALL: f64 = 0.01;
     /// Steps of a refit after which it has not converged. Cost.
-    pub(crate) const PASSES: usize = 50;
+    pub(crate) const PASSES: usize = 30;
     /// Ratio of two squared residuals of one model that are of one minimum. Choice.
     pub(crate) const NO_WORSE: f64 = 1.02;
     /// Noise that falls below this share of itself with the causes in the model was partly gap.

@@ -1,5 +1,6 @@
 //! Base model and causes together as one least-squares problem, and the search for its minimum.
 
+use std::cell::Cell;
 use std::sync::Arc;
 
 use haptical_effects::{Context, Effect, Shape, Signal};
@@ -14,7 +15,7 @@ use crate::engine::base::Base;
 use crate::engine::base_problem::BaseProblem;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, across, dense};
-use crate::engine::system::{compress_columns, compress_rows};
+use crate::engine::system::{compress_columns, compress_rows, dot};
 use crate::engine::with_causes;
 use crate::thresholds::fit::{LEAST_FALL, PASSES};
 
@@ -36,6 +37,7 @@ impl Fitting<'_> {
             fitting: self,
             start: model,
             owners: owners(self.effects, &model.causes),
+            lowest: Cell::new(f64::INFINITY),
         };
         let start = together.numbers();
         if start.is_empty() {
@@ -132,6 +134,8 @@ struct Together<'r> {
     fitting: &'r Fitting<'r>,
     start: &'r Model,
     owners: Vec<Owner>,
+    /// Lowest cost since the search was at its start.
+    lowest: Cell<f64>,
 }
 
 impl Together<'_> {
@@ -184,19 +188,37 @@ impl TriangleProblem for Together<'_> {
             part,
         } = *self.fitting;
         let model = self.model_at(parameters);
-        let evaluated = problem.evaluate(&model.values, true);
-        let evaluated = evaluated.map_err(|error| match error {
-            DiagnosisError::Identification(error) => error,
-            other => IdentificationError::Evaluation {
-                reason: other.to_string(),
-            },
-        })?;
-        let rest = with_causes(evaluated.residual, context, effects, &model.causes);
-        let mut residuals = compress_rows(&part.blocks, &rest);
-        let rows = residuals.len();
-        residuals.extend(base.pull(&model.values));
-        // model minus measurement
-        residuals.iter_mut().for_each(|value| *value = -*value);
+        let evaluate = |derivatives: bool| {
+            let evaluated = problem.evaluate(&model.values, derivatives);
+            evaluated.map_err(|error| match error {
+                DiagnosisError::Identification(error) => error,
+                other => IdentificationError::Evaluation {
+                    reason: other.to_string(),
+                },
+            })
+        };
+        let whitened = |bare: Vec<Vec<f64>>| {
+            let rest = with_causes(bare, context, effects, &model.causes);
+            let mut residuals = compress_rows(&part.blocks, &rest);
+            residuals.extend(base.pull(&model.values));
+            // model minus measurement
+            residuals.iter_mut().for_each(|value| *value = -*value);
+            residuals
+        };
+        let is_start = parameters == self.numbers();
+        if !is_start {
+            let residuals = whitened(evaluate(false)?.residual);
+            if dot(&residuals, &residuals) > self.lowest.get() {
+                // no way leads on from here: it needs no derivatives
+                let nothing = vec![0.0; residuals.len()];
+                let columns = vec![nothing.as_slice(); free.len()];
+                return Ok(into.fold_rows(&columns, &residuals)?);
+            }
+        }
+        let evaluated = evaluate(true)?;
+        let residuals = whitened(evaluated.residual);
+        self.lowest.set(dot(&residuals, &residuals));
+        let rows = part.blocks.count();
         let mut columns = Vec::with_capacity(self.columns());
         if let Some(derivatives) = &evaluated.derivatives {
             let free = compress_columns(context, problem, &part.blocks, derivatives, &base.free);

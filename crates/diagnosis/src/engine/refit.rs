@@ -18,7 +18,7 @@ impl Engine<'_> {
         self.refit_on(&self.whole, effects, model)
     }
 
-    /// Refits base model and causes together from `model`; where that ends above the base model alone or at no minimum, from the
+    /// Refits base model and causes together from `model`; where that ends above the base model alone, from the
     /// base model with the causes at nothing, from where no step leads up.
     pub(crate) fn refit_on(
         &self,
@@ -36,8 +36,7 @@ impl Engine<'_> {
         let fitted = fitting.descend(model)?;
         let cost = |refit: &Refit| self.cost_on(part, refit);
         let alone = &self.start;
-        let is_sound = fitted.has_converged() && cost(&fitted) <= cost(alone);
-        if model.causes.is_empty() || is_sound {
+        if model.causes.is_empty() || cost(&fitted) <= cost(alone) {
             return Ok(fitted);
         }
         let mut nothing = alone.model.clone();
@@ -46,12 +45,11 @@ impl Engine<'_> {
             cause.amplitudes.fill(0.0);
         }
         let again = fitting.descend(&nothing)?;
-        let is_other = again.has_converged() != fitted.has_converged();
-        let is_better = match is_other {
-            true => again.has_converged() && cost(&again) <= cost(alone),
-            false => cost(&again) < cost(&fitted),
-        };
-        Ok(if is_better { again } else { fitted })
+        Ok(if cost(&again) < cost(&fitted) {
+            again
+        } else {
+            fitted
+        })
     }
 
     /// Squared residuals of a refit on all rows, and of its anchors.
