@@ -33,6 +33,7 @@ pub use device::{Body, ContactPair, Device, Tracker};
 pub use error::{DeviceFileError, ModelError, Position};
 pub use evaluation::Evaluation;
 pub use file::device::LoadedDevice;
+pub use file::effect::stiffness_key;
 pub use file::syntax::check_toml_syntax;
 pub use file::text::{read_text_file, read_toml_text};
 pub use force::{ForceTransmission, handle_force_n};

@@ -11,6 +11,10 @@ use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Sp
 const DRIVEN_BY_MOTOR: f64 = 0.0;
 const DRIVEN_BY_LINK: f64 = 1.0;
 const DRIVEN_BY_LOAD: f64 = 2.0;
+/// Driven by the motor, with the moment at which it is crossed read at the link; and by the link, read at the motor. A fit that
+/// starts from one of the first two with the other's sign ends there.
+const BY_MOTOR_AT_LINK: f64 = 3.0;
+const BY_LINK_AT_MOTOR: f64 = 4.0;
 /// Below this share of its root mean square a load is no load.
 const FLIGHT_SHARE: f64 = 0.06;
 /// Which of them: in a device file a word.
@@ -51,15 +55,15 @@ impl Law for Backlash {
         if shape == DRIVEN_BY_LOAD {
             return Some(vec![by_load(input.torque_nm()?)]);
         }
-        Some(vec![
-            match input.output().filter(|_| shape == DRIVEN_BY_LINK) {
-                Some(output) => {
-                    let lost = play(&smooth(output, 2, runs), half_width, runs);
-                    lost.into_iter().map(|value| -value).collect()
-                }
-                None => play(input.reading()?, half_width, runs),
-            },
-        ])
+        if shape != DRIVEN_BY_LINK {
+            return Some(vec![play(input.reading()?, half_width, runs)]);
+        }
+        // without an encoder on the link its motor says where it is, to the play's width
+        let lost = match input.output() {
+            Some(output) => play(&smooth(output, 2, runs), half_width, runs),
+            None => play(input.reading()?, half_width, runs),
+        };
+        Some(vec![lost.into_iter().map(|value| -value).collect()])
     }
 
     fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
@@ -68,20 +72,41 @@ impl Law for Backlash {
         Some(shapes)
     }
 
-    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![2.0 * amplitudes[0].abs()]
+    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        // no side says that a load pushes the wrong way
+        let half_width = match shape == DRIVEN_BY_LOAD {
+            true => amplitudes[0],
+            false => amplitudes[0].abs(),
+        };
+        vec![2.0 * half_width]
     }
 
     fn amplitudes(&self, _: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
         (vec![0.5 * values[0]], DRIVEN_BY_MOTOR)
     }
 
-    fn further(&self, _: Input<'_, '_>, _: &[f64], shape: f64) -> Vec<f64> {
-        vec![shape]
+    /// A width has no sign: the side that drives has it.
+    fn further(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        let is_turned = amplitudes[0] < 0.0;
+        let side = if is_turned && shape == DRIVEN_BY_MOTOR {
+            BY_LINK_AT_MOTOR
+        } else if is_turned && shape == DRIVEN_BY_LINK {
+            BY_MOTOR_AT_LINK
+        } else {
+            shape
+        };
+        vec![side]
     }
 
     fn whole(&self, _: Input<'_, '_>, values: &[f64], further: &[f64]) -> (Vec<f64>, f64) {
-        (vec![0.5 * values[0]], further[0])
+        let (half_width, side) = (0.5 * values[0], further[0]);
+        if side == BY_MOTOR_AT_LINK {
+            (vec![-half_width], DRIVEN_BY_LINK)
+        } else if side == BY_LINK_AT_MOTOR {
+            (vec![-half_width], DRIVEN_BY_MOTOR)
+        } else {
+            (vec![half_width], side)
+        }
     }
 }
 
@@ -99,6 +124,35 @@ fn by_load(torque_nm: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Every side with either sign comes back from the numbers of a file.
+    #[test]
+    fn a_side_has_the_sign() {
+        let device = haptical_model::Device::from_toml("[[joint]]\n", "one.toml").unwrap();
+        let recording = haptical_model::Recording {
+            line: vec![2],
+            joint: vec![vec![0.0]],
+            output: vec![None],
+            torque_nm: vec![None],
+            ..Default::default()
+        };
+        let context = crate::Context::new(&device.device, &recording, &[]).unwrap();
+        let play = crate::laws::Placed {
+            spec: &SPEC,
+            joint: Some(0),
+            law: LAW,
+        };
+        for shape in [DRIVEN_BY_MOTOR, DRIVEN_BY_LINK, DRIVEN_BY_LOAD] {
+            for half_width in [3e-4, -3e-4] {
+                let given = (vec![half_width], shape);
+                let values = crate::Effect::values(&play, &context, &given.0, shape);
+                let further = crate::Effect::further(&play, &context, &given.0, shape);
+                let again = crate::Effect::whole(&play, &context, &values, &further);
+                assert_eq!(again, given);
+                assert!(values[0] > 0.0 || shape == DRIVEN_BY_LOAD);
+            }
+        }
+    }
 
     /// A motor that pushes forward is ahead of its link, and where hardly anything pushes the link may be anywhere.
     #[test]

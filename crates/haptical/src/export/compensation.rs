@@ -195,11 +195,14 @@ impl Place<'_> {
             "backlash" if law.shape > HAND => {
                 return Err("a play that follows the load needs the load's sign at every tick");
             }
-            // with its sign: the runtime refuses a play that is inverted, and does not turn it round
             "backlash" => Effect::Backlash {
                 joint,
-                width_rad: 2.0 * law.amplitude(0),
-                driven_by: side(law.shape),
+                width_rad: law.value(0),
+                // of one that is read at its other side the sign is the other one
+                driven_by: match law.amplitude(0) < 0.0 {
+                    true => side(HAND - law.shape),
+                    false => side(law.shape),
+                },
             },
             "hysteresis" => Effect::Hysteresis {
                 joint,

@@ -23,8 +23,14 @@ const OWN_KEYS: [&str; 5] = ["name", "joint", "fit", "ci95", "confusable_with"];
 const LIST: &str = "coefficients_";
 /// Parameter that is a word in the file: the side that leads where the other stays behind.
 const DRIVEN_BY: &str = "driven_by";
-/// Its words, in the order of its numbers; the last one of a play alone.
-const SIDES: [&str; 3] = ["motor", "hand", "load"];
+/// Its words, in the order of its numbers; the last three of a play alone.
+const SIDES: [&str; 5] = [
+    "motor",
+    "hand",
+    "load",
+    "motor-read-at-link",
+    "hand-read-at-motor",
+];
 /// The play, which may follow the load.
 const BACKLASH: &str = "backlash";
 
@@ -72,8 +78,8 @@ fn read_effect(section: &Section<'_, '_>, joints: usize) -> Result<DeviceEffect>
     let mut lists = BTreeMap::new();
     for key in section.keys() {
         if key == DRIVEN_BY {
-            let count = if name == BACKLASH { 3 } else { 2 };
-            let words = SIDES.into_iter().zip([0.0, 1.0, 2.0]).take(count);
+            let count = if name == BACKLASH { 5 } else { 2 };
+            let words = SIDES.into_iter().zip([0.0, 1.0, 2.0, 3.0, 4.0]).take(count);
             let words: Vec<(&str, f64)> = words.collect();
             let side = section.word(key, &words)?;
             numbers.extend(side.map(|side| (key.to_owned(), side)));
@@ -145,7 +151,8 @@ fn yield_to(
     Ok(())
 }
 
-fn stiffness_key(joint: JointType) -> &'static str {
+/// Key of the stiffness of a joint that yields, in a `joint-compliance` of a device file.
+pub fn stiffness_key(joint: JointType) -> &'static str {
     match joint {
         JointType::Revolute => "stiffness_nm_per_rad",
         JointType::Prismatic => "stiffness_n_per_m",
