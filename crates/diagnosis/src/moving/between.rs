@@ -17,10 +17,12 @@ use crate::thresholds::second::ALLOWED;
 /// Standard deviation of a stiffness by the torque that a link asks for, as a share: masses are known to a tenth (A157).
 const OF_LINKS: f64 = 0.07;
 
-/// Names of a stiffness.
+/// Names of a stiffness, and of a width: of a joint that turns and of one that slides. A law of a device file has the first of
+/// them at either joint.
 const STIFFNESS: [&str; 2] = ["stiffness_nm_per_rad", "stiffness_n_per_m"];
-/// That of a spring that hardens, over the load that it had: a device file's springs are straight.
-const SECANT: &str = "secant_stiffness_nm_per_rad";
+const WIDTH: [&str; 2] = ["width_rad", "width_m"];
+/// Begins that of a spring that hardens, over the load that it had: a device file's springs are straight.
+const SECANT: &str = "secant_";
 /// A play that follows the load, as a number of a device file's effect.
 const BY_LOAD: f64 = 2.0;
 
@@ -78,7 +80,7 @@ fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
         "external-encoder-latency" => OwnEffect::Delay(number("delay_s")?),
         "capstan-compliance" => OwnEffect::Spring(1.0 / stiffness()?),
         "backlash" if number("driven_by") == Some(BY_LOAD) => {
-            OwnEffect::Play(0.5 * number("width_rad").or_else(|| number("width_m"))?)
+            OwnEffect::Play(0.5 * WIDTH.iter().find_map(|name| number(name))?)
         }
         _ => return None,
     };
@@ -88,7 +90,11 @@ fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
 /// Findings that no single law of the catalogue stands for.
 fn is_beyond_one_law(findings: &[Finding]) -> bool {
     let has = |name: &str| findings.iter().any(|own| own.effect.ends_with(name));
-    let hardens = |own: &Finding| own.numbers.iter().any(|number| number.0 == SECANT);
+    let hardens = |own: &Finding| {
+        own.numbers
+            .iter()
+            .any(|number| number.0.starts_with(SECANT))
+    };
     has("backlash") || (has("latency") && has("compliance")) || findings.iter().any(hardens)
 }
 
@@ -208,24 +214,20 @@ impl Links {
             }
         }
         for cause in causes {
-            let of = |name: &str, numbers: &[&str], driven_by: Option<f64>| {
-                let secant = cause.parameters.get(SECANT);
-                let own = |own: &&str| {
-                    let straight = secant.filter(|_| STIFFNESS.contains(own));
-                    let number = straight.or_else(|| cause.parameters.get(*own))?;
-                    Some(((*own).to_owned(), *number))
-                };
-                let numbers: Vec<(String, ParameterAnswer)> =
-                    numbers.iter().filter_map(own).collect();
-                let values = numbers.iter().map(|(name, own)| (name.clone(), own.value));
+            let of = |name: &str, names: &[&str], driven_by: Option<f64>| {
+                let secant = |own: &&str| cause.parameters.get(&format!("{SECANT}{own}"));
+                let straight = |own: &&str| cause.parameters.get(*own);
+                let found = names.iter().find_map(secant);
+                let found: ParameterAnswer = *found.or_else(|| names.iter().find_map(straight))?;
+                let key = (*names.first()?).to_owned();
                 let side = driven_by.map(|side| ("driven_by".to_owned(), side));
-                (!numbers.is_empty()).then(|| DeviceEffect {
+                Some(DeviceEffect {
                     name: name.to_owned(),
                     joint: cause.joint.map(|joint| joint - 1),
-                    numbers: values.chain(side).collect(),
-                    intervals: (numbers.iter())
-                        .map(|(name, own)| (name.clone(), own.ci95.map(Some)))
+                    numbers: std::iter::once((key.clone(), found.value))
+                        .chain(side)
                         .collect(),
+                    intervals: [(key, found.ci95.map(Some))].into(),
                     confusable_with: cause.confusable_with.clone(),
                     fit: true,
                     ..DeviceEffect::default()
@@ -234,7 +236,7 @@ impl Links {
             let spring = |name| of(name, &STIFFNESS, None);
             match cause.effect.as_str() {
                 "backlash" => {
-                    let play = of("backlash", &["width_rad", "width_m"], Some(BY_LOAD));
+                    let play = of("backlash", &WIDTH, Some(BY_LOAD));
                     corrected.effects.extend(play);
                     corrected.effects.extend(spring("capstan-compliance"));
                 }
@@ -252,7 +254,7 @@ impl Links {
     fn widen(&self, causes: &mut [CauseAnswer]) {
         for cause in causes {
             for (name, own) in &mut cause.parameters {
-                if (name.starts_with("stiffness") || name == SECANT)
+                if (name.starts_with("stiffness") || name.starts_with(SECANT))
                     && self.source == LoadSource::Links
                 {
                     *own = own.off_by_a_factor(OF_LINKS);
@@ -264,8 +266,10 @@ impl Links {
     fn warnings(&self, words: &Words<'_>) -> Vec<String> {
         let mut warnings = words.not_predicted();
         for own in &self.found.examined.findings {
-            if let (Some(joint), true) = (own.joint, own.numbers.iter().any(|own| own.0 == SECANT))
-            {
+            if let (Some(joint), true) = (
+                own.joint,
+                own.numbers.iter().any(|own| own.0.starts_with(SECANT)),
+            ) {
                 warnings.push(format!(
                     "the spring at joint {} hardens with its load: its stiffness is that at rest, and a device file, whose springs are straight, gets \
                      the secant over the load of this log",

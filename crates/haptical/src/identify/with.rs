@@ -146,18 +146,16 @@ fn between(name: &str, joint: Option<usize>, cause: &Value) -> Vec<DeviceEffect>
         let ends = ends.and_then(|all| Some([all.first()?.as_f64(), all.get(1)?.as_f64()]));
         Some((own.get("value")?.as_f64()?, ends.unwrap_or_default()))
     };
+    // a law has one name of its number at joints that turn and at those that slide: the first
     let of = |name: &str, keys: &[&str]| {
-        let mut effect = DeviceEffect {
+        let (value, ci95) = keys.iter().find_map(|key| number(key))?;
+        let key = (*keys.first()?).to_owned();
+        Some(DeviceEffect {
             fit: false,
+            numbers: [(key.clone(), value)].into(),
+            intervals: [(key, ci95)].into(),
             ..one(name, joint)
-        };
-        for key in keys {
-            if let Some((value, ci95)) = number(key) {
-                effect.numbers.insert((*key).to_owned(), value);
-                effect.intervals.insert((*key).to_owned(), ci95);
-            }
-        }
-        (!effect.numbers.is_empty()).then_some(effect)
+        })
     };
     let delay = of(name, &["delay_s"]);
     let spring = of(SPRING, &["stiffness_nm_per_rad", "stiffness_n_per_m"]);
@@ -239,4 +237,48 @@ fn refused(word: &str, error: &DeviceEffectError) -> Error {
         "`haptical diagnose --list` has the effects with their places",
     ));
     Error::command_line("with", format!("--with {word}: {what}"), next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Joints that turn and that slide have springs and plays of the same laws, whose numbers a file has under one name; of a spring
+    /// that hardens it has the secant.
+    #[test]
+    fn what_a_motion_shows_between_motor_and_link_is_read_again_at_every_kind_of_joint() {
+        let joint =
+            |kind: &str| format!("[[joint]]\ntype = \"{kind}\"\ntransmission = \"direct\"\n");
+        let text = joint("revolute") + &joint("prismatic");
+        let mut model = Model::from_toml(&text, "two.toml").unwrap().device;
+        let gap = format!(
+            r#"{{"held_out": "a fifth of the log in turn, {BEHIND_A_LOW_PASS}", "causes": [
+                {{"effect": "capstan-compliance", "joint": 1, "parameters": {{
+                    "stiffness_nm_per_rad": {{"value": 900.0, "ci95": [800.0, 1000.0]}},
+                    "secant_stiffness_nm_per_rad": {{"value": 1100.0, "ci95": [1000.0, 1200.0]}}}}}},
+                {{"effect": "backlash", "joint": 2, "parameters": {{
+                    "width_m": {{"value": 2e-4, "ci95": [1e-4, 3e-4]}},
+                    "secant_stiffness_n_per_m": {{"value": 7e5, "ci95": [6e5, 8e5]}},
+                    "stiffness_n_per_m": {{"value": 5e5, "ci95": [4e5, 6e5]}}}}}}]}}"#
+        );
+        add_causes(&mut model, &gap, "gap.json").unwrap();
+        let again = model.to_toml(&text, "two.toml").unwrap();
+        let again = Model::from_toml(&again, "again.toml").unwrap().device;
+        let found = effects_of(&again).unwrap();
+        let found: Vec<(&str, Option<f64>)> = found
+            .iter()
+            .map(|own| {
+                (
+                    own.effect.name(),
+                    own.values.as_ref().map(|values| values[0]),
+                )
+            })
+            .collect();
+        let wanted = [
+            ("capstan-compliance", 1100.0),
+            ("backlash", 2e-4),
+            ("capstan-compliance", 7e5),
+        ];
+        assert_eq!(found, wanted.map(|(name, value)| (name, Some(value))));
+    }
 }
