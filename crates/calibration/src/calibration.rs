@@ -6,8 +6,9 @@ use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
 
 use crate::checks::held_out::{
-    FOLDS, NOTHING, SHORT_LOG, check_share, dwelt, is_for_folds, is_of_postures,
+    FOLDS, NOTHING, SHORT_LOG, check_share, dwelt, folds, is_for_folds, is_of_postures,
 };
+use crate::checks::ran_away::{ran_away, refusal};
 use crate::checks::rejection::{self, Rejected};
 use crate::checks::{postures, sufficiency};
 use crate::comparison::Comparison;
@@ -159,10 +160,8 @@ fn fit_and_check(
     let count = fold_count(device, whole, options, dwelt.is_some());
     let split = split(whole, count.map_or(options.held_out, |_| HeldOut::None))?;
     let seen = recording.select(&split.fit);
-    let nominal = crate::prepare_device(device, &seen)?;
-    let fitted = fit_prepared_device(&nominal, &seen, options)?;
-    let fitted = with_ordered_noise(fitted, &seen, options.method)?;
-    let fitted = straighten(fitted, &seen, options)?;
+    let mut nominal = crate::prepare_device(device, &seen)?;
+    let mut fitted = whole_fit(&nominal, &seen, options)?;
     let is_plain = fitted.robust.is_none() && options.loss == LossChoice::Auto;
     let least_squares = match is_plain && count.is_none() {
         true => Some(automatic::least_squares(&fitted, &seen)?),
@@ -174,13 +173,13 @@ fn fit_and_check(
         channels: &channels,
         stated: Weights::stated(device, &channels),
     };
-    let devices = (&nominal, &fitted.device);
-    let mut fit_channels = comparison.on_part(devices, &seen, &split.fit)?;
-    // of a long recording a copy of most rows
-    drop(seen);
-    let (mut held_out_channels, held_out) = match count {
-        Some(count) => {
+    let mut fit_channels = comparison.on_part((&nominal, &fitted.device), &seen, &split.fit)?;
+    // of a long recording, which has no folds, a copy of most rows
+    let folded = count.map(|count| (count, seen));
+    let (mut held_out_channels, held_out) = match &folded {
+        Some((count, seen)) => {
             // the folds check the fit that was made, not others
+            let again = options;
             let loss = fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss);
             let mut options = Options {
                 loss: LossChoice::Fixed(loss),
@@ -188,14 +187,23 @@ fn fit_and_check(
             };
             // nobody reads those of a fold
             options.rules.singular_values = false;
-            comparison.cross_validate(&options, (count, dwelt.as_deref()), &mut warnings)?
+            let folds = (*count, dwelt.as_deref());
+            let checked = comparison.cross_validate(&options, folds, &mut warnings)?;
+            let whole = (nominal, fitted, fit_channels);
+            (nominal, fitted, fit_channels) = not_above_folds(
+                whole,
+                (&comparison, seen, &split.fit),
+                folds_of(recording, folds),
+                (again, &checked.0),
+            )?;
+            checked
         }
         None if split.held_out.is_empty() => (Vec::new(), split.description),
         None => {
             let unseen = recording.select(&split.held_out);
             warnings.extend(warnings::of_unseen_places(&fitted.device, &unseen));
             (
-                comparison.on_rows(devices, &split.held_out)?,
+                comparison.on_rows((&nominal, &fitted.device), &split.held_out)?,
                 split.description,
             )
         }
@@ -239,6 +247,56 @@ fn fit_and_check(
         warnings,
         rejected: None,
     })
+}
+
+/// A prepared device, its fit, and what both leave on the rows of the fit.
+type Whole = (Device, FittedDevice, Vec<ChannelReport>);
+
+/// A fit that does not end far above what its folds leave: one that does is begun again where each of them began.
+///
+/// # Errors
+/// [`CalibrationError::NotConverged`] where it ends there from everywhere.
+fn not_above_folds(
+    mut whole: Whole,
+    (comparison, seen, rows): (&Comparison<'_>, &Recording, &[usize]),
+    starts: impl Iterator<Item = Vec<usize>>,
+    (options, unseen): (&Options, &[ChannelReport]),
+) -> Result<Whole, CalibrationError> {
+    for start in starts {
+        if ran_away(&whole.2, unseen).is_none() {
+            break;
+        }
+        let begun = comparison.recording.select(&start);
+        let nominal = crate::prepare_device(comparison.device, &begun)?;
+        let Ok(fitted) = whole_fit(&nominal, seen, options) else {
+            continue;
+        };
+        let channels = comparison.on_part((&nominal, &fitted.device), seen, rows)?;
+        if ran_away(&channels, unseen).is_none() {
+            whole = (nominal, fitted, channels);
+        }
+    }
+    refusal(&whole.2, unseen).map_or(Ok(whole), Err)
+}
+
+/// The fit of a prepared device, with the noise that the order of its rows shows.
+fn whole_fit(
+    nominal: &Device,
+    seen: &Recording,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let fitted = fit_prepared_device(nominal, seen, options)?;
+    let fitted = with_ordered_noise(fitted, seen, options.method)?;
+    straighten(fitted, seen, options)
+}
+
+/// The rows that each fold is fitted to.
+fn folds_of(
+    recording: &Recording,
+    (count, dwelt): (usize, Option<&[usize]>),
+) -> impl Iterator<Item = Vec<usize>> {
+    let folds = folds(recording.len(), count, dwelt).into_iter();
+    folds.map(|fold| fold.fit)
 }
 
 /// Number of folds that check the result; none where rows are held out of a single fit, or nothing is.

@@ -5,6 +5,7 @@ pub(crate) mod conventions;
 pub(crate) mod encoders;
 pub(crate) mod held_out;
 pub(crate) mod postures;
+pub(crate) mod ran_away;
 pub(crate) mod reach;
 pub(crate) mod rejection;
 pub(crate) mod rig;
