@@ -8,7 +8,7 @@ use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recordi
 use haptical_motion::{LoadSource, unwrapped, usual_step_s};
 
 use crate::answer::assemble::answer;
-use crate::answer::corrected::changed;
+use crate::answer::corrected::{changed, not_in_file};
 use crate::answer::second::judged;
 use crate::answer::{Diagnosis, Verdict};
 use crate::engine::Prepared;
@@ -75,6 +75,9 @@ pub fn diagnose(
         let before = first.saturating_sub(1) * every;
         step.first_row = [(before + 1).min(first * every), last * every];
     }
+    found.fit_rows.every = every;
+    let left_out = std::mem::take(&mut found.fit_rows.left_out).into_iter();
+    found.fit_rows.left_out = left_out.map(|(name, row)| (name, row * every)).collect();
     let mut own = match device.effects.is_empty() {
         true => options
             .model
@@ -90,6 +93,10 @@ pub fn diagnose(
     }
     within_laws(found, &own, (&rigid, recording), options).map(judged)
 }
+
+/// What a file does not hold of encoders on the links of a moving arm.
+const SLOW_PART: &str = "that the encoders on the links were fitted behind a low pass, and without the rows in which a link is in its \
+                         play: a replay has all of both, and leaves more";
 
 /// Said of orientations that an earlier model cannot predict.
 const NO_ORIENTATION: &str = "the earlier model was identified without orientations: how what the tracker sees is turned on the handle \
@@ -165,11 +172,23 @@ fn diagnose_all(
     let logs = (recording, options.validation);
     if let Some(links) = of_links(model, logs, source, &options.without) {
         let effects = effects_of(device, options)?;
+        let changes = moving.as_ref().map(|(torques, _)| torques.changes.clone());
         let both = links.before(model, moving, &effects, options.validation.is_some());
         let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
         if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
             let other = found.corrected.take().unwrap_or_else(|| model.clone());
-            found.corrected = Some(links.corrected(&other, &found.causes));
+            let file = links.corrected(&other, &found.causes);
+            let changes = changes.unwrap_or_default();
+            let devices = (model, Some(&file));
+            found.not_in_file =
+                not_in_file(found.verdict, &found.causes, devices, (&changes, true));
+            found.not_in_file.push(SLOW_PART.to_owned());
+            found.corrected = Some(file);
+        }
+        for channel in &mut found.gap.channels {
+            if channel.channel.starts_with("out") {
+                channel.rms_fit = None;
+            }
         }
         return Ok(found);
     }

@@ -25,9 +25,9 @@ mod torques_alone;
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
     AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
-    Detectable, Diagnosis, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible, MovedNumber,
-    NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance, Refusal,
-    RefusedCorrection, SECOND_RECORDING, SecondAnswer, SecondChannel, StepAnswer, Trace,
+    Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible,
+    MovedNumber, NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance,
+    Refusal, RefusedCorrection, SECOND_RECORDING, SecondAnswer, SecondChannel, StepAnswer, Trace,
     Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;

@@ -105,6 +105,7 @@ pub(crate) fn within_laws(
         correction: None,
         correction_refused: None,
         corrected: None,
+        not_in_file: Vec::new(),
         own_effects_leave: share,
         ..found
     })

@@ -6,10 +6,10 @@ use haptical_effects::{Context, Effect};
 use haptical_model::{Device, Recording};
 use haptical_motion::why_not;
 
-use crate::answer::corrected::of_drives;
+use crate::answer::corrected::{not_in_file, of_drives};
 use crate::answer::place::in_torques;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, Provenance, SECOND_RECORDING, Trace, Untestable, Verdict,
+    CauseAnswer, Diagnosis, FitRows, Gap, Provenance, SECOND_RECORDING, Trace, Untestable, Verdict,
     Whiteness,
 };
 use crate::force::answer::ForceAnswer;
@@ -102,8 +102,20 @@ pub(crate) fn diagnose(
     }
     let (verdict, candidates, said) = verdict::on_unseen(by_log, &mut causes);
     warnings.extend(said);
+    let corrected = of_drives(
+        device,
+        verdict,
+        (&causes, &force.changes, context.reference_degc),
+    );
     Ok(Diagnosis {
         verdict,
+        not_in_file: not_in_file(
+            verdict,
+            &causes,
+            (device, corrected.as_ref()),
+            (&force.changes, is_moving),
+        ),
+        fit_rows: FitRows::default(),
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: traces(&force, verdict),
         unexplained_share: match (by_log, verdict) {
@@ -143,11 +155,7 @@ pub(crate) fn diagnose(
             without: options.without.clone(),
         },
         device: model.clone(),
-        corrected: of_drives(
-            device,
-            verdict,
-            (&causes, &force.changes, context.reference_degc),
-        ),
+        corrected,
         predictions,
         gap,
         place,

@@ -17,6 +17,7 @@ mod log;
 mod page;
 mod plan;
 mod replay;
+mod reproduced;
 mod simulate;
 pub mod units;
 pub mod watch;

@@ -147,6 +147,14 @@ impl Log {
         Ok(Some(bytes))
     }
 
+    /// The same log with other rows: several recordings as one, or one without copies.
+    pub(crate) fn with_recording(&self, recording: Recording) -> Self {
+        Self {
+            recording: Arc::new(recording),
+            ..self.clone()
+        }
+    }
+
     /// Its origin.
     pub fn source(&self) -> &Source {
         &self.source

@@ -9,6 +9,7 @@ use haptical_diagnosis::with_carried_loads;
 use haptical_effects::device::{attached, handle_moved_m};
 use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use haptical_model::{DriveNumber, Recording, drive_numbers_in_words};
+use haptical_motion::unwrapped;
 use serde::Serialize;
 
 use crate::device::Device;
@@ -84,7 +85,11 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
         Error::calibration(error, device_path, log_path).with_equipment(device)
     };
     let mut warnings = Vec::new();
-    let recording = log.recording.as_ref();
+    // of a log of torques: an encoder that begins anew at a whole turn, as a diagnosis reads it
+    let has_torques = log.recording.torque_nm.iter().any(Option::is_some);
+    let straight = has_torques.then(|| unwrapped(&device.model, &log.recording));
+    let straight = straight.flatten().map(|(straight, _)| straight);
+    let recording = straight.as_ref().unwrap_or(&log.recording);
     let mut seen_from_base = device.model.clone();
     if is_corrected_path(recording) && seen_from_base.tracker.is_some() {
         seen_from_base.track_handle_in_base();

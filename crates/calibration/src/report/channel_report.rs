@@ -38,6 +38,9 @@ pub struct ChannelReport {
     pub sd_before: f64,
     /// Root mean square of the calibrated device's residuals.
     pub rms_after: f64,
+    /// The same on all rows of the log, those of the fit and those that it did not see: the identified device, replayed on that log,
+    /// leaves as much.
+    pub rms_fit: Option<f64>,
     /// Standard deviation of the calibrated device's residuals.
     pub sd_after: f64,
     /// Root mean square of the nominal device's residuals, outliers left out.
@@ -102,6 +105,7 @@ impl ChannelReport {
             rms_before,
             sd_before: spread(&before.residuals, rms_before),
             rms_after,
+            rms_fit: None,
             sd_after: spread(&after.residuals, rms_after),
             rms_before_good: rms_before,
             rms_after_good: rms_after,

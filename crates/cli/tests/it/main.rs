@@ -40,6 +40,7 @@ mod play_refusals;
 mod python;
 mod real_sets;
 mod repair;
+mod reproduced;
 mod reproducible;
 mod resealed;
 mod robot_formats;

@@ -6,14 +6,16 @@ use haptical_effects::{Ahead, Stream};
 use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;
 use crate::answer::causes::{noise_findings, position_causes};
-use crate::answer::corrected::corrected;
+use crate::answer::corrected::{Corrected, corrected, not_in_file};
 use crate::answer::correction::correction;
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
 use crate::answer::steps::steps;
 use crate::answer::tables::{candidates, channels, noise, traces, untestable};
 use crate::answer::unseen::{hints, unseen};
-use crate::answer::{CauseAnswer, Diagnosis, Gap, NoiseAnswer, Place, Provenance, Verdict};
+use crate::answer::{
+    CauseAnswer, Diagnosis, FitRows, Gap, NoiseAnswer, Place, Provenance, Verdict,
+};
 use crate::judge::findings::Findings;
 use crate::judge::second::on_second;
 use crate::judge::touched::Touched;
@@ -75,7 +77,23 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         None => place_in_torques(&findings, verdict),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
-    let gap = Gap::new(verdict, located_in, channels(&findings));
+    let file = match &correction {
+        Some(correction) => Some(Corrected {
+            device: correction.device.clone(),
+            residual: correction.residual.clone(),
+        }),
+        None => corrected(
+            &findings.selection,
+            verdict,
+            (&causes, &findings.force.changes),
+        )?,
+    };
+    let selection = &findings.selection;
+    let left = match &file {
+        Some(file) => file.residual.clone(),
+        None => engine.exact_residual(selection.selector.effects, &selection.refit.model),
+    };
+    let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     for cause in &mut causes {
         cause.held_out = cause
             .held_out
@@ -119,13 +137,18 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
-        corrected: match &correction {
-            Some(correction) => Some(correction.device.clone()),
-            None => corrected(
-                &findings.selection,
-                verdict,
-                (&causes, &findings.force.changes),
-            )?,
+        not_in_file: not_in_file(
+            verdict,
+            &causes,
+            (&engine.base.device, file.as_ref().map(|file| &file.device)),
+            (&findings.force.changes, findings.inputs.moving.is_some()),
+        ),
+        corrected: file.map(|file| file.device),
+        fit_rows: FitRows {
+            every: 1,
+            left_out: (findings.inputs.gone.iter())
+                .map(|(channel, row)| (channel.name(), *row))
+                .collect(),
         },
         correction: correction.map(|correction| correction.answer),
         correction_refused: curves.refused,

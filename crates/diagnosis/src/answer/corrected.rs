@@ -2,33 +2,58 @@
 
 use haptical_effects::device::{entry, is_law, settle};
 use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_effects::{Role, Shape, Spec};
+use haptical_effects::{Hook, Role, Shape, Spec};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 use haptical_motion::Change;
 
 use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, Verdict};
+use crate::engine::model::Cause;
 use crate::select::Selection;
 
 /// Name of that temperature.
 const REFERENCE_DEGC: &str = "reference_degc";
 
+/// A device with causes.
+pub(crate) struct Corrected {
+    pub(crate) device: Device,
+    /// What it leaves, per stream and row.
+    pub(crate) residual: Vec<Vec<f64>>,
+}
+
 /// The device as it was fitted together with the causes, with those of them that are part of a device; none without such.
 ///
-/// What an event did is part of the recording: the device does not lose counts again.
+/// What an event did is part of the recording: the device does not lose counts again. A cause that the answer does not report is
+/// taken out, and the others are fitted without it: the base model's numbers beside it are those of another device.
 ///
 /// # Errors
-/// [`DiagnosisError`] where an effect that the device file has is none.
+/// [`DiagnosisError`] where an effect that the device file has is none, or the fit without what is not reported fails.
 pub(crate) fn corrected(
     selection: &Selection<'_>,
     verdict: Verdict,
     (causes, changes): (&[CauseAnswer], &[Change]),
-) -> Result<Option<Device>, DiagnosisError> {
+) -> Result<Option<Corrected>, DiagnosisError> {
     if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
         return Ok(None);
     }
     let engine = selection.engine();
-    let mut device = engine.problem.device_with(&selection.refit.model.values);
+    let answer_of = |cause: &Cause| {
+        let effect = selection.effect(cause);
+        let number = effect.joint().map(|joint| joint + 1);
+        let mut answers = causes.iter();
+        answers.find(|answer| answer.effect == effect.name() && answer.joint == number)
+    };
+    let mut reported = selection.refit.model.clone();
+    reported.causes.retain(|cause| answer_of(cause).is_some());
+    let alone = match reported.causes.len() == selection.causes().len() {
+        true => None,
+        false => Some(engine.refit(selection.selector.effects, &reported)?),
+    };
+    let refit = alone.as_ref().unwrap_or(&selection.refit);
+    if !selection.selector.is_possible(&refit.model) {
+        return Ok(None);
+    }
+    let mut device = engine.problem.device_with(&refit.model.values);
     let mut has_any = false;
     // effects that the device had before were fitted with it
     settle(&mut device, engine.context.recording, &|_| None)?;
@@ -43,12 +68,9 @@ pub(crate) fn corrected(
             has_any = true;
         }
     }
-    for cause in selection.causes() {
+    for cause in &refit.model.causes {
         let effect = selection.effect(cause);
-        let number = effect.joint().map(|joint| joint + 1);
-        let is_own =
-            |answer: &&CauseAnswer| answer.effect == effect.name() && answer.joint == number;
-        let Some(answer) = causes.iter().find(is_own) else {
+        let Some(answer) = answer_of(cause) else {
             continue;
         };
         if !is_of_device(effect.spec()) {
@@ -79,7 +101,74 @@ pub(crate) fn corrected(
     let (mut device, has_changed) = changed(&device, changes);
     has_any |= has_changed || !drives.is_empty();
     drives.into_iter().for_each(|found| add(&mut device, found));
-    Ok(has_any.then_some(device))
+    Ok(has_any.then_some(Corrected {
+        device,
+        residual: engine.exact_residual(selection.selector.effects, &refit.model),
+    }))
+}
+
+/// What a moving arm's torques were judged beside, which is not in the device with its causes.
+const BESIDE_TORQUES: &str = "friction, armature, offsets and delay of the drives, which the fit of the torques has beside the causes: \
+                              `haptical identify --with dynamics` finds them";
+
+/// What an answer rests on, and the device with its causes does not hold; `file` is none where no such device is written, and
+/// `before` the device without the causes, to which the changes of its masses, armatures and gravity were applied.
+pub(crate) fn not_in_file(
+    verdict: Verdict,
+    causes: &[CauseAnswer],
+    (before, file): (&Device, Option<&Device>),
+    (changes, is_moving): (&[Change], bool),
+) -> Vec<String> {
+    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+        return Vec::new();
+    }
+    let is_changed = |cause: &CauseAnswer| {
+        let joint = cause.joint.map(|joint| joint - 1);
+        let of_kind = |change: &&Change| match change {
+            Change::Inertia { .. } => ["payload", "link-inertia"].contains(&cause.effect.as_str()),
+            Change::Armature { joint: own, .. } => {
+                cause.effect == "armature" && joint == Some(*own)
+            }
+            Change::Gravity { .. } => cause.effect == "gravity-direction",
+        };
+        let is_applied = |change: &Change| file.is_some() && change.applied(before).is_some();
+        changes.iter().filter(of_kind).any(is_applied)
+    };
+    let is_held = |cause: &CauseAnswer| {
+        let joint = cause.joint.map(|joint| joint - 1);
+        let is_it = |own: &DeviceEffect| own.name == cause.effect && own.joint == joint;
+        let yields = |file: &Device| {
+            let is_compliance = cause.effect == JOINT_COMPLIANCE.name;
+            is_compliance && joint.is_some_and(|joint| file.compliance_rad_per_nm(joint) != 0.0)
+        };
+        file.is_some_and(|file| file.effects.iter().any(is_it) || yields(file))
+            || !cause.changed.is_empty()
+            || is_changed(cause)
+    };
+    let is_of_base = |spec: &&Spec| spec.hook == Hook::BaseModel;
+    let word = |cause: &CauseAnswer| {
+        let mut specs = haptical_effects::specs().filter(|spec| spec.name == cause.effect);
+        let spec = specs.next();
+        if spec.is_some_and(|spec| is_of_base(&spec)) && file.is_some() {
+            return None;
+        }
+        let why = match spec {
+            Some(spec) if spec.shape == Shape::Event => {
+                "it happened in this log, and is no part of the device"
+            }
+            Some(spec) => is_law(spec)
+                .err()
+                .unwrap_or("the torques show it, and a device file has it for positions alone"),
+            None => "it is no law of a device file",
+        };
+        Some(format!("{} at {}: {why}", cause.effect, cause.place()))
+    };
+    let mut words: Vec<String> = (causes.iter().filter(|cause| !is_held(cause)))
+        .filter_map(word)
+        .collect();
+    let is_beside = is_moving && file.is_some();
+    words.extend(is_beside.then(|| BESIDE_TORQUES.to_owned()));
+    words
 }
 
 /// The device with the causes that its drives' torques show; none without such. `changes`: of its masses, armatures and gravity.

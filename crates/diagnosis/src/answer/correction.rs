@@ -78,6 +78,8 @@ pub(crate) struct Correction {
     pub(crate) answer: CorrectionAnswer,
     /// The device with it, geometry and drives fitted beside it.
     pub(crate) device: Device,
+    /// What it leaves, per stream and row.
+    pub(crate) residual: Vec<Vec<f64>>,
 }
 
 /// What became of the curve: nothing where a cause is named, the gap is in no joint, or no curve predicts unseen rows better than
@@ -335,5 +337,6 @@ fn with_it(
             on_second: None,
         },
         device,
+        residual: engine.exact_residual(&effects, &refit.model),
     }))
 }

@@ -29,6 +29,9 @@ pub struct ChannelGap {
     pub rms_before: f64,
     /// The same with the causes in the model.
     pub rms_after: f64,
+    /// What the fit leaves on all its rows, to which those are added, once a device file holds the fit, that it left out: a corrected
+    /// device, replayed on the log of its fit, leaves the same. None where nothing is fitted, or behind a low pass.
+    pub rms_fit: Option<f64>,
     /// Root mean square of the noise.
     pub noise_floor: f64,
     /// 95 % interval of it.
@@ -68,6 +71,7 @@ impl ChannelGap {
             held_out: false,
             rms_before,
             rms_after,
+            rms_fit: Some(rms_after),
             noise_floor: floor.rms,
             noise_floor_ci95: floor.ci95(),
             noise_source: floor.source,

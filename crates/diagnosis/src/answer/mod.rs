@@ -17,7 +17,7 @@ pub(crate) mod steps;
 pub(crate) mod tables;
 pub(crate) mod unseen;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use haptical_effects::Ahead;
 use haptical_model::Device;
@@ -88,6 +88,8 @@ pub struct Diagnosis {
     /// Where the cause is unknown: a curve that predicts unseen rows of the log, and is not in `corrected`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub correction_refused: Option<RefusedCorrection>,
+    /// What the answer rests on, and a device file cannot hold.
+    pub not_in_file: Vec<String>,
     /// Probability that the cause is none of the catalogue's.
     pub probability_unknown: f64,
     /// Effects that the recording cannot test.
@@ -120,6 +122,9 @@ pub struct Diagnosis {
     /// named that is part of a device, and no correction found.
     #[serde(skip)]
     pub corrected: Option<Device>,
+    /// The rows that [`ChannelGap::rms_fit`] is of.
+    #[serde(skip)]
+    pub fit_rows: FitRows,
     /// What the events among the causes did to the readings, step by step.
     #[serde(skip)]
     pub steps: Vec<StepAnswer>,
@@ -129,6 +134,23 @@ pub struct Diagnosis {
     /// Predictions on the validation recording (or the held-out rows).
     #[serde(skip)]
     pub predictions: Vec<Prediction>,
+}
+
+/// Readings of a log that a fit used.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FitRows {
+    /// One row in so many was looked at; 0 is 1.
+    pub every: usize,
+    /// Channel and row of the readings that were left out.
+    pub left_out: BTreeSet<(String, usize)>,
+}
+
+impl FitRows {
+    /// Whether the fit used a channel's reading at a row.
+    pub fn has(&self, channel: &str, row: usize) -> bool {
+        row.is_multiple_of(self.every.max(1))
+            && !(self.left_out.iter()).any(|(name, own)| *own == row && name == channel)
+    }
 }
 
 /// How [`Diagnosis::held_out`] begins where it is a second recording.

@@ -15,9 +15,10 @@ use crate::engine::model::Cause;
 use crate::judge::findings::Findings;
 use crate::select::rival::Rival;
 
-/// The channels of positions and torques, with their energies over noise.
-pub(crate) fn channels(findings: &Findings<'_>) -> Vec<ChannelGap> {
-    let mut gaps = position_gaps(findings);
+/// The channels of positions and torques, with their energies over noise; `left` is what a device with the causes leaves, stream by
+/// stream.
+pub(crate) fn channels(findings: &Findings<'_>, left: &[Vec<f64>]) -> Vec<ChannelGap> {
+    let mut gaps = position_gaps(findings, left);
     let force = &findings.force;
     if force.significant || !force.findings.is_empty() {
         gaps.extend_from_slice(&force.channels);
@@ -25,7 +26,7 @@ pub(crate) fn channels(findings: &Findings<'_>) -> Vec<ChannelGap> {
     gaps
 }
 
-fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
+fn position_gaps(findings: &Findings<'_>, left: &[Vec<f64>]) -> Vec<ChannelGap> {
     let engine = findings.engine();
     let gap = |floor: &Floor| {
         let rms = |residual: &[Vec<f64>]| channel_rms(engine, floor.channel, residual).0;
@@ -43,6 +44,7 @@ fn position_gaps(findings: &Findings<'_>) -> Vec<ChannelGap> {
         if let Some(seen) = unseen.find(|unseen| unseen.channel == floor.channel) {
             gap = gap.on_unseen(&seen.answer().settled(), seen.floor());
         }
+        gap.rms_fit = Some(rms(left));
         gap
     };
     findings.floors.iter().map(gap).collect()

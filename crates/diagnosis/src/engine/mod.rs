@@ -21,7 +21,7 @@ pub(crate) mod system;
 
 mod prepared;
 
-use haptical_effects::{Context, Effect, Stream};
+use haptical_effects::{Context, Effect, Signal, Stream};
 use haptical_linalg::SparseColumns;
 
 use crate::DiagnosisError;
@@ -162,17 +162,33 @@ impl Engine<'_> {
         let bare = self.problem.evaluate(values, false)?.residual;
         Ok(with_causes(bare, &self.context, effects, causes))
     }
+
+    /// The same as a device with the causes leaves it: with the chain moved as far as they move it.
+    pub(crate) fn exact_residual(
+        &self,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+    ) -> Vec<Vec<f64>> {
+        let shown = |cause: &Cause| cause.exact_contribution(effects, &self.context);
+        without(model.bare.to_vec(), model.causes.iter().map(shown))
+    }
 }
 
 /// Residuals once the causes are in the model.
 pub(crate) fn with_causes(
-    mut residual: Vec<Vec<f64>>,
+    residual: Vec<Vec<f64>>,
     context: &Context<'_>,
     effects: &[Box<dyn Effect>],
     causes: &[Cause],
 ) -> Vec<Vec<f64>> {
-    for cause in causes {
-        for (stream, values) in &cause.contribution(effects, context).parts {
+    let shown = |cause: &Cause| cause.contribution(effects, context);
+    without(residual, causes.iter().map(shown))
+}
+
+/// Residuals without signals.
+fn without(mut residual: Vec<Vec<f64>>, signals: impl Iterator<Item = Signal>) -> Vec<Vec<f64>> {
+    for signal in signals {
+        for (stream, values) in &signal.parts {
             for (entry, value) in residual[*stream].iter_mut().zip(values) {
                 *entry -= value;
             }

@@ -51,6 +51,20 @@ impl Cause {
     }
 }
 
+impl Cause {
+    /// The same as a device with it shows it, with the chain moved as far as it is.
+    pub(crate) fn exact_contribution(
+        &self,
+        effects: &[Box<dyn Effect>],
+        context: &Context<'_>,
+    ) -> Signal {
+        match self.times.is_empty() {
+            true => effects[self.effect].exact_signal(context, &self.amplitudes, self.shape),
+            false => self.contribution(effects, context),
+        }
+    }
+}
+
 /// Values of the base model's parameters with the causes found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Model {

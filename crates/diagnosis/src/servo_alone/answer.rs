@@ -9,8 +9,8 @@ use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
 use super::channel::{Joint, channel, gap, held_out, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
-    Verdict, Whiteness,
+    CauseAnswer, Diagnosis, FitRows, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer,
+    Untestable, Verdict, Whiteness,
 };
 use crate::judge::verdict::on_unseen;
 
@@ -148,6 +148,8 @@ pub(super) fn answer(
         closed_unseen_share: Some(1.0 - left).filter(|closed| is_explained && *closed < ALL_CLOSED),
         own_effects_leave: None,
         second,
+        not_in_file: Vec::new(),
+        fit_rows: FitRows::default(),
         steps: Vec::new(),
         correction: None,
         correction_refused: None,

@@ -103,6 +103,7 @@ pub(super) fn gap(device: &Device, joint: &Joint) -> ChannelGap {
         held_out: true,
         rms_before: before,
         rms_after: if is_closed { after } else { before },
+        rms_fit: None,
         noise_floor: floor,
         noise_floor_ci95: [floor * (1.0 - relative).max(0.0), floor * (1.0 + relative)],
         noise_source: NoiseSource::Motion,

@@ -43,6 +43,7 @@ fn channel(index: usize) -> impl Strategy<Value = ChannelGap> {
             held_out: percent.is_some(),
             rms_before: before,
             rms_after: after,
+            rms_fit: Some(after),
             noise_floor: floor,
             noise_floor_ci95: [0.9 * floor, 1.1 * floor],
             noise_source: NoiseSource::Stated,

@@ -1,12 +1,81 @@
 //! The text of corrected.toml: the device with the causes.
 
-use haptical_diagnosis::{Diagnosis, Verdict};
+use haptical_diagnosis::{ChannelGap, Diagnosis, Verdict};
 use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_model::Device as Model;
+use haptical_model::{Device as Model, stiffness_key};
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::files::without_comments;
+use crate::files::{DIAGNOSIS_FILES, without_comments};
+use crate::log::Log;
+use crate::reproduced::{Left, comments};
+
+/// What the device with the causes leaves of each channel, read again and replayed on the log of its fit; none without such a device.
+///
+/// # Errors
+/// Why it does not hold its own fit.
+pub(super) fn reproduced(
+    device: &Device,
+    log: &Log,
+    diagnosis: &Diagnosis,
+) -> Result<Option<Vec<(String, f64)>>, String> {
+    let has = |channel: &str, row: usize| diagnosis.fit_rows.has(channel, row);
+    let text = text(device, diagnosis).map_err(|error| error.to_string())?;
+    let left = left(diagnosis);
+    let of_text =
+        |text: String| crate::reproduced::reproduced(&text, DIAGNOSIS_FILES[3], log, &left, &has);
+    text.map(of_text).transpose()
+}
+
+/// Says in the answer what the device with the causes leaves of each channel; without such a device where it does not hold its fit.
+pub(super) fn tell(
+    diagnosis: &mut Diagnosis,
+    reproduced: Result<Option<Vec<(String, f64)>>, String>,
+) {
+    match reproduced {
+        Ok(left) => {
+            for (name, rms) in left.into_iter().flatten() {
+                let mut channels = diagnosis.gap.channels.iter_mut();
+                if let Some(own) = channels.find(|own| own.channel == name) {
+                    own.rms_fit = Some(rms);
+                }
+            }
+        }
+        Err(why) => {
+            diagnosis.corrected = None;
+            let warning = format!("{} is not written: {why}", DIAGNOSIS_FILES[3]);
+            diagnosis.warnings.insert(0, warning);
+        }
+    }
+}
+
+/// What the fit leaves of each channel, on all rows that it used.
+fn left(diagnosis: &Diagnosis) -> Vec<Left> {
+    let of_channel = |gap: &ChannelGap| {
+        Some(Left {
+            channel: gap.channel.clone(),
+            unit: gap.unit.clone(),
+            rms: gap.rms_fit?,
+            held_out: gap.held_out.then_some(gap.rms_after),
+            noise_floor: gap.noise_floor,
+        })
+    };
+    diagnosis
+        .gap
+        .channels
+        .iter()
+        .filter_map(of_channel)
+        .collect()
+}
+
+/// The text of corrected.toml, which says what its fit leaves and what it does not hold.
+///
+/// # Errors
+/// As [`text`].
+pub(super) fn commented(device: &Device, diagnosis: &Diagnosis) -> Result<Option<String>, Error> {
+    let comments = comments(&left(diagnosis), &diagnosis.not_in_file);
+    Ok(text(device, diagnosis)?.map(|text| comments + &text))
+}
 
 /// The device file with geometry and drives refitted together with the causes, and a table `[[effect]]` for each of them, or
 /// for the correction; none where no cause is named that is part of a device, and no correction found.
@@ -55,8 +124,9 @@ fn yielding(device: &Model, corrected: &Model, diagnosis: &Diagnosis) -> String 
             cause.effect == JOINT_COMPLIANCE.name && cause.joint == Some(number)
         };
         let cause = diagnosis.causes.iter().find(is_own);
-        let key = JOINT_COMPLIANCE.parameters[0].name;
-        let interval = cause.and_then(|cause| cause.parameters.get(key));
+        let name_in_answer = JOINT_COMPLIANCE.parameters[0].name;
+        let key = stiffness_key(corrected.joints[joint].joint_type);
+        let interval = cause.and_then(|cause| cause.parameters.get(name_in_answer));
         let interval = interval.map_or_else(String::new, |answer| {
             let [low, high] = answer.ci95;
             format!("ci95 = {{ {key} = [{low:?}, {high:?}] }}\n")
@@ -68,8 +138,38 @@ fn yielding(device: &Model, corrected: &Model, diagnosis: &Diagnosis) -> String 
         };
         let name = JOINT_COMPLIANCE.name;
         tables.push_str(&format!(
-            "\n[[effect]]\nname = \"{name}\"\njoint = {number}\nstiffness_nm_per_rad = 1.0\n{interval}{confusable}fit = true\n"
+            "\n[[effect]]\nname = \"{name}\"\njoint = {number}\n{key} = 1.0\n{interval}{confusable}fit = true\n"
         ));
     }
     tables
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example_tests::named;
+    use haptical_model::JointCompliance;
+
+    /// The stiffness of a joint that slides has another unit in its name.
+    #[test]
+    fn joints_of_every_kind_that_were_found_to_yield_are_read_again() {
+        let joint = |kind: &str| format!("[[joint]]\ntype = \"{kind}\"\n");
+        let text = joint("revolute") + &joint("prismatic");
+        let before = Model::from_toml(&text, "two.toml").unwrap().device;
+        let mut corrected = before.clone();
+        corrected.surroundings.compliance = [2e-3, 4e-6]
+            .map(|rad_per_nm| JointCompliance {
+                rad_per_nm,
+                fit: true,
+            })
+            .to_vec();
+        let text = text + &yielding(&before, &corrected, &named());
+        let text = corrected.to_toml(&text, "two.toml").unwrap();
+        let again = Model::from_toml(&text, "again.toml").unwrap().device;
+        for joint in 0..2 {
+            let relative =
+                again.compliance_rad_per_nm(joint) / corrected.compliance_rad_per_nm(joint);
+            assert!((relative - 1.0).abs() < 1e-12, "joint {joint}: {relative}");
+        }
+    }
 }

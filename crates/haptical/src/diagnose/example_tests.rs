@@ -20,6 +20,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         held_out: false,
         rms_before: 1.01 * floor,
         rms_after: 1.01 * floor,
+        rms_fit: Some(1.01 * floor),
         noise_floor: floor,
         noise_floor_ci95: [0.98 * floor, 1.02 * floor],
         noise_source: NoiseSource::Motion,
@@ -55,6 +56,8 @@ pub(crate) fn no_gap() -> Diagnosis {
         own_effects_leave: None,
         second: None,
         corrected: None,
+        not_in_file: vec![],
+        fit_rows: FitRows::default(),
         probability_unknown: 0.0,
         untestable: vec![Untestable {
             effect: "thermal-drift".to_owned(),

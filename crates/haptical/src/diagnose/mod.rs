@@ -17,6 +17,7 @@ mod several;
 mod summary;
 mod words;
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use haptical_calibration::LossChoice;
@@ -191,10 +192,24 @@ pub fn diagnose_as(
     let mut diagnosis = diagnosis
         .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&diagnosis, log_path)?;
+    let fitted = match logs.as_slice() {
+        [log] => Cow::Borrowed(*log),
+        _ => Cow::Owned(log.with_recording(recording.as_ref().clone())),
+    };
+    let reproduced = corrected::reproduced(device, &fitted, &diagnosis);
     let repair = match repair {
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
         false => None,
     };
+    // what was set right in the log is no part of the device, and shows in the log as it was
+    let reproduced = match (&repair, reproduced) {
+        (Some(repair), Err(why)) => match repair.recording(&device.model)? {
+            Some(own) => corrected::reproduced(device, &log.with_recording(own), &diagnosis),
+            None => Err(why),
+        },
+        (_, reproduced) => reproduced,
+    };
+    corrected::tell(&mut diagnosis, reproduced);
     Error::unless_interrupted(interrupt, log_path)?;
     let arm = arm_of(model.unwrap_or(device), &diagnosis, &recording)?;
     let own = std::mem::take(&mut diagnosis.warnings);
@@ -229,7 +244,7 @@ pub fn diagnose_as(
             record,
         },
         answer: summary::answer(&diagnosis),
-        corrected: corrected::text(device, &diagnosis)?,
+        corrected: corrected::commented(device, &diagnosis)?,
         arm,
         joints: joints::named(device, &diagnosis),
         repair,

@@ -6,8 +6,9 @@ use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, parameters,
-    percent, place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
+    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, not_in_file,
+    parameters, percent, place_sentence, probability, record, rivals, verdict_mark,
+    verdict_sentence,
 };
 use crate::lines::{WIDTH, lines_of};
 use crate::units::Shown;
@@ -54,6 +55,9 @@ pub(super) fn text(diagnosis: &Diagnosis, repaired: Option<&str>, room: Room) ->
         said.push("absorbed", &absorbed, 3);
     }
     said.held_out(diagnosis);
+    if let Some(words) = not_in_file(diagnosis) {
+        said.push("file", &words, 1);
+    }
     said.push("unseen", &unseen(diagnosis), 1);
     let left = MOST_LINES.saturating_sub(said.text.lines().count());
     said.push("next", &next_step(diagnosis, repaired), left.max(2));
@@ -109,7 +113,9 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
 /// Most lines of the causes: one each; the only one may take two, and what a calibration had taken up three.
 fn cause_lines(diagnosis: &Diagnosis) -> usize {
     let absorbed = if diagnosis.absorbed.is_some() { 3 } else { 0 };
+    let file = usize::from(!diagnosis.not_in_file.is_empty());
     absorbed
+        + file
         + match diagnosis.causes.len() {
             1 => 2,
             count => count.min(MOST_CAUSES + 1),
@@ -249,6 +255,7 @@ mod tests {
         let channel = full.gap.channels[1].clone();
         full.gap.channels = vec![channel; 23];
         full.absorbed = Some(absorbed());
+        full.not_in_file = vec![words.clone()];
         full.plausibility = vec![haptical_diagnosis::Hint {
             parameter: "output_drum_x1".to_owned(),
             why: "3 mm".to_owned(),

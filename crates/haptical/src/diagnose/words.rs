@@ -397,6 +397,16 @@ pub(crate) fn place_sentence(diagnosis: &Diagnosis) -> Option<String> {
 
 /// What the earlier model had taken up of the cause, and what moves with it; none where its numbers hold.
 ///
+/// What no file of a device holds of the answer; none where it holds all.
+pub(super) fn not_in_file(diagnosis: &Diagnosis) -> Option<String> {
+    let words = diagnosis.not_in_file.join("; ");
+    let file = match diagnosis.corrected {
+        Some(_) => "corrected.toml does",
+        None => "a device file would",
+    };
+    (!words.is_empty()).then(|| format!("{file} not hold {words}"))
+}
+
 /// Of the numbers at most `listed`, those that moved farthest.
 pub(crate) fn absorbed_sentence(diagnosis: &Diagnosis, listed: usize) -> Option<String> {
     let absorbed = diagnosis.absorbed.as_ref()?;

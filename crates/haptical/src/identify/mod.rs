@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use haptical_calibration::{
-    Calibration, CalibrationError, Degree, ForceDirection, HeldOut, LossChoice, Options, Weighting,
-    force_direction, without_copies,
+    Calibration, CalibrationError, ChannelReport, Degree, ForceDirection, HeldOut, LossChoice,
+    Options, Weighting, force_direction, without_copies,
 };
 use haptical_effects::{Ahead, OtherClock};
 use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
@@ -42,6 +42,7 @@ use crate::files::{
     VERSION, WriteRule, sealed_json, without_comments, write_result,
 };
 use crate::log::Log;
+use crate::reproduced::{Left, comments, reproduced};
 
 /// What an identification is asked for; the default is what `haptical identify` does without flags.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,6 +86,8 @@ pub struct Found {
     pub result: Identified,
     recording: Arc<Recording>,
     toml: String,
+    /// Whether the device file, replayed on the log, leaves what the fit leaves: else it is not written.
+    is_reproduced: bool,
     /// The text of rejected.toml.
     rejected: Option<String>,
 }
@@ -161,19 +164,58 @@ pub fn identify_as(
         }
         None => None,
     };
-    let text = result.provenance.toml_comments()? + &toml;
-    let source = Source::text(text, Found::FILES[0]);
+    let fitted = match recording {
+        Cow::Borrowed(_) => Cow::Borrowed(log),
+        Cow::Owned(own) => Cow::Owned(log.with_recording(own)),
+    };
+    let has = |channel: &str, row: usize| {
+        let mut reports = calibration.fit_channels.iter();
+        let report = reports.find(|report| report.channel == channel);
+        report.is_some_and(|report| report.rows.binary_search(&row).is_ok())
+    };
+    let mut left = left(&calibration);
+    let reproduced = reproduced(&toml, Found::FILES[0], &fitted, &left, &has);
+    let is_reproduced = reproduced.is_ok();
+    match reproduced {
+        Ok(whole) => {
+            for (name, rms) in whole {
+                result.tell_fit(&name, rms);
+                let own = left.iter_mut().find(|own| own.channel == name);
+                own.into_iter().for_each(|own| own.rms = rms);
+            }
+        }
+        Err(why) => {
+            let warning = format!("{} is not written: {why}", Found::FILES[0]);
+            result.warnings.insert(0, warning);
+        }
+    }
+    let comments = result.provenance.toml_comments()? + &comments(&left, &[]);
+    let source = Source::text(comments + &toml, Found::FILES[0]);
     Ok(Found {
         device: Device::open(&source, &crate::Equipment::default())?,
         calibration,
         result,
-        recording: match recording {
-            Cow::Borrowed(_) => Arc::clone(&log.recording),
-            Cow::Owned(own) => Arc::new(own),
-        },
+        recording: Arc::clone(&fitted.recording),
         toml,
+        is_reproduced,
         rejected,
     })
+}
+
+/// What the fit leaves of each channel on its own rows, beside the rows that it did not see.
+fn left(calibration: &Calibration) -> Vec<Left> {
+    let of_channel = |report: &ChannelReport| {
+        let mut held_out = calibration.held_out_channels.iter();
+        let held_out = held_out.find(|own| own.channel == report.channel);
+        Left {
+            channel: report.channel.clone(),
+            unit: report.unit.clone(),
+            rms: report.rms_after,
+            held_out: held_out.map(|own| own.rms_after),
+            noise_floor: report.noise_floor,
+        }
+    };
+    calibration.fit_channels.iter().map(of_channel).collect()
 }
 
 /// How far the force at the handle may lean; none for an arm without drives, which renders no force there.
@@ -324,20 +366,21 @@ impl Found {
         let (result, calibration) = (&self.result, &self.calibration);
         let page = page::page(result, calibration, &self.recording)?;
         let [toml_name, json_name, page_name, rejected_name] = Self::FILES;
-        let mut files = vec![
-            (toml_name, self.device.to_toml().as_bytes().to_vec()),
-            (page_name, page.into_bytes()),
-        ];
+        let mut files = vec![(page_name, page.into_bytes())];
+        if self.is_reproduced {
+            files.insert(0, (toml_name, self.device.to_toml().as_bytes().to_vec()));
+        }
         if let Some(rejected) = &self.rejected {
             files.push((rejected_name, rejected.as_bytes().to_vec()));
         }
         let mut result = result.clone();
         result.provenance = result.provenance.with_outputs(&files);
-        files.insert(1, (json_name, sealed_json(&result)?.into_bytes()));
+        let place = usize::from(self.is_reproduced);
+        files.insert(place, (json_name, sealed_json(&result)?.into_bytes()));
         Ok(files)
     }
 
-    /// Writes identified.toml, identified.json, identify.html, where a fit is rejected rejected.toml, and report.html,
+    /// Writes identified.toml (unless it does not leave what its fit leaves), identified.json, identify.html, where a fit is rejected rejected.toml, and report.html,
     /// an index of the results in the folder: all of them or none. A rejected.toml of an earlier run is removed.
     ///
     /// # Errors

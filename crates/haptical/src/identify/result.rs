@@ -105,6 +105,14 @@ impl Identified {
         self.answer = answer(self);
     }
 
+    /// Takes up what the identified device leaves of a channel on all rows of the log.
+    pub(super) fn tell_fit(&mut self, channel: &str, rms: f64) {
+        let all = self.channels.iter_mut().chain(&mut self.channels_fit);
+        for own in all.filter(|own| own.channel == channel) {
+            own.rms_fit = Some(rms);
+        }
+    }
+
     /// Channels of the fit that no row outside it checks.
     pub fn unchecked(&self) -> impl Iterator<Item = &ChannelReport> {
         let is_checked = |name: &str| self.channels.iter().any(|checked| checked.channel == name);
@@ -284,8 +292,8 @@ pub(super) fn identified(
         held_out: calibration.held_out.clone(),
         convergence: fits.first().map(|fit| fit.convergence),
         iterations: fits.iter().map(|fit| fit.iterations).sum(),
-        channels: figures(calibration.judged_channels()),
-        channels_fit: figures(&calibration.fit_channels),
+        channels: with_fit(calibration.judged_channels(), &calibration.fit_channels),
+        channels_fit: with_fit(&calibration.fit_channels, &calibration.fit_channels),
         transmissions: transmissions(calibration, &parameters),
         moved: Vec::new(),
         effects: Vec::new(),
@@ -322,6 +330,16 @@ pub(super) fn identified(
     result.answer = answer(&result);
     result.next = next_step(&result);
     result
+}
+
+/// The figures of channels, and what the fit leaves of them on its own rows.
+fn with_fit(channels: &[ChannelReport], fit: &[ChannelReport]) -> Vec<ChannelReport> {
+    let mut all = figures(channels);
+    for own in &mut all {
+        let seen = fit.iter().find(|seen| seen.channel == own.channel);
+        own.rms_fit = seen.map(|seen| seen.rms_after);
+    }
+    all
 }
 
 fn figures(channels: &[ChannelReport]) -> Vec<ChannelReport> {

@@ -11,7 +11,7 @@ use haptical_report::{Block, Document, Section, Table};
 
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, named_at, parameters, percent, place_sentence, verdict_mark,
+    absorbed_sentence, named_at, not_in_file, parameters, percent, place_sentence, verdict_mark,
     verdict_sentence,
 };
 use crate::error::Error;
@@ -111,6 +111,8 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error>
         Block::Paragraph(format!("{place}: {}.", parameters(cause)))
     }));
     blocks.extend(figures::gap(diagnosis)?);
+    let not_held = not_in_file(diagnosis).map(|words| format!("In a file: {words}."));
+    blocks.extend(not_held.map(Block::Paragraph));
     let words = next_step(diagnosis, besides.repaired);
     blocks.extend(next(&words, commands(diagnosis, besides)));
     Ok(Section::new("", blocks))

@@ -176,6 +176,7 @@ mod tests {
             rms_before: 1.0,
             sd_before: 1.0,
             rms_after: 1.0,
+            rms_fit: None,
             sd_after: 1.0,
             rms_before_good: 1.0,
             rms_after_good: 1.0,

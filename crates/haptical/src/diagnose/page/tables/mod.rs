@@ -28,6 +28,12 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
         ];
         if has_gap {
             row.insert(3, shown.cell(channel.rms_after));
+            row.insert(
+                4,
+                channel
+                    .rms_fit
+                    .map_or_else(|| "".into(), |rms| shown.cell(rms)),
+            );
             row.push(Cell::number(100.0 * channel.share_of_gap, 1));
             row.push(match channel.no_reduction {
                 Some(why) => why.words().into(),
@@ -42,7 +48,7 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
         let columns = "channel | unit | residual | noise floor | 95 % interval | by";
         return Ok(Table::with_heads(title, columns).with_rows(rows)?);
     }
-    let columns = "channel | unit | before | after | noise floor | 95 % interval | by | share of the gap [%] | gap closed [%] | 95 % \
+    let columns = "channel | unit | before | after | after, all rows of the fit | noise floor | 95 % interval | by | share of the gap [%] | gap closed [%] | 95 % \
              interval [%]";
     let table = Table::with_heads(title, columns).with_rows(rows)?;
     let table = table.with_note(
