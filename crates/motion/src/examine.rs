@@ -268,6 +268,7 @@ fn set_right(as_read: &Examined, found: &Examined) -> Vec<Unseen> {
             before,
             after,
             predictions: Vec::new(),
+            of_both: None,
         })
     };
     found.channels.iter().filter_map(of_joint).collect()
