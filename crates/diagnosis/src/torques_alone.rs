@@ -9,8 +9,8 @@ use haptical_motion::why_not;
 use crate::answer::corrected::{not_in_file, of_drives};
 use crate::answer::place::in_torques;
 use crate::answer::{
-    CauseAnswer, Diagnosis, FitRows, Gap, Provenance, SECOND_RECORDING, Trace, Untestable, Verdict,
-    Whiteness,
+    CauseAnswer, Diagnosis, FitRows, Gap, NoReduction, Provenance, SECOND_RECORDING, Trace,
+    Untestable, Verdict, Whiteness,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
@@ -84,7 +84,7 @@ pub(crate) fn diagnose(
     if let Some(seen) = seen {
         if let Some(first) = causes
             .first_mut()
-            .filter(|own| !is_moving || !is_checked(own))
+            .filter(|own| !is_moving || !is_checked(own) && !is_of_log(own))
         {
             let mut channels = seen.held_out.iter();
             let main = located.and_then(|name| channels.find(|own| own.channel == name));
@@ -181,6 +181,12 @@ fn said_of_slow(why: &str) -> String {
         "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
          armature, delay or the masses of links"
     )
+}
+
+/// Whether a cause belongs to its log, so that no share of it closes on other rows.
+fn is_of_log(own: &CauseAnswer) -> bool {
+    let held_out = own.held_out.as_ref();
+    held_out.is_some_and(|own| own.no_reduction == Some(NoReduction::Undetermined))
 }
 
 /// Whether a cause is checked at its own joint already, as what moves an arm is.

@@ -101,8 +101,10 @@ pub(super) fn predicted(rows: &JointRows, terms: &[Term], coefficients: &[f64]) 
 pub(super) fn determined(fitted: &Fitted, rows: &JointRows, with_offsets: bool) -> Vec<bool> {
     let effects = fitted.terms.iter().flat_map(|own| own.columns(rows));
     let mut columns: Vec<Vec<f64>> = effects.collect();
-    if with_offsets {
-        columns.extend(offsets(rows));
+    match with_offsets {
+        true => columns.extend(offsets(rows)),
+        // another recording is looked at about its own offsets
+        false => columns.iter_mut().for_each(|own| about_means(rows, own)),
     }
     // a fit that had no solution determines nothing
     let has_solution = fitted.covariance.ncols() >= columns.len();
@@ -119,6 +121,15 @@ pub(super) fn determined(fitted: &Fitted, rows: &JointRows, with_offsets: bool) 
     (0..rows.count())
         .map(|row| has_solution && leverage(row) <= MOST_LEVERAGE)
         .collect()
+}
+
+/// A column without each piece's mean.
+fn about_means(rows: &JointRows, column: &mut [f64]) {
+    for piece in rows.pieces.windows(2) {
+        let own = &mut column[piece[0]..piece[1]];
+        let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+        own.iter_mut().for_each(|value| *value -= mean);
+    }
 }
 
 /// A column of ones for each piece.
