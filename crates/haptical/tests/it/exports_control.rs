@@ -157,8 +157,12 @@ fn the_header_of_a_corrected_device_is_what_its_replay_predicts() {
                 .map(|own| own.as_ref().unwrap()[row]);
             let wanted: Vec<f64> = outputs.chain(places.iter().map(|own| own[row])).collect();
             assert_eq!(numbers.len(), wanted.len());
-            for (found, wanted) in numbers.iter().zip(wanted) {
-                near(*found, wanted, 1.0, &what);
+            for (number, (found, wanted)) in numbers.iter().zip(wanted).enumerate() {
+                // a replay adds what each effect does alone (A154): two errors of 5 mrad together move the handle by less than 0.1 mm
+                match number < 2 || effects.len() == 1 {
+                    true => near(*found, wanted, 1.0, &what),
+                    false => assert!((found - wanted).abs() < 1e-4, "{what}: {found} {wanted}"),
+                }
             }
             let moves = numbers
                 .iter()
