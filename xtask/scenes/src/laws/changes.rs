@@ -87,17 +87,9 @@ fn in_other_units(log: &Table) -> Result<Table> {
             others.push((name.clone(), column.clone()));
             continue;
         };
-        let end = name.rsplit('_').next().unwrap_or_default();
-        let (unit, factor) = match end {
-            "rad" => ("deg", 180.0 / std::f64::consts::PI),
-            "m" => ("mm", 1e3),
-            "s" if name == "t_s" => ("ms", 1e3),
-            "nm" => ("mNm", 1e3),
-            "n" => ("mN", 1e3),
-            _ => {
-                others.push((name.clone(), column.clone()));
-                continue;
-            }
+        let Some((unit, factor)) = other_unit(name) else {
+            others.push((name.clone(), column.clone()));
+            continue;
         };
         writeln!(
             mapping,
@@ -120,12 +112,33 @@ fn in_other_units(log: &Table) -> Result<Table> {
     let applied = apply(&[table], &Mapping::from_toml(&mapping, "columns.toml")?)?;
     let mut imported = Table::default();
     for (name, cells) in applied.columns {
-        if let Cells::Numbers(cells) = cells {
-            imported.push(name, cells);
+        match cells {
+            // said by the other columns, as it was
+            _ if name == "run" => {}
+            Cells::Numbers(cells) => imported.push(name, cells),
+            Cells::Texts(_) => {}
         }
     }
     imported.columns.extend(others);
     Ok(imported)
+}
+
+/// Another unit of a measured column, and its numbers over those in SI units; none of texts and covariates.
+fn other_unit(name: &str) -> Option<(&'static str, f64)> {
+    const MEASURED: [&str; 9] = [
+        "t_s", "theta", "out", "cable", "x_m", "y_m", "z_m", "torque", "f",
+    ];
+    if !MEASURED.iter().any(|start| name.starts_with(start)) || name.starts_with("fixture") {
+        return None;
+    }
+    match name.rsplit('_').next()? {
+        "rad" => Some(("deg", 180.0 / std::f64::consts::PI)),
+        "m" => Some(("mm", 1e3)),
+        "s" => Some(("ms", 1e3)),
+        "nm" => Some(("mNm", 1e3)),
+        "n" => Some(("mN", 1e3)),
+        _ => None,
+    }
 }
 
 /// One run is two, cut where the arm is slowest in the middle third of its log.

@@ -93,7 +93,9 @@ impl Pair<'_> {
         let (before, after) = (list(self.before)?, list(self.after)?);
         for own in &before {
             let mut others = after.iter();
-            let now = others.find(|other| other["name"] == own["name"])?;
+            let Some(now) = others.find(|other| other["name"] == own["name"]) else {
+                continue;
+            };
             let name = own["name"].as_str().unwrap_or_default();
             if let Some(words) = outside(own, now) {
                 return Some(format!("identify: {name} {words}"));

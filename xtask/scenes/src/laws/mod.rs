@@ -37,7 +37,7 @@ pub(super) enum Allows {
 }
 
 /// All laws.
-pub(super) const LAWS: [Law; 13] = [
+pub(super) static LAWS: [Law; 13] = [
     law("forces-of-nearly-zero", columns::forces, Allows::Same),
     law("encoders-on-links", columns::outputs, Allows::Same),
     law("commands-that-are-met", columns::commands, Allows::Same),
