@@ -510,8 +510,8 @@ pub struct CandidateAnswer {
 }
 
 impl CandidateAnswer {
-    /// A cause that was fitted, and is not named.
-    pub(crate) fn of_cause(cause: &CauseAnswer) -> Self {
+    /// A cause that was fitted, and why it is not named.
+    pub(crate) fn of_cause(cause: &CauseAnswer, refused: Option<String>) -> Self {
         let numbers = cause.parameters.iter();
         Self {
             effect: cause.effect.clone(),
@@ -522,6 +522,7 @@ impl CandidateAnswer {
             parameters: numbers
                 .map(|(name, own)| (name.clone(), own.value))
                 .collect(),
+            refused,
         }
     }
 }

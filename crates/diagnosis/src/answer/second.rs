@@ -122,6 +122,7 @@ impl SecondChannel {
             held_out: true,
             rms_before: self.rms,
             rms_after: self.rms,
+            rms_fit: None,
             noise_floor: self.noise_floor,
             noise_floor_ci95: [self.noise_floor; 2],
             noise_source: NoiseSource::Motion,

@@ -28,7 +28,7 @@ use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
-use crate::engine::model::{Cause, Refit};
+use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, root_mean_square};
 use crate::engine::system::{System, compress_rows};
 use crate::noise::measured::{KnownNoise, estimate_noise, over_stated};

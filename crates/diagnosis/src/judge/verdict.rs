@@ -99,8 +99,9 @@ pub(crate) fn on_unseen(
     causes.retain(|cause| {
         let is_kept = is_first_borne_out && is_borne_out(cause);
         if !is_kept {
-            said.extend(why_not(cause));
-            candidates.push(CandidateAnswer::of_cause(cause));
+            let why = why_not(cause);
+            said.extend(why.clone());
+            candidates.push(CandidateAnswer::of_cause(cause, why));
         }
         is_kept
     });

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use haptical_diagnosis::{
-    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, Gap, HeldOutAnswer, Invisible,
-    NoReduction, NoiseAnswer, NoiseSource, Over, ParameterAnswer, Place, Provenance, Trace,
-    Untestable, Verdict, Whiteness,
+    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer,
+    Invisible, NoReduction, NoiseAnswer, NoiseSource, Over, ParameterAnswer, Place, Provenance,
+    Trace, Untestable, Verdict, Whiteness,
 };
 use haptical_model::Device;
 

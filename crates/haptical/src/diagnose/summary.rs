@@ -248,14 +248,14 @@ mod tests {
         full.held_out = words.clone();
         full.provenance.without = vec![words.replace(' ', "-"); 3];
         if let Some(place) = &mut full.place {
-            place.region = words;
+            place.region = words.clone();
         }
         let cause = full.causes[0].clone();
         full.causes = vec![cause; 4];
         let channel = full.gap.channels[1].clone();
         full.gap.channels = vec![channel; 23];
         full.absorbed = Some(absorbed());
-        full.not_in_file = vec![words.clone()];
+        full.not_in_file = vec![words];
         full.plausibility = vec![haptical_diagnosis::Hint {
             parameter: "output_drum_x1".to_owned(),
             why: "3 mm".to_owned(),
