@@ -32,6 +32,8 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         warnings.push(said.to_owned());
     }
     let named = examined.findings.iter().filter(|_| examined.is_answer());
+    // rows that are set right are no number of a device
+    let named = named.filter(|own| own.effect != SAMPLING.name);
     for found in named.filter(|own| !is_kept(device, own)) {
         warnings.push(format!(
             "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
