@@ -43,7 +43,7 @@ pub(crate) fn comments(left: &[Left], not_in_file: &[String]) -> String {
             )
         });
         text += &format!(
-            "# provenance: fit of {}: rms_fit = {:e} {} ({}), on all rows of its log{held_out}\n",
+            "# provenance: fit of {}: rms_fit = {:e} {} ({}), on all its rows{held_out}\n",
             own.channel,
             own.rms,
             own.unit,
@@ -56,8 +56,8 @@ pub(crate) fn comments(left: &[Left], not_in_file: &[String]) -> String {
     text
 }
 
-/// What a device file leaves of each channel that is replayed, by the way of `haptical simulate --replay`: as its fit does on the
-/// rows that this used, where `has` says so, and as it predicts on all others. Nothing where the log has no such channel.
+/// What a device file leaves of each channel that is replayed, by the way of `haptical simulate --replay`, on all rows of a log. On
+/// those that the fit used, where `has` says so, it must be what the fit leaves. Nothing where the log has no such channel.
 ///
 /// # Errors
 /// Why the file does not hold its fit.
@@ -99,7 +99,7 @@ pub(crate) fn reproduced(
             let [is, fit] = sizes;
             misses.push(format!("{} is {is} in place of {fit}", own.channel));
         }
-        let whole = (own.rms.powi(2) * count + others) / (count + further);
+        let whole = (square + others) / (count + further);
         found.push((own.channel.clone(), whole.sqrt()));
     }
     match misses.is_empty() {
@@ -153,9 +153,10 @@ mod tests {
 
     #[test]
     fn a_file_holds_its_fit_within_one_percent_of_a_channel() {
-        let left = |rms: f64| Ok(vec![("out1".to_owned(), rms)]);
-        assert_eq!(replayed_with(0.0, 1e-3, None), left(1e-3));
-        assert_eq!(replayed_with(0.0, 1.009e-3, None), left(1.009e-3));
+        for rms in [1e-3, 1.009e-3] {
+            let found = replayed_with(0.0, rms, None).unwrap();
+            assert!((found[0].1 / 1e-3 - 1.0).abs() < 1e-9, "{found:?}");
+        }
         let why = replayed_with(0.0, 1.02e-3, None).unwrap_err();
         assert!(
             why.ends_with("out1 is 1.000 mrad in place of 1.020 mrad"),
@@ -208,8 +209,7 @@ mod tests {
             noise_floor: 1e-4,
         }];
         let text = comments(&left, &["outliers: said of the readings".to_owned()]);
-        let line =
-            "fit of out1: rms_fit = 1.25e-4 rad (0.1250 mrad), on all rows of its log; held out";
+        let line = "fit of out1: rms_fit = 1.25e-4 rad (0.1250 mrad), on all its rows; held out";
         assert!(text.contains(line), "{text}");
         assert!(
             text.contains("held out, rms_after = 1.5e-4 rad (0.1500 mrad)"),

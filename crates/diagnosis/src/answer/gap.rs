@@ -29,8 +29,9 @@ pub struct ChannelGap {
     pub rms_before: f64,
     /// The same with the causes in the model.
     pub rms_after: f64,
-    /// What the fit leaves on all its rows, to which those are added, once a device file holds the fit, that it left out: a corrected
-    /// device, replayed on the log of its fit, leaves the same. None where nothing is fitted, or behind a low pass.
+    /// What the fit leaves on all its rows. Where a corrected device holds the fit to 1 %, it is what that device, replayed, leaves on
+    /// all rows of the log, those that the fit left out included. None where nothing is fitted, or where a replay has more rows than a
+    /// fit behind a low pass.
     pub rms_fit: Option<f64>,
     /// Root mean square of the noise.
     pub noise_floor: f64,
