@@ -151,8 +151,8 @@ fn a_device_beside_lost_counts_is_written_for_the_repaired_log_alone() {
     let sandbox = Sandbox::new();
     sandbox.write(
         "effects.toml",
-        "[[effect]]\nname = \"capstan-compliance\"\njoint = 2\nstiffness_nm_per_rad = 150.0\n\
-         [[effect]]\nname = \"encoder-count-loss\"\njoint = 1\ncounts = 80\ntime_s = 17.0\n",
+        "[[effect]]\nname = \"capstan-compliance\"\njoint = 2\nstiffness_nm_per_rad = 300.0\n\
+         [[effect]]\nname = \"encoder-count-loss\"\njoint = 1\ncounts = 30\ntime_s = 17.0\n",
     );
     let flags = [
         "--seconds",

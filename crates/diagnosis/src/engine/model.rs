@@ -58,10 +58,15 @@ impl Cause {
         effects: &[Box<dyn Effect>],
         context: &Context<'_>,
     ) -> Signal {
-        match self.times.is_empty() {
-            true => effects[self.effect].exact_signal(context, &self.amplitudes, self.shape),
-            false => self.contribution(effects, context),
+        let effect = effects[self.effect].as_ref();
+        if self.times.is_empty() {
+            return effect.exact_signal(context, &self.amplitudes, self.shape);
         }
+        let mut sum = Signal::default();
+        for (&time, amplitude) in self.times.iter().zip(&self.amplitudes) {
+            sum.add(&effect.exact_signal(context, &[*amplitude], time), 1.0);
+        }
+        sum
     }
 }
 
