@@ -15,6 +15,7 @@ use haptical_model::Device;
 
 use self::rig::{AnyEffect, amplitudes, rigs, values};
 use crate::device::{effects_of, entry, is_law};
+use crate::structure::JOINT_COMPLIANCE;
 use crate::{Context, Effect, Hook, Need, Role, Shape, Signal, Spec, catalogue, drive_catalogue};
 
 /// Effects of a device.
@@ -234,7 +235,8 @@ fn assert_a_file_holds_it(
     amplitudes: &[f64],
     shape: f64,
 ) {
-    if is_law(effect.spec()).is_err() {
+    // a joint's compliance is a number of the base model, with a key of its own
+    if is_law(effect.spec()).is_err() || effect.name() == JOINT_COMPLIANCE.name {
         return;
     }
     let mut device = context.device.clone();
@@ -244,20 +246,10 @@ fn assert_a_file_holds_it(
     let text = device.to_toml(&original, "device.toml").unwrap();
     let again = Device::from_toml(&text, "again.toml").unwrap().device;
     let before = effect.exact_signal(context, amplitudes, shape);
-    let after = match effects_of(&again).unwrap().as_slice() {
-        [own] => {
-            let (amplitudes, shape) = own.amplitudes(context);
-            own.effect.exact_signal(context, &amplitudes, shape)
-        }
-        // a number of the base model, as `joint-compliance` is
-        own => {
-            assert!(own.is_empty(), "{label}");
-            let joint = effect.joint().unwrap();
-            let error = again.compliance_rad_per_nm(joint) - amplitudes[0];
-            assert!(error.abs() <= 1e-9 * amplitudes[0], "{label}: {error:e}");
-            return;
-        }
-    };
+    let own = effects_of(&again).unwrap();
+    assert_eq!(own.len(), 1, "{label}");
+    let (found, there) = own[0].amplitudes(context);
+    let after = own[0].effect.exact_signal(context, &found, there);
     let (error, scale) = (distance(&before, &after), size(&before));
     assert!(
         error <= 1e-9 * scale,
