@@ -251,7 +251,14 @@ fn what_a_play_follows_is_a_word() {
             "[[joint]]\n[[effect]]\nname = \"{name}\"\njoint = 1\nwidth_rad = 0.004\ndriven_by = \"{side}\"\n"
         )
     };
-    for (side, number) in [("motor", 0.0), ("hand", 1.0), ("load", 2.0)] {
+    let sides = [
+        ("motor", 0.0),
+        ("hand", 1.0),
+        ("load", 2.0),
+        ("motor-read-at-link", 3.0),
+        ("hand-read-at-motor", 4.0),
+    ];
+    for (side, number) in sides {
         let text = text("backlash", side);
         let device = Device::from_toml(&text, "one.toml").unwrap().device;
         assert_eq!(device.effects[0].numbers["driven_by"], number);
