@@ -10,6 +10,8 @@ const NATS: f64 = 10.0;
 const ASSERTED: f64 = 0.8;
 /// Width of an interval of every row twice over that of each once: rounding, and searches that end a step earlier.
 const NARROWER: f64 = 0.98;
+/// Parameter that is a time of the log.
+const TIME: &str = "time_s";
 /// What an answer may differ by besides its interval: of a number whose interval is its rounding.
 const RELATIVE: f64 = 1e-6;
 
@@ -35,9 +37,9 @@ impl Pair<'_> {
             return Some(format!("{} -> {}", words(before), words(after)));
         }
         self.verdict()
-            .or_else(|| self.numbers())
+            .or_else(|| self.numbers(allows))
             .or_else(|| match allows {
-                Allows::Same | Allows::SameBits => None,
+                Allows::Same | Allows::OtherTimes | Allows::SameBits => None,
                 Allows::SameIdentification => self.identification(false),
                 Allows::NoNarrowerInterval => self.identification(true),
             })
@@ -71,12 +73,13 @@ impl Pair<'_> {
     }
 
     /// Numbers of causes that both answers have.
-    fn numbers(&self) -> Option<String> {
+    fn numbers(&self, allows: Allows) -> Option<String> {
         let before = causes(&self.before["diagnose"]);
         let after = causes(&self.after["diagnose"]);
         for (own, other) in pairs(&before, &after) {
             let parameters = own["parameters"].as_object().into_iter().flatten();
-            for (key, own) in parameters {
+            let is_asked = |key: &str| !(allows == Allows::OtherTimes && key == TIME);
+            for (key, own) in parameters.filter(|(key, _)| is_asked(key)) {
                 let name = Name::of(other);
                 let now = &other["parameters"][key];
                 if let Some(words) = outside(own, now) {
