@@ -309,6 +309,7 @@ mod tests {
             held_out: false,
             rms_before: rms_nm,
             rms_after: rms_nm,
+            rms_fit: None,
             noise_floor: 1.0,
             noise_floor_ci95: [0.95, 1.05],
             noise_source: crate::NoiseSource::Motion,
