@@ -1,23 +1,18 @@
 //! Base model and causes together as one least-squares problem, and the search for its minimum.
 
-use std::cell::Cell;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use haptical_effects::{Context, Effect, Shape, Signal};
-use haptical_identification::{
-    Convergence, Fit, IdentificationError, Matrix, Reduction, Settings, Triangle, TriangleProblem,
-    solve,
-};
-use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns};
+use haptical_identification::Convergence;
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::BaseProblem;
 use crate::engine::model::{Cause, Model, Refit};
-use crate::engine::part::{Part, across, dense};
-use crate::engine::system::{compress_columns, compress_rows, dot};
+use crate::engine::part::{Part, dense, square};
 use crate::engine::with_causes;
-use crate::thresholds::fit::{LEAST_FALL, PASSES};
+use crate::thresholds::fit::{FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER};
 
 /// What a fit of base model and causes is made of.
 #[derive(Clone, Copy)]
@@ -30,67 +25,115 @@ pub(crate) struct Fitting<'r> {
     pub(crate) part: &'r Part,
 }
 
-impl Fitting<'_> {
-    /// Searches the minimum from `model` by Levenberg-Marquardt, with the derivatives of base model and causes at every step.
-    pub(crate) fn descend(&self, model: &Model) -> Result<Refit, DiagnosisError> {
-        let together = Together {
-            fitting: self,
-            start: model,
-            owners: owners(self.effects, &model.causes),
-            lowest: Cell::new(f64::INFINITY),
-        };
-        let start = together.numbers();
-        if start.is_empty() {
-            let residual = with_causes(model.bare.to_vec(), self.context, self.effects, &[]);
-            return Ok(Refit {
-                model: model.clone(),
-                residual,
-                covariance: None,
-                promised: 0.0,
-                convergence: Convergence::SmallCostChange,
-                last_step: 0.0,
-            });
-        }
-        let rows = self.part.blocks.count();
-        let freedom = rows.saturating_sub(start.len()).max(1) as f64;
-        let settings = Settings {
-            max_iterations: PASSES,
-            cost_tolerance: LEAST_FALL / freedom,
-            rank_tolerance: RANK_TOLERANCE,
-            interrupt: self.base.interrupt.clone(),
-            ..Settings::default()
-        };
-        let all: Vec<usize> = (0..start.len()).collect();
-        let fit = solve(&together, &start, &all, &settings)?;
-        self.refit_of(&together, fit, freedom)
-    }
+/// A model with its residuals and their square.
+struct Here {
+    model: Model,
+    residual: Vec<Vec<f64>>,
+    cost: f64,
+}
 
-    fn refit_of(
-        &self,
-        together: &Together<'_>,
-        fit: Fit,
-        freedom: f64,
-    ) -> Result<Refit, DiagnosisError> {
-        let all: Vec<usize> = (0..fit.parameters.len()).collect();
-        let newton = fit.reduction.solve(&all, 0.0, RANK_TOLERANCE)?;
-        let promised = newton.explained_square;
-        let mut model = together.model_at(&fit.parameters);
-        let bare = self.problem.evaluate(&model.values, false)?.residual;
-        model.bare = Arc::new(bare);
-        let bare = model.bare.to_vec();
-        let residual = with_causes(bare, self.context, self.effects, &model.causes);
-        // directions that the rows do not fix are left where they are: the others are at their minimum all the same
-        let convergence = match has_settled(promised, fit.cost, freedom) {
-            true => Convergence::SmallCostChange,
-            false => fit.convergence,
-        };
+impl Fitting<'_> {
+    /// Searches the minimum from `model` by Gauss-Newton, with shorter steps where a whole one overshoots, until the linearised
+    /// problem promises next to nothing. The base model's derivatives are those of the part until a step calls for new ones. The
+    /// causes' columns are projected across the base model's directions, which gives their steps and covariance; what they leave
+    /// gives the base model's step.
+    pub(crate) fn descend(&self, model: &Model) -> Result<Refit, DiagnosisError> {
+        let mut here = self.evaluated(self.part, model.clone());
+        let mut part = Cow::Borrowed(self.part);
+        let owners = owners(self.effects, &model.causes);
+        let rows = self.part.blocks.count();
+        let freedom = rows
+            .saturating_sub(self.base.free.len() + owners.len())
+            .max(1) as f64;
+        let (mut covariance, mut promised, mut last_step) = (None, f64::INFINITY, f64::INFINITY);
+        let mut convergence = Convergence::IterationLimit;
+        // how far the predictions moved since the derivatives were taken, in noise deviations; new ones at once are none of the part
+        let (mut moved, mut is_fresh) = (0.0, false);
+        for _ in 0..PASSES {
+            self.base.interrupt.check()?;
+            let columns = by_cause(self, &here.model);
+            let pull = self.base.pull(&here.model.values);
+            let step = part.step(&columns, &here.residual, &pull)?;
+            covariance = step.covariance.or(covariance);
+            (promised, last_step) = (step.explained, step.size);
+            let has_settled = has_settled(promised, here.cost, freedom);
+            if has_settled && (is_fresh || moved < FRESH_WITHIN) {
+                convergence = Convergence::SmallCostChange;
+                break;
+            }
+            let taken = match has_settled {
+                true => None,
+                false => self.shortened(&part, &here, &owners, &step.values),
+            };
+            let is_slow = match taken {
+                Some(next) => {
+                    let gain = here.cost - next.cost;
+                    here = next;
+                    moved += step.size;
+                    gain < 0.5 * step.explained
+                }
+                None if is_fresh => {
+                    convergence = Convergence::NoFurtherDescent;
+                    break;
+                }
+                None => true,
+            };
+            is_fresh = is_slow;
+            if is_slow {
+                part = Cow::Owned(self.part_at(&part, &here.model.values)?);
+                moved = 0.0;
+            }
+        }
         Ok(Refit {
-            model,
-            residual,
-            covariance: covariance(&fit.reduction, self.base.free.len()),
+            model: here.model,
+            residual: here.residual,
+            covariance,
             promised,
             convergence,
-            last_step: (promised / self.part.blocks.count().max(1) as f64).sqrt(),
+            last_step,
+        })
+    }
+
+    /// A model whose residuals without causes are known.
+    fn evaluated(&self, part: &Part, model: Model) -> Here {
+        let bare = model.bare.to_vec();
+        let residual = with_causes(bare, self.context, self.effects, &model.causes);
+        let cost = square(part, &residual, &self.base.pull(&model.values));
+        Here {
+            model,
+            residual,
+            cost,
+        }
+    }
+
+    /// The same rows with the base model's derivatives at other values.
+    fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
+        let derivatives = self.problem.evaluate(values, true)?.derivatives;
+        let blocks = part.blocks.clone();
+        Part::new(
+            self.context,
+            self.problem,
+            blocks,
+            derivatives.as_ref(),
+            self.base,
+        )
+    }
+
+    /// The model after the longest share of a step that lowers the cost; none where none does.
+    fn shortened(&self, part: &Part, here: &Here, owners: &[Owner], step: &[f64]) -> Option<Here> {
+        let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
+        shares.take(SHORTENED_STEPS).find_map(|share| {
+            let mut next = here.model.clone();
+            for (&parameter, change) in self.base.free.iter().zip(step) {
+                next.values[parameter] += share * change;
+            }
+            for (owner, change) in owners.iter().zip(&step[self.base.free.len()..]) {
+                apply(&mut next.causes, *owner, share * change);
+            }
+            let bare = self.problem.evaluate(&next.values, false).ok()?;
+            next.bare = Arc::new(bare.residual);
+            let next = self.evaluated(part, next);
+            (next.cost < here.cost).then_some(next)
         })
     }
 }
@@ -101,152 +144,15 @@ pub(crate) fn has_settled(promised: f64, cost: f64, freedom: f64) -> bool {
     promised <= LEAST_FALL * (cost / freedom).max(1.0)
 }
 
-/// Covariance of the numbers behind the first `base`, for noise of unit size; none where they depend on each other.
-fn covariance(reduction: &Reduction, base: usize) -> Option<Matrix> {
-    let count = reduction.columns();
-    if base == count {
-        return None;
-    }
-    let all: Vec<usize> = (0..count).collect();
-    let factor = reduction
-        .scaled_factor(&all, reduction.column_norms())
-        .ok()?;
-    let column = |index: usize| factor.column(index).to_vec();
-    let free: Vec<Direction> = (0..base)
-        .map(|index| Direction::new(column(index)))
-        .collect();
-    let free = (base > 0).then(|| SparseColumns::new(factor.rows(), free));
-    let basis = free.map(|free| OrthonormalBasis::new(&free, RANK_TOLERANCE));
-    let basis = basis.transpose().ok()?;
-    let projected: Vec<Vec<f64>> = (base..count)
-        .map(|index| across(basis.as_ref(), &column(index)))
-        .collect();
-    let matrix = Matrix::from_fn(factor.rows(), projected.len(), |row, column| {
-        projected[column][row]
-    });
-    let own = Reduction::new(&matrix, &vec![0.0; factor.rows()]).ok()?;
-    let all: Vec<usize> = (0..projected.len()).collect();
-    own.covariance(&all, RANK_TOLERANCE).ok()
-}
-
-/// Base model and causes on the rows of a part: first the free parameters, then the causes' numbers.
-struct Together<'r> {
-    fitting: &'r Fitting<'r>,
-    start: &'r Model,
-    owners: Vec<Owner>,
-    /// Lowest cost since the search was at its start.
-    lowest: Cell<f64>,
-}
-
-impl Together<'_> {
-    /// The numbers of the start.
-    fn numbers(&self) -> Vec<f64> {
-        let free = self.fitting.base.free.iter();
-        let of_base = free.map(|&parameter| self.start.values[parameter]);
-        let of_cause = |owner: &Owner| match *owner {
-            Owner::Amplitude(cause, amplitude) => self.start.causes[cause].amplitudes[amplitude],
-            Owner::LogShape(_) => 0.0,
-        };
-        of_base.chain(self.owners.iter().map(of_cause)).collect()
-    }
-
-    /// The model with other numbers; its residuals without causes are still those of the start.
-    fn model_at(&self, numbers: &[f64]) -> Model {
-        let mut model = self.start.clone();
-        let (of_base, of_causes) = numbers.split_at(self.fitting.base.free.len());
-        for (&parameter, number) in self.fitting.base.free.iter().zip(of_base) {
-            model.values[parameter] = *number;
-        }
-        for (owner, number) in self.owners.iter().zip(of_causes) {
-            match *owner {
-                Owner::Amplitude(cause, amplitude) => {
-                    model.causes[cause].amplitudes[amplitude] = *number;
-                }
-                Owner::LogShape(cause) => model.causes[cause].shape *= number.exp(),
-            }
-        }
-        model
-    }
-}
-
-impl TriangleProblem for Together<'_> {
-    fn columns(&self) -> usize {
-        self.fitting.base.free.len() + self.owners.len()
-    }
-
-    fn reduce_into(
-        &self,
-        parameters: &[f64],
-        free: &[usize],
-        into: &mut Triangle,
-    ) -> Result<(), IdentificationError> {
-        let Fitting {
-            context,
-            problem,
-            base,
-            effects,
-            part,
-        } = *self.fitting;
-        let model = self.model_at(parameters);
-        let evaluate = |derivatives: bool| {
-            let evaluated = problem.evaluate(&model.values, derivatives);
-            evaluated.map_err(|error| match error {
-                DiagnosisError::Identification(error) => error,
-                other => IdentificationError::Evaluation {
-                    reason: other.to_string(),
-                },
-            })
-        };
-        let whitened = |bare: Vec<Vec<f64>>| {
-            let rest = with_causes(bare, context, effects, &model.causes);
-            let mut residuals = compress_rows(&part.blocks, &rest);
-            residuals.extend(base.pull(&model.values));
-            // model minus measurement
-            residuals.iter_mut().for_each(|value| *value = -*value);
-            residuals
-        };
-        let is_start = parameters == self.numbers();
-        if !is_start {
-            let residuals = whitened(evaluate(false)?.residual);
-            if dot(&residuals, &residuals) > self.lowest.get() {
-                // no way leads on from here: it needs no derivatives
-                let nothing = vec![0.0; residuals.len()];
-                let columns = vec![nothing.as_slice(); free.len()];
-                return Ok(into.fold_rows(&columns, &residuals)?);
-            }
-        }
-        let evaluated = evaluate(true)?;
-        let residuals = whitened(evaluated.residual);
-        self.lowest.set(dot(&residuals, &residuals));
-        let rows = part.blocks.count();
-        let mut columns = Vec::with_capacity(self.columns());
-        if let Some(derivatives) = &evaluated.derivatives {
-            let free = compress_columns(context, problem, &part.blocks, derivatives, &base.free);
-            columns.extend((0..free.columns()).map(|column| free.dense(column)));
-        }
-        columns.extend(by_cause(self.fitting, &model));
-        for (index, column) in columns.iter_mut().enumerate() {
-            column.resize(residuals.len(), 0.0);
-            if let Some(stiffness) = base.stiffness().get(index) {
-                column[rows + index] = *stiffness;
-            }
-        }
-        let chosen: Vec<&[f64]> = free
-            .iter()
-            .map(|&index| columns[index].as_slice())
-            .collect();
-        Ok(into.fold_rows(&chosen, &residuals)?)
-    }
-}
-
 /// Whose number a column of a refit is.
 #[derive(Debug, Clone, Copy)]
 enum Owner {
     Amplitude(usize, usize),
-    /// Logarithm of a shape over that of the start.
+    /// Logarithm of a shape.
     LogShape(usize),
 }
 
+/// Whose the numbers of causes are, in their order.
 fn owners(effects: &[Box<dyn Effect>], causes: &[Cause]) -> Vec<Owner> {
     let of_cause = |(index, cause): (usize, &Cause)| {
         let amplitudes = 0..cause.amplitudes.len();
@@ -256,6 +162,14 @@ fn owners(effects: &[Box<dyn Effect>], causes: &[Cause]) -> Vec<Owner> {
             .chain(shape.is_continuous().then_some(Owner::LogShape(index)))
     };
     causes.iter().enumerate().flat_map(of_cause).collect()
+}
+
+fn apply(causes: &mut [Cause], owner: Owner, change: f64) {
+    match owner {
+        Owner::Amplitude(cause, amplitude) => causes[cause].amplitudes[amplitude] += change,
+        // a law may be another one farther away
+        Owner::LogShape(cause) => causes[cause].shape *= change.clamp(-0.7, 0.7).exp(),
+    }
 }
 
 /// Whitened derivatives of all causes' numbers, in the order of their owners.
