@@ -183,6 +183,8 @@ pub(crate) mod fit {
     /// Change of the predictions over the noise since the derivatives were taken, from which on these are taken anew before a fit
     /// has converged. Choice.
     pub(crate) const FRESH_WITHIN: f64 = 1.0;
+    /// Standard deviations that a step may move a cause's number by where the cost no longer falls. Choice, as `LEAST_FALL`.
+    pub(crate) const STILL_SD: f64 = 0.1;
     /// Steps of a refit after which it has not converged. Cost.
     pub(crate) const PASSES: usize = 40;
     /// Steps that are tried where a step does not lower the cost. Cost.

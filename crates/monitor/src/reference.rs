@@ -8,8 +8,10 @@ use crate::error::MonitorError;
 
 /// Fewest blocks that a reference rests on.
 pub(crate) const LEAST_BLOCKS: usize = 64;
-/// Most that blocks may share with all later ones, as a part of the variance that is judged, its own uncertainty added.
-const MOST_SHARED: f64 = 0.2;
+/// Most that blocks may share with the next one, as a part of the variance that is judged, its own uncertainty added.
+const MOST_WITH_NEXT: f64 = 0.2;
+/// The same with all later ones. What they share makes the variance of a long mean larger, at most three times, and counts in it.
+const MOST_SHARED: f64 = 1.0;
 /// Fewest readings of a block, on average: the mean of fewer is not normal enough.
 const LEAST_READINGS: f64 = 0.5 * BASE_ROWS as f64;
 /// Least standard deviation of a block's mean, as a share of that of white noise: a sensor that stood on one count has none.
@@ -187,9 +189,10 @@ fn feature(
     let left: Vec<f64> = values.iter().map(|value| value - mean).collect();
     let variance = left.iter().map(|own| own * own).sum::<f64>() / (count - 1.0);
     let judged = variance.max(tolerance * tolerance);
-    let shared = shared(&left, MOST_SHARED * judged / variance);
+    let (with_next, shared) = shared(&left, MOST_SHARED * judged / variance);
     // the estimate of a correlation is off by 1 / sqrt(count)
-    let most = shared + 1.0 / count.sqrt();
+    let uncertain = 1.0 / count.sqrt();
+    let most = shared + uncertain;
     // what blocks share adds to the variance of long means, and what is within the tolerance does not count
     let sd = (variance * (1.0 + 2.0 * most.max(0.0))).sqrt();
     let sd = sd.max(tolerance).max(least);
@@ -201,21 +204,26 @@ fn feature(
         margin: student_t_quantile(level, count - 1.0)? / count.sqrt() + tolerance / sd,
         widened: (low / (count - 1.0)).sqrt().recip(),
     };
-    Ok((found, most * variance <= MOST_SHARED * judged))
+    let part = variance / judged;
+    let is_independent =
+        (with_next + uncertain) * part <= MOST_WITH_NEXT && most * part <= MOST_SHARED;
+    Ok((found, is_independent))
 }
 
-/// Sum of the correlations over all lags from 1 on, of values about their mean: pairs of neighbouring lags are added as long as
-/// they are above 0, as those of a chain that can run backwards are (Geyer 1992). It ends where it is above `enough`.
-fn shared(left: &[f64], enough: f64) -> f64 {
+/// Correlation with the next value, and the sum of the correlations over all lags from 1 on, of values about their mean: pairs of
+/// neighbouring lags are added as long as they are above 0, as those of a chain that can run backwards are (Geyer 1992). The sum
+/// ends where it is above `enough`.
+fn shared(left: &[f64], enough: f64) -> (f64, f64) {
     let square: f64 = left.iter().map(|own| own * own).sum();
     if square <= 0.0 {
-        return 0.0;
+        return (0.0, 0.0);
     }
     let about = |lag: usize| {
         let pairs = left.iter().zip(&left[lag..]);
         pairs.map(|(a, b)| a * b).sum::<f64>() / square
     };
-    let mut sum = about(1);
+    let next = about(1);
+    let mut sum = next;
     for pair in 1..left.len() / 4 {
         let both = about(2 * pair) + about(2 * pair + 1);
         if both <= 0.0 || sum > enough {
@@ -223,5 +231,5 @@ fn shared(left: &[f64], enough: f64) -> f64 {
         }
         sum += both;
     }
-    sum
+    (next, sum)
 }

@@ -10,9 +10,11 @@ use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::BaseProblem;
 use crate::engine::model::{Cause, Model, Refit};
-use crate::engine::part::{Part, dense, square};
+use crate::engine::part::{Part, Step, dense, square};
 use crate::engine::with_causes;
-use crate::thresholds::fit::{FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER};
+use crate::thresholds::fit::{
+    FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER, STILL_SD,
+};
 
 /// What a fit of base model and causes is made of.
 #[derive(Clone, Copy)]
@@ -54,30 +56,32 @@ impl Fitting<'_> {
             let columns = by_cause(self, &here.model);
             let pull = self.base.pull(&here.model.values);
             let step = part.step(&columns, &here.residual, &pull)?;
+            let are_causes_still = self.are_causes_still(&step, here.cost / freedom);
             covariance = step.covariance.or(covariance);
             (promised, last_step) = (step.explained, step.size);
-            let has_settled = has_settled(promised, here.cost, freedom);
-            if has_settled && (is_fresh || moved < FRESH_WITHIN) {
+            let is_at_minimum = has_settled(promised, here.cost, freedom);
+            if is_at_minimum && (is_fresh || moved < FRESH_WITHIN) {
                 convergence = Convergence::SmallCostChange;
                 break;
             }
-            let taken = match has_settled {
+            let taken = match is_at_minimum {
                 true => None,
                 false => self.shortened(&part, &here, &owners, &step.values),
             };
-            let is_slow = match taken {
-                Some(next) => {
-                    let gain = here.cost - next.cost;
-                    here = next;
-                    moved += step.size;
-                    gain < 0.5 * step.explained
-                }
-                None if is_fresh => {
-                    convergence = Convergence::NoFurtherDescent;
-                    break;
-                }
-                None => true,
-            };
+            let gain = taken.as_ref().map_or(0.0, |next| here.cost - next.cost);
+            let has_moved = taken.is_some();
+            here = taken.unwrap_or(here);
+            moved += if has_moved { step.size } else { 0.0 };
+            let is_slow = gain < 0.5 * promised;
+            // a promise that the way does not keep: a valley of the base model, along which no cause changes
+            let is_flat = is_fresh && is_slow && has_settled(gain, here.cost, freedom);
+            if is_flat && (are_causes_still || !has_moved) {
+                convergence = match are_causes_still {
+                    true => Convergence::SmallCostChange,
+                    false => Convergence::NoFurtherDescent,
+                };
+                break;
+            }
             is_fresh = is_slow;
             if is_slow {
                 part = Cow::Owned(self.part_at(&part, &here.model.values)?);
@@ -92,6 +96,17 @@ impl Fitting<'_> {
             convergence,
             last_step,
         })
+    }
+
+    /// Whether a step moves no number of the causes by more than a tenth of its standard deviation, by the variance of what is left.
+    fn are_causes_still(&self, step: &Step, variance: f64) -> bool {
+        let changes = step.values.iter().skip(self.base.free.len());
+        let mut changes = changes.enumerate();
+        let sd = |index: usize| {
+            let own = step.covariance.as_ref()?[(index, index)];
+            Some((own * variance.max(1.0)).sqrt())
+        };
+        changes.all(|(index, change)| sd(index).is_some_and(|sd| change.abs() <= STILL_SD * sd))
     }
 
     /// A model whose residuals without causes are known.

@@ -174,7 +174,7 @@ impl WriteRule {
     /// it since. The index of a folder is every command's.
     fn is_own(&self, output: &Path, records: &[Record]) -> bool {
         let is_record = |record: &Record| {
-            let is_beside = record.path != output && record.path.parent() == output.parent();
+            let is_beside = record.path != output && folder_of(&record.path) == folder_of(output);
             match is_beside {
                 true => is_listed(output, &file_name(output), &record.outputs),
                 false => record.is_whole && record.path == output,
@@ -219,6 +219,16 @@ impl WriteRule {
         let next = "give another name or folder, or --force to overwrite it";
         Error::in_file("exists", what, file, next)
     }
+}
+
+/// The folder of a file, however its path is written.
+fn folder_of(file: &Path) -> PathBuf {
+    let parent = file.parent().unwrap_or(Path::new(""));
+    let folder = match parent.as_os_str().is_empty() {
+        true => Path::new("."),
+        false => parent,
+    };
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
 }
 
 /// Whether two paths name one file: by the same place, or by a second name of it.

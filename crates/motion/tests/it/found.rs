@@ -293,7 +293,7 @@ fn rows_of_a_push_are_not_predicted_by_the_others() {
         push_n: 25.0,
         ..Truth::default()
     };
-    let found = examined(truth, 1);
+    let found = examine(&device(), &recording(truth, 1), None, &[]).unwrap();
     assert_eq!(found.findings[0].effect, "contact");
     let all = found.time_s.len();
     for own in &found.unseen {
