@@ -56,9 +56,16 @@ pub(crate) fn on_held_back(
         effects,
         causes: with.model.causes.iter().map(|own| (own, own)).collect(),
     };
-    let device = with_ranges_of(&engine.base.device, recording, &seen);
     let asked = |stream: usize, row: usize| held[row] && engine.usable[stream][row];
-    let predicted = Predicted::new(engine, (&device, recording), Some(&fit), &asked);
+    // an earlier model predicts all rows: where the part hardly shows a difference from it, that is for the unseen rows to say
+    let (device, fit) = match earlier {
+        Some(_) => (engine.base.device.clone(), None),
+        None => (
+            with_ranges_of(&engine.base.device, recording, &seen),
+            Some(&fit),
+        ),
+    };
+    let predicted = Predicted::new(engine, (&device, recording), fit, &asked);
     let rows = |stream: usize, row: usize| predicted.has(stream, row);
     Ok(Shrink {
         channels: collect(engine, &rows, before, after),
