@@ -114,13 +114,8 @@ impl<L: Layout> Regression<L> {
 
     /// Coefficients of all columns; 0 of those that depend on others before them.
     pub(crate) fn solution(&self) -> Vec<f64> {
-        self.solution_of(&self.reading)
-    }
-
-    /// The same of other whitened readings.
-    pub(crate) fn solution_of(&self, reading: &[f64]) -> Vec<f64> {
         let basis = self.system.basis.iter();
-        let right = basis.map(|direction| direction.dot(reading));
+        let right = basis.map(|direction| direction.dot(&self.reading));
         let right = DVector::from_iterator(self.independent.len(), right);
         let mut solution = vec![0.0; self.len()];
         if let Some(values) = self.triangle().solve_upper_triangular(&right) {

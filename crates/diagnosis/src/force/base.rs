@@ -6,8 +6,6 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::along::{Along, numbers};
-use super::gravity::assumed;
-use super::posture::PER_LINK;
 use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::rows::{FastRows, TorqueRows};
@@ -28,10 +26,8 @@ pub(super) struct Base {
     pub(super) scales: usize,
     /// Columns of the geometry.
     pub(super) geometry: Range<usize>,
-    /// Inertial parameters of all links: of what the torques do not tell apart, as the device file has it.
+    /// Inertial parameters of all links.
     pub(super) inertia: Vec<f64>,
-    /// The part of the device file's that no torque of the recording shows.
-    unseen: Vec<f64>,
     /// Torques of the drives by the base model, channel after channel.
     pub(super) torque_nm: Vec<f64>,
     /// Force of the hand, per half block: as recorded, or as the torques have it.
@@ -126,15 +122,13 @@ impl Along<'_> {
             scales,
             geometry,
             inertia: Vec::new(),
-            unseen: Vec::new(),
             torque_nm: Vec::new(),
             force_n: self.force_n.clone(),
         };
         for column in &self.inertia {
             base.add_known(column, f64::INFINITY);
         }
-        base.unseen = self.unseen(whitener, &base);
-        base.inertia = self.inertia(&base);
+        base.inertia = self.all_parameters(&base.regression.solution());
         if matches!(besides, Besides::Hand(_)) || self.recorded.hand_is_unknown() {
             for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
                 base.force_n[2 * block] -= unseen;
@@ -156,7 +150,7 @@ impl Along<'_> {
         let blocks = self.recorded.blocks.len();
         for round in 0..=SCALE_ROUNDS {
             if round > 0 {
-                base.inertia = self.inertia(base);
+                base.inertia = self.all_parameters(&base.regression.solution());
             }
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
             let behind = base.regression.truncate(base.scales);
@@ -200,31 +194,6 @@ impl Along<'_> {
     pub(super) fn less(&self, rest: &[f64]) -> Vec<f64> {
         let pairs = self.reading.iter().zip(rest);
         pairs.map(|(read, rest)| read - rest).collect()
-    }
-
-    /// Inertial parameters by a fit.
-    fn inertia(&self, base: &Base) -> Vec<f64> {
-        let seen = self.all_parameters(&base.regression.solution());
-        seen.iter().zip(&base.unseen).map(|(a, b)| a + b).collect()
-    }
-
-    /// What of the device file's masses and first moments no torque shows, to which the ridge of the fit has a smallest solution of
-    /// nothing. Once gravity is tilted, or an axis, a torque shows it: the columns of the geometry, which are slopes, depend on it.
-    fn unseen(&self, whitener: &Whitener, base: &Base) -> Vec<f64> {
-        let mut all = vec![0.0; numbers(self.recorded.context.device.joints.len())];
-        for (joint, values) in assumed(self).into_iter().enumerate() {
-            let own = &mut all[PER_LINK * joint..];
-            own.iter_mut()
-                .zip(values.into_iter().flatten())
-                .for_each(|(to, value)| *to = value);
-        }
-        let mut reading = whitener.whiten(&self.link_torques(&all));
-        reading.resize(base.regression.reading().len(), 0.0);
-        let seen = self.all_parameters(&base.regression.solution_of(&reading));
-        all.iter()
-            .zip(&seen)
-            .map(|(all, seen)| all - seen)
-            .collect()
     }
 
     fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
