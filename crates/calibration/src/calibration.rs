@@ -18,8 +18,8 @@ use crate::report::warnings;
 use crate::robust::{automatic, reweighted};
 use crate::steps::device::straighten;
 use crate::{
-    CalibrationError, CalibrationMethod, ChannelReport, FittedDevice, HeldOut, LossChoice, Options,
-    Outlier, Robustness, Weights, channels, split, with_ordered_noise, without_own_places,
+    CalibrationError, CalibrationMethod, Channel, ChannelReport, FittedDevice, HeldOut, LossChoice,
+    Options, Outlier, Robustness, Weights, channels, split, with_ordered_noise, without_own_places,
 };
 
 /// A calibrated device, with what is known of its quality.
@@ -135,6 +135,20 @@ fn as_it_was(full: &Calibration) -> Calibration {
     same
 }
 
+/// Warnings of postures at which the arm dwells, and of those that are all alike.
+fn of_postures(
+    recording: &Recording,
+    channels: &[Channel],
+    dwelt: Option<&[usize]>,
+) -> Vec<String> {
+    let dwelling = dwelt.and_then(|own| postures::of_dwelling(recording, own));
+    let mut warnings: Vec<String> = dwelling.into_iter().collect();
+    if channels.iter().any(|channel| channel.sees_chain()) {
+        warnings.extend(postures::narrow(recording));
+    }
+    warnings
+}
+
 fn fit_and_check(
     device: &Device,
     recording: &Recording,
@@ -145,17 +159,12 @@ fn fit_and_check(
     crate::check_rig(device, recording)?;
     crate::check_stands(device, recording)?;
     check_share(options.held_out)?;
-    let mut warnings = warnings::of_recording(device, recording, &channels);
     let dwelt = match options.held_out {
         HeldOut::Folds(count) => dwelt(recording, count),
         HeldOut::Share(_) | HeldOut::None => dwelt(recording, FOLDS),
     };
-    if let Some(own) = &dwelt {
-        warnings.extend(postures::of_dwelling(recording, own));
-    }
-    if channels.iter().any(|channel| channel.sees_chain()) {
-        warnings.extend(postures::narrow(recording));
-    }
+    let mut warnings = warnings::of_recording(device, recording, &channels);
+    warnings.extend(of_postures(recording, &channels, dwelt.as_deref()));
     let whole = &without_own_places(device, recording);
     let count = fold_count(device, whole, options, dwelt.is_some());
     let split = split(whole, count.map_or(options.held_out, |_| HeldOut::None))?;

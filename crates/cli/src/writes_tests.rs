@@ -356,7 +356,7 @@ fn every_path_of_every_command_is_in_a_case() {
                 None => true,
             };
             assert!(
-                own.iter().any(|case| is_used(case)),
+                own.iter().any(is_used),
                 "`haptical {name}`: {} is a path in no case of this test",
                 path.get_id()
             );

@@ -21,7 +21,7 @@ use crate::force::answer::ForceAnswer;
 use crate::force::recorded::SLOWEST_S;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
-use crate::moving::between::of_links;
+use crate::moving::between::{Links, of_links};
 use crate::moving::{of_moving_arm, with_link_torques};
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
@@ -172,25 +172,12 @@ fn diagnose_all(
     let logs = (recording, options.validation);
     if let Some(links) = of_links(model, logs, source, &options.without) {
         let effects = effects_of(device, options)?;
-        let changes = moving.as_ref().map(|(torques, _)| torques.changes.clone());
-        let both = links.before(model, moving, &effects, options.validation.is_some());
-        let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
-        if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
-            let other = found.corrected.take().unwrap_or_else(|| model.clone());
-            let file = links.corrected(&other, &found.causes);
-            let changes = changes.unwrap_or_default();
-            let devices = (model, Some(&file));
-            found.not_in_file =
-                not_in_file(found.verdict, &found.causes, devices, (&changes, true));
-            found.not_in_file.push(SLOW_PART.to_owned());
-            found.corrected = Some(file);
-        }
-        for channel in &mut found.gap.channels {
-            if channel.channel.starts_with("out") {
-                channel.rms_fit = None;
-            }
-        }
-        return Ok(found);
+        return with_links(
+            &links,
+            (device, model),
+            recording,
+            (options, &effects, moving),
+        );
     }
     let thinned = thinned(recording);
     let recording = thinned.as_ref().unwrap_or(recording);
@@ -248,6 +235,36 @@ fn diagnose_all(
     corrected.report(&mut found, &options.without);
     Ok(found)
 }
+
+/// The diagnosis of torques and of encoders on the links of a moving arm.
+fn with_links(
+    links: &Links,
+    (device, model): (&Device, &Device),
+    recording: &Recording,
+    (options, effects, moving): (&Options<'_>, &[Box<dyn Effect>], Moving),
+) -> Result<Diagnosis, DiagnosisError> {
+    let changes = moving.as_ref().map(|(torques, _)| torques.changes.clone());
+    let both = links.before(model, moving, effects, options.validation.is_some());
+    let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
+    if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
+        let other = found.corrected.take().unwrap_or_else(|| model.clone());
+        let file = links.corrected(&other, &found.causes);
+        let changes = changes.unwrap_or_default();
+        let devices = (model, Some(&file));
+        found.not_in_file = not_in_file(found.verdict, &found.causes, devices, (&changes, true));
+        found.not_in_file.push(SLOW_PART.to_owned());
+        found.corrected = Some(file);
+    }
+    for channel in &mut found.gap.channels {
+        if channel.channel.starts_with("out") {
+            channel.rms_fit = None;
+        }
+    }
+    Ok(found)
+}
+
+/// What the torques of a moving arm say, and what a second recording's do.
+type Moving = Option<(ForceAnswer, Option<OnSecond>)>;
 
 /// The device with the compliances of a model identified earlier: they are numbers of the base model then, as
 /// lengths and angles are. None where the model has none, or the device file says itself what yields.

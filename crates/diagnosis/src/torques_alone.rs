@@ -74,10 +74,7 @@ pub(crate) fn diagnose(
         let held_out = cause.held_out.take();
         cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
     }
-    let mut warnings: Vec<String> = force.warnings.clone();
-    let not_tested = force.not_tested.iter();
-    warnings.extend(not_tested.map(|why| format!("the torques were not tested: {why}")));
-    warnings.extend(slow.map(|why| said_of_slow(&why)));
+    let mut warnings = warnings_of(&force, slow.as_deref());
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
     let second = seen.as_ref().map(OnSecond::answer);
@@ -88,10 +85,8 @@ pub(crate) fn diagnose(
         {
             let mut channels = seen.held_out.iter();
             let main = located.and_then(|name| channels.find(|own| own.channel == name));
-            first.held_out = main
-                .cloned()
-                .map(|held_out| held_out.agreeing(&gap))
-                .or(first.held_out.take());
+            let agreeing = main.cloned().map(|held_out| held_out.agreeing(&gap));
+            first.held_out = agreeing.or(first.held_out.take());
         }
         warnings.extend(seen.warnings);
         predictions = seen.predictions;
@@ -102,19 +97,13 @@ pub(crate) fn diagnose(
     }
     let (verdict, candidates, said) = verdict::on_unseen(by_log, &mut causes);
     warnings.extend(said);
-    let corrected = of_drives(
-        device,
-        verdict,
-        (&causes, &force.changes, context.reference_degc),
-    );
+    let changes = (&causes[..], &force.changes[..], context.reference_degc);
+    let corrected = of_drives(device, verdict, changes);
+    let devices = (device, corrected.as_ref());
+    let not_held = not_in_file(verdict, &causes, devices, (&force.changes, is_moving));
     Ok(Diagnosis {
         verdict,
-        not_in_file: not_in_file(
-            verdict,
-            &causes,
-            (device, corrected.as_ref()),
-            (&force.changes, is_moving),
-        ),
+        not_in_file: not_held,
         fit_rows: FitRows::default(),
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: traces(&force, verdict),
@@ -130,11 +119,7 @@ pub(crate) fn diagnose(
         steps: Vec::new(),
         correction: None,
         correction_refused: None,
-        probability_unknown: match (verdict, causes.first()) {
-            (Verdict::NoGap, _) => 0.0,
-            (Verdict::Unknown, _) | (_, None) => 1.0,
-            (_, Some(first)) => 1.0 - first.class_probability,
-        },
+        probability_unknown: probability_unknown(verdict, &causes),
         untestable: untestable(effects, &force, is_moving),
         invisible: Vec::new(),
         detectable: Vec::new(),
@@ -161,6 +146,22 @@ pub(crate) fn diagnose(
         place,
         causes,
     })
+}
+
+/// What is said of the torques of a log.
+fn warnings_of(force: &ForceAnswer, slow: Option<&str>) -> Vec<String> {
+    let not_tested = force.not_tested.iter();
+    let not_tested = not_tested.map(|why| format!("the torques were not tested: {why}"));
+    let warnings = force.warnings.iter().cloned().chain(not_tested);
+    warnings.chain(slow.map(said_of_slow)).collect()
+}
+
+fn probability_unknown(verdict: Verdict, causes: &[CauseAnswer]) -> f64 {
+    match (verdict, causes.first()) {
+        (Verdict::NoGap, _) => 0.0,
+        (Verdict::Unknown, _) | (_, None) => 1.0,
+        (_, Some(first)) => 1.0 - first.class_probability,
+    }
 }
 
 /// Which rows of the log were held out; nothing where none were.

@@ -7,7 +7,7 @@ use crate::DiagnosisError;
 use crate::answer::advice::next_experiment;
 use crate::answer::causes::{noise_findings, position_causes};
 use crate::answer::corrected::{Corrected, corrected, not_in_file};
-use crate::answer::correction::correction;
+use crate::answer::correction::{Correction, correction};
 use crate::answer::place::{Located, in_torques, locate};
 use crate::answer::place_touched::{by_dependence, of_base_term};
 use crate::answer::steps::steps;
@@ -65,7 +65,6 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     };
     let second = findings.inputs.options.validation;
     let curves = correction(&findings.selection, verdict, located.as_ref(), second)?;
-    let correction = curves.kept;
     let noise = noise(&findings);
     if causes.is_empty() {
         causes = on_the_data(&findings, &noise);
@@ -77,29 +76,14 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         None => place_in_torques(&findings, verdict),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
-    let file = match &correction {
-        Some(correction) => Some(Corrected {
-            device: correction.device.clone(),
-            residual: correction.residual.clone(),
-        }),
-        None => corrected(
-            &findings.selection,
-            verdict,
-            (&causes, &findings.force.changes),
-        )?,
-    };
-    let selection = &findings.selection;
-    let left = match &file {
-        Some(file) => file.residual.clone(),
-        None => engine.exact_residual(selection.selector.effects, &selection.refit.model),
-    };
+    let (file, left) = file_of(&findings, verdict, &causes, curves.kept.as_ref())?;
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     for cause in &mut causes {
-        cause.held_out = cause
-            .held_out
-            .take()
-            .map(|held_out| held_out.agreeing(&gap));
+        let held_out = cause.held_out.take();
+        cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
     }
+    let gone = findings.inputs.gone.iter();
+    let gone = gone.map(|(channel, row)| (channel.name(), *row)).collect();
     Ok(Diagnosis {
         verdict,
         gap,
@@ -113,12 +97,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
             _ => adequacy.unexplained,
         },
-        closed_unseen_share: match has_position_gap {
-            true => (findings.partial.as_ref())
-                .filter(|_| verdict != Verdict::Unknown)
-                .map(|partial| partial.share),
-            false => findings.force.closed_unseen_share,
-        },
+        closed_unseen_share: closed_unseen_share(&findings, has_position_gap, verdict),
         own_effects_leave: None,
         second: of_second,
         probability_unknown: adequacy.probability_unknown(verdict),
@@ -146,17 +125,56 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         corrected: file.map(|file| file.device),
         fit_rows: FitRows {
             every: 1,
-            left_out: (findings.inputs.gone.iter())
-                .map(|(channel, row)| (channel.name(), *row))
-                .collect(),
+            left_out: gone,
         },
-        correction: correction.map(|correction| correction.answer),
+        correction: curves.kept.map(|correction| correction.answer),
         correction_refused: curves.refused,
         causes,
         steps: steps(&findings.selection),
         held_out: findings.shrink.description,
         predictions: findings.shrink.predictions,
     })
+}
+
+/// The device with what was found, where a file can hold any of it, and what it leaves per stream and row.
+fn file_of(
+    findings: &Findings<'_>,
+    verdict: Verdict,
+    causes: &[CauseAnswer],
+    correction: Option<&Correction>,
+) -> Result<(Option<Corrected>, Vec<Vec<f64>>), DiagnosisError> {
+    let selection = &findings.selection;
+    let file = match correction {
+        Some(correction) => Some(Corrected {
+            device: correction.device.clone(),
+            residual: correction.residual.clone(),
+        }),
+        None => corrected(selection, verdict, (causes, &findings.force.changes))?,
+    };
+    let left = match &file {
+        Some(file) => file.residual.clone(),
+        None => {
+            let effects = selection.selector.effects;
+            findings
+                .engine()
+                .exact_residual(effects, &selection.refit.model)
+        }
+    };
+    Ok((file, left))
+}
+
+/// Share of the gap that a part's causes close on unseen rows.
+fn closed_unseen_share(
+    findings: &Findings<'_>,
+    has_position_gap: bool,
+    verdict: Verdict,
+) -> Option<f64> {
+    match has_position_gap {
+        true => (findings.partial.as_ref())
+            .filter(|_| verdict != Verdict::Unknown)
+            .map(|partial| partial.share),
+        false => findings.force.closed_unseen_share,
+    }
 }
 
 /// Adds to what a cause is confusable with what no reading of the log tells from it. The verdict stays: the two are one fact of

@@ -100,13 +100,16 @@ pub(crate) struct Nearby {
     pub(crate) last_step: f64,
 }
 
+/// Residuals of the base model at its values, per stream and row.
+type Evaluate<'e> = dyn Fn(&[f64]) -> Result<Vec<Vec<f64>>, DiagnosisError> + 'e;
+
 /// The base model's minimum by Gauss-Newton with the derivatives of a part, from values and their residuals: a few steps with one
 /// decomposition, as long as the cost falls.
 pub(crate) fn nearby(
     part: &Part,
     base: &Base,
     (values, residual): (Vec<f64>, Vec<Vec<f64>>),
-    evaluate: &dyn Fn(&[f64]) -> Result<Vec<Vec<f64>>, DiagnosisError>,
+    evaluate: &Evaluate<'_>,
 ) -> Result<Nearby, DiagnosisError> {
     let rows = part.blocks.count() as f64;
     let freedom = (rows - base.free.len() as f64).max(1.0);

@@ -301,13 +301,13 @@ impl<'e> Words<'e> {
     pub(super) fn on_second(&self) -> OnSecond {
         let is_second = self.examined.second.is_none();
         let unseen = self.examined.unseen.iter().filter(|_| is_second);
-        let mut found = OnSecond::default();
-        found.not_predicted = self
-            .examined
-            .second
-            .iter()
-            .map(|why| self.why_not_predicted(why))
-            .collect();
+        let not_predicted = self.examined.second.iter();
+        let mut found = OnSecond {
+            not_predicted: not_predicted
+                .map(|why| self.why_not_predicted(why))
+                .collect(),
+            ..OnSecond::default()
+        };
         for own in unseen {
             let answer = self.answer_of(own);
             let left = |rms: f64, rows: usize| Left {

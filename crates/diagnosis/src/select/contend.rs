@@ -7,7 +7,7 @@ use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::system::System;
 use crate::select::events::sharpen;
 use crate::select::scan::Score;
-use crate::select::{Grown, Selector};
+use crate::select::{Grown, Refused, Selector};
 use crate::thresholds::selection::{CONTENDERS, CONTENDING};
 
 /// An effect refitted together with the causes so far.
@@ -18,10 +18,16 @@ pub(crate) struct Tried {
     cost: f64,
 }
 
-impl Tried {
-    /// The effect, where its refit ended at no minimum.
-    pub(crate) fn unconverged(&self) -> Option<usize> {
-        (!self.refit.has_converged()).then_some(self.effect)
+impl Refused {
+    /// Notes which of the contenders ended at no minimum.
+    pub(super) fn note(&mut self, tried: &[Tried], scan: &[Score]) {
+        let unconverged = tried.iter().filter(|own| !own.refit.has_converged());
+        for effect in unconverged.map(|own| own.effect) {
+            let is_known = self.unconverged.iter().any(|score| score.effect == effect);
+            let score = scan.iter().find(|score| score.effect == effect);
+            self.unconverged
+                .extend(score.filter(|_| !is_known).cloned());
+        }
     }
 }
 

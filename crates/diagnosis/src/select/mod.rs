@@ -22,7 +22,6 @@ use crate::engine::Engine;
 use crate::engine::model::{Cause, Refit};
 use crate::engine::part::dense;
 use crate::engine::system::{SlowEnergy, System};
-use crate::select::contend::Tried;
 use crate::select::scan::{Candidate, Score, candidates};
 use crate::thresholds::chance::MOST_CAUSES;
 use crate::thresholds::fit::MOVED_FAR;
@@ -65,7 +64,7 @@ pub(crate) struct Grown {
 
 /// Picks that were not taken.
 #[derive(Debug, Default)]
-struct Refused {
+pub(crate) struct Refused {
     best: Option<Score>,
     /// Their effects, which are not tried again.
     shut: Vec<usize>,
@@ -77,16 +76,6 @@ impl Refused {
     fn add(&mut self, score: Score) {
         self.shut.push(score.effect);
         self.best.get_or_insert(score);
-    }
-
-    /// Notes which of the contenders ended at no minimum.
-    fn note(&mut self, tried: &[Tried], scan: &[Score]) {
-        for effect in tried.iter().filter_map(Tried::unconverged) {
-            let is_known = self.unconverged.iter().any(|score| score.effect == effect);
-            let score = scan.iter().find(|score| score.effect == effect);
-            self.unconverged
-                .extend(score.filter(|_| !is_known).cloned());
-        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Diagnosis: what a calibration leaves, which effect causes it, and how much of it that effect closes.
 
+mod absorbed;
 #[cfg(test)]
 mod agreement_tests;
 mod corrected;
@@ -161,13 +162,7 @@ pub fn diagnose_as(
     }
     let logs: Vec<&Log> = std::iter::once(log).chain(also.iter().copied()).collect();
     let recording = joined(&logs)?;
-    if *repair && logs.len() > 1 {
-        return Err(Error::command_line(
-            "arguments",
-            "--repair with several logs: one log is repaired at a time",
-            "leave --repair out, or give one log",
-        ));
-    }
+    refuse_repair_of_several(*repair, &logs)?;
     if let Some(second) = validate {
         logs.iter()
             .try_for_each(|log| refuse_same_log(log, second))?;
@@ -201,14 +196,7 @@ pub fn diagnose_as(
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
         false => None,
     };
-    // what was set right in the log is no part of the device, and shows in the log as it was
-    let reproduced = match (&repair, reproduced) {
-        (Some(repair), Err(why)) => match repair.recording(&device.model)? {
-            Some(own) => corrected::reproduced(device, &log.with_recording(own), &diagnosis),
-            None => Err(why),
-        },
-        (_, reproduced) => reproduced,
-    };
+    let reproduced = beside_repair(device, log, &diagnosis, (repair.as_ref(), reproduced))?;
     corrected::tell(&mut diagnosis, reproduced);
     Error::unless_interrupted(interrupt, log_path)?;
     let arm = arm_of(model.unwrap_or(device), &diagnosis, &recording)?;
@@ -255,6 +243,36 @@ pub fn diagnose_as(
         logs: several::read(&logs),
         validate: validate.map(|log| log.source().label.clone()),
         model: model.map(|model| model.source().label.clone()),
+    })
+}
+
+fn refuse_repair_of_several(repair: bool, logs: &[&Log]) -> Result<(), Error> {
+    match repair && logs.len() > 1 {
+        true => Err(Error::command_line(
+            "arguments",
+            "--repair with several logs: one log is repaired at a time",
+            "leave --repair out, or give one log",
+        )),
+        false => Ok(()),
+    }
+}
+
+/// What a replay of corrected.toml leaves of each channel, or why the file is not written.
+type Reproduced = Result<Option<Vec<(String, f64)>>, String>;
+
+/// Whether corrected.toml holds its fit: what was set right in the log is no part of the device, and shows in the log as it was.
+fn beside_repair(
+    device: &Device,
+    log: &Log,
+    diagnosis: &Diagnosis,
+    (repair, reproduced): (Option<&Repair>, Reproduced),
+) -> Result<Reproduced, Error> {
+    let (Some(repair), Err(_)) = (repair, &reproduced) else {
+        return Ok(reproduced);
+    };
+    Ok(match repair.recording(&device.model)? {
+        Some(own) => corrected::reproduced(device, &log.with_recording(own), diagnosis),
+        None => reproduced,
     })
 }
 

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
+use crate::diagnose::absorbed::absorbed_sentence;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, closed, held_out_answer, held_out_sizes, listed, named_at, not_in_file,
-    parameters, percent, place_sentence, probability, record, rivals, verdict_mark,
-    verdict_sentence,
+    closed, held_out_answer, held_out_sizes, listed, named_at, not_in_file, parameters, percent,
+    place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
 };
 use crate::lines::{WIDTH, lines_of};
 use crate::units::Shown;

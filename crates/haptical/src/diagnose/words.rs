@@ -407,51 +407,6 @@ pub(super) fn not_in_file(diagnosis: &Diagnosis) -> Option<String> {
     (!words.is_empty()).then(|| format!("{file} not hold {words}"))
 }
 
-/// Of the numbers at most `listed`, those that moved farthest.
-pub(crate) fn absorbed_sentence(diagnosis: &Diagnosis, listed: usize) -> Option<String> {
-    let absorbed = diagnosis.absorbed.as_ref()?;
-    let first = diagnosis.causes.first()?;
-    let share = match absorbed.share {
-        Some(share) => format!(
-            "{} of {}",
-            percent(share),
-            named_at(&first.effect, first.joint)
-        ),
-        None => format!("a part of {}", named_at(&first.effect, first.joint)),
-    };
-    let count = match absorbed.moved.len() {
-        1 => "1 number moves".to_owned(),
-        count => format!("{count} numbers move"),
-    };
-    let mut moved: Vec<String> = absorbed
-        .moved
-        .iter()
-        .take(listed)
-        .map(moved_number)
-        .collect();
-    if absorbed.moved.len() > listed {
-        moved.push("others in gap.json".to_owned());
-    }
-    let numbers = match moved.as_slice() {
-        [] => String::new(),
-        moved => format!(": {}", moved.join(", ")),
-    };
-    Some(format!(
-        "The earlier model took up {share}: identify it again. With the cause in the model {count}{numbers}."
-    ))
-}
-
-/// `a3 by 0.31 mm`.
-fn moved_number(number: &MovedNumber) -> String {
-    let step = number.value.value - number.earlier;
-    let size = match number.unit.as_str() {
-        unit @ ("m" | "rad") => Shown::fine(unit).text(step),
-        "1" => format!("{step:.2e}"),
-        unit => format!("{step:.2e} {unit}"),
-    };
-    format!("{} by {size}", number.parameter)
-}
-
 /// The parameters of a cause: `stiffness 258 [243, 273] N m/rad`.
 ///
 /// Of numbers that changed since an earlier model what they changed by: `theta3 changed by -3.00 mrad [-3.02, -2.98]`.

@@ -91,7 +91,7 @@ pub(super) fn cause(
     let log = match folder {
         Some(folder) => {
             written = write_rows(device, text, (folder, &options.rule))?;
-            Log::read(&folder.join(ROWS[0]), device)
+            Log::read(folder.join(ROWS[0]), device)
         }
         None => read_log_from(text.as_bytes(), ROWS[0], &shape)
             .map_err(|error| Error::log(error, &device.model))

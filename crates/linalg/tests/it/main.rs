@@ -9,6 +9,7 @@ mod apart;
 mod covariance_and_damping;
 mod extremes;
 mod faer_traps;
+mod information;
 mod lanes;
 mod nalgebra_oracle;
 mod normal_equations;

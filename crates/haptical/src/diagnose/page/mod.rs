@@ -9,10 +9,10 @@ use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_effects::{Hook, specs};
 use haptical_report::{Block, Document, Section, Table};
 
+use crate::diagnose::absorbed::absorbed_sentence;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    absorbed_sentence, named_at, not_in_file, parameters, percent, place_sentence, verdict_mark,
-    verdict_sentence,
+    named_at, not_in_file, parameters, percent, place_sentence, verdict_mark, verdict_sentence,
 };
 use crate::error::Error;
 use crate::files::{DEVICE_FLAGS, FIT_FLAGS, Record};
