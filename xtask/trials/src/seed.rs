@@ -9,7 +9,10 @@ use chrono::Utc;
 use serde::Serialize;
 
 /// The thresholds of every crate, from the root of the repository.
-pub(crate) const THRESHOLDS: &str = ":(glob)crates/*/src/thresholds.rs";
+const THRESHOLDS: [&str; 2] = [
+    ":(glob)crates/*/src/thresholds.rs",
+    ":(glob)crates/*/src/thresholds/*.rs",
+];
 /// What is handed a recording: it and every crate that it depends on can change a verdict.
 const JUDGE: &str = "diagnosis";
 /// What makes the recordings.
@@ -76,9 +79,12 @@ fn of_commit(root: &Path) -> Result<Seed> {
         changed.is_empty(),
         "--seed commit needs these committed, for a scored batch is one that can be repeated:\n{changed}"
     );
-    let commit = git(root, &["log", "-1", "--format=%H", "--", THRESHOLDS])?;
+    let commit = git(
+        root,
+        &[&["log", "-1", "--format=%H", "--"][..], &THRESHOLDS].concat(),
+    )?;
     let Some(digits) = commit.get(..DIGITS) else {
-        bail!("--seed commit: no commit has changed {THRESHOLDS}");
+        bail!("--seed commit: no commit has changed crates/*/src/thresholds.rs");
     };
     let value = u64::from_str_radix(digits, 16)
         .with_context(|| format!("`{commit}` is not the name of a commit"))?;
