@@ -40,18 +40,9 @@ impl Cause {
         context: &Context<'_>,
     ) -> Signal {
         let effect = effects[self.effect].as_ref();
-        if self.times.is_empty() {
-            return effect.signal(context, &self.amplitudes, self.shape);
-        }
-        let mut sum = Signal::default();
-        for (&time, amplitude) in self.times.iter().zip(&self.amplitudes) {
-            sum.add(&effect.signal(context, &[*amplitude], time), 1.0);
-        }
-        sum
+        self.summed(&|amplitudes, shape| effect.signal(context, amplitudes, shape))
     }
-}
 
-impl Cause {
     /// The same as a device with it shows it, with the chain moved as far as it is.
     pub(crate) fn exact_contribution(
         &self,
@@ -59,12 +50,17 @@ impl Cause {
         context: &Context<'_>,
     ) -> Signal {
         let effect = effects[self.effect].as_ref();
+        self.summed(&|amplitudes, shape| effect.exact_signal(context, amplitudes, shape))
+    }
+
+    /// The signal of its amplitudes; of an event the sum of its steps.
+    fn summed(&self, signal: &dyn Fn(&[f64], f64) -> Signal) -> Signal {
         if self.times.is_empty() {
-            return effect.exact_signal(context, &self.amplitudes, self.shape);
+            return signal(&self.amplitudes, self.shape);
         }
         let mut sum = Signal::default();
         for (&time, amplitude) in self.times.iter().zip(&self.amplitudes) {
-            sum.add(&effect.exact_signal(context, &[*amplitude], time), 1.0);
+            sum.add(&signal(&[*amplitude], time), 1.0);
         }
         sum
     }

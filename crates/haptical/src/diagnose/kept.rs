@@ -21,16 +21,18 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
         };
         gap.held_out && gap.rms_after > gap.noise_floor_ci95[1] && is_open
     });
-    let said = kept.map(|gap| {
-        let shown = Shown::fine(&gap.unit);
-        format!(
-            "{}: {} left, noise {}",
-            gap.channel,
-            shown.text(gap.rms_after),
-            shown.text(gap.noise_floor)
-        )
-    });
+    let said = kept.map(|gap| left(&gap.channel, &gap.unit, [gap.rms_after, gap.noise_floor]));
     said.collect()
+}
+
+/// `out2: 0.265 mrad left, noise 0.078 mrad`.
+fn left(channel: &str, unit: &str, [rms, noise]: [f64; 2]) -> String {
+    let shown = Shown::fine(unit);
+    format!(
+        "{channel}: {} left, noise {}",
+        shown.text(rms),
+        shown.text(noise)
+    )
 }
 
 /// Whether the log has no gap, and the second recording has one.
@@ -42,15 +44,7 @@ pub(super) fn is_of_second_alone(diagnosis: &Diagnosis) -> bool {
 /// The sentence of a gap that the second recording alone has.
 pub(super) fn of_second_alone(second: &SecondAnswer) -> String {
     let channels = second.channels.iter().filter(|own| own.has_gap);
-    let said = channels.map(|own| {
-        let shown = Shown::fine(&own.unit);
-        format!(
-            "{}: {} left, noise {}",
-            own.channel,
-            shown.text(own.rms),
-            shown.text(own.noise_floor)
-        )
-    });
+    let said = channels.map(|own| left(&own.channel, &own.unit, [own.rms, own.noise_floor]));
     format!(
         "The log has no gap, but its model does not hold for the second recording ({}): something changed between the two, or they are \
          of two devices.",
