@@ -18,7 +18,7 @@ mod steps;
 pub use calibration::{Calibration, calibrate};
 pub use checks::conventions::check_stands;
 pub use checks::held_out::{HeldOut, Split, split, without_own_places};
-pub use checks::postures::without_copies;
+pub use checks::postures::{distinct_rows, without_copies};
 pub use checks::reach::check_reach;
 pub use checks::rejection::{Growth, Kept, Rejected};
 pub use checks::rig::check_rig;

@@ -5,7 +5,7 @@ use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_effects::{Absorbed, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
-use haptical_motion::{LoadSource, unwrapped, usual_step_s};
+use haptical_motion::{LoadSource, is_moving_arm};
 
 use crate::answer::assemble::answer;
 use crate::answer::corrected::{changed, not_in_file};
@@ -18,9 +18,10 @@ use crate::engine::onto_touches::onto_touches;
 use crate::engine::own_sizes::own_sizes;
 use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
-use crate::force::recorded::SLOWEST_S;
+use crate::joined::joined;
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
+use crate::log::{Log, thinned};
 use crate::moving::between::{Links, of_links};
 use crate::moving::{of_moving_arm, with_link_torques};
 use crate::noise::cleaning::without_readings;
@@ -28,10 +29,10 @@ use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
 use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector};
+use crate::servo_loop::has_commands;
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
-use crate::thresholds::recording::MOST_ROWS;
-use crate::{DiagnosisError, Options, servo_alone, torques_alone};
+use crate::{DiagnosisError, Options, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -44,40 +45,39 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    // of a log of torques: an encoder that begins anew at a whole turn
-    let straight = |recording: &Recording| match recording.torque_nm.iter().flatten().next() {
-        Some(_) => unwrapped(device, recording),
-        None => None,
-    };
-    let (first, second) = (straight(recording), options.validation.and_then(straight));
-    let turns = [&first, &second].into_iter().flatten();
-    let turns: Vec<String> = turns.flat_map(|own| of_turns(device, &own.1)).collect();
-    let recording = first.as_ref().map_or(recording, |own| &own.0);
-    let validation = second.as_ref().map(|own| &own.0).or(options.validation);
-    let without = |recording: &Recording| options.model?.without_unknown_orientation(recording);
-    let placed = (without(recording), validation.and_then(without));
-    let recording = placed.0.as_ref().unwrap_or(recording);
+    let log = Log::new(device, recording, options.model);
+    let second = options.validation;
+    let second = second.map(|second| Log::new(device, second, options.model));
     let options = &Options {
-        validation: placed.1.as_ref().or(validation),
+        validation: second.as_ref().map(|second| second.recording.as_ref()),
         ..options.clone()
     };
-    let mut found = diagnose_all(device, recording, options)?;
-    if placed.0.is_some() {
-        found.warnings.push(NO_ORIENTATION.to_owned());
-    }
+    let recording = log.recording.as_ref();
+    let of_chain = of_chain(device, recording, options).map(|mut found| {
+        log.of_log(&mut found, second.as_ref());
+        found
+    });
     // a part that was interrupted may have been left out
     options.interrupt.check()?;
-    found.warnings.extend(turns);
-    let every = recording.len().div_ceil(MOST_ROWS).max(1);
-    for step in &mut found.steps {
-        // it happened after the row before of those that were looked at
-        let [first, last] = step.first_row;
-        let before = first.saturating_sub(1) * every;
-        step.first_row = [(before + 1).min(first * every), last * every];
-    }
-    found.fit_rows.every = every;
-    let left_out = std::mem::take(&mut found.fit_rows.left_out).into_iter();
-    found.fit_rows.left_out = left_out.map(|(name, row)| (name, row * every)).collect();
+    // what a moving arm's torques make of its commands says more of them than its positions do
+    let model = options.model.unwrap_or(device);
+    let is_by_torques = of_chain.is_ok() && is_moving_arm(model, recording);
+    let is_asked = has_commands(device, recording) && !is_by_torques;
+    let of_loop = is_asked.then(|| {
+        let effects = effects_of(device, options)?;
+        servo_loop::diagnose(device, recording, &effects, options)
+    });
+    options.interrupt.check()?;
+    joined(of_chain, of_loop).map(judged)
+}
+
+/// The diagnosis of positions, of encoders on links and of torques.
+fn of_chain(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let found = diagnose_all(device, recording, options)?;
     let mut own = match device.effects.is_empty() {
         true => options
             .model
@@ -91,29 +91,12 @@ pub fn diagnose(
         own.extend(yielding(model));
         rigid.surroundings.compliance.clear();
     }
-    within_laws(found, &own, (&rigid, recording), options).map(judged)
+    within_laws(found, &own, (&rigid, recording), options)
 }
 
 /// What a file does not hold of encoders on the links of a moving arm.
 const SLOW_PART: &str = "that the encoders on the links were fitted behind a low pass, and without the rows in which a link is in its \
                          play: a replay has all of both, and leaves more";
-
-/// Said of orientations that an earlier model cannot predict.
-const NO_ORIENTATION: &str = "the earlier model was identified without orientations: how what the tracker sees is turned on the handle \
-                              is not known, and the log's orientations are left out";
-
-/// What is said of turns that were undone.
-fn of_turns(device: &Device, turns: &[(usize, usize)]) -> Vec<String> {
-    let of_joint = |(joint, count): &(usize, usize)| {
-        format!(
-            "theta{number}_{unit} jumps by a whole turn at {count} rows: the turns were undone, as those of an encoder that begins anew; \
-             the log itself stays as it is",
-            number = joint + 1,
-            unit = device.joints[*joint].unit()
-        )
-    };
-    turns.iter().map(of_joint).collect()
-}
 
 /// Joints that yield, as effects.
 fn yielding(model: &Device) -> impl Iterator<Item = DeviceEffect> {
@@ -161,10 +144,6 @@ fn diagnose_all(
         validation: second.as_ref().or(validation.as_deref()),
         ..options.clone()
     };
-    if servo_alone::applies(device, recording) {
-        let effects = effects_of(device, options)?;
-        return servo_alone::diagnose(device, recording, &effects, options);
-    }
     let source = match loaded.is_some() {
         true => LoadSource::Links,
         false => LoadSource::Drives,
@@ -183,21 +162,7 @@ fn diagnose_all(
     let recording = thinned.as_ref().unwrap_or(recording);
     let effects = effects_of(device, options)?;
     if torques_alone::applies(device, recording) {
-        let found = torques_alone::diagnose(device, recording, &effects, (options, moving));
-        // torques that cannot be tested leave the word to the commands, where there are any
-        let Err(DiagnosisError::Torques { why }) = &found else {
-            return found;
-        };
-        let is_slow = usual_step_s(recording).is_some_and(|step_s| step_s > SLOWEST_S);
-        if is_slow || !servo_alone::has_commands(device, recording) {
-            return found;
-        }
-        let Ok(mut answer) = servo_alone::diagnose(device, recording, &effects, options) else {
-            return found;
-        };
-        let warning = format!("the torques were not tested: {why}");
-        answer.warnings.insert(0, warning);
-        return Ok(answer);
+        return torques_alone::diagnose(device, recording, &effects, (options, moving));
     }
     check_recording(device, recording, &channels(device, recording)?)?;
     let elsewhere = options.model.and_then(|_| with_open_base(device));
@@ -465,14 +430,6 @@ impl Again {
             noise: fell.then_some(noise),
         })
     }
-}
-
-fn thinned(recording: &Recording) -> Option<Recording> {
-    let step = recording.len().div_ceil(MOST_ROWS);
-    (step > 1).then(|| {
-        let rows: Vec<usize> = (0..recording.len()).step_by(step).collect();
-        recording.select(&rows)
-    })
 }
 
 /// Whether the base model has the effect already, or swallows it by its form.

@@ -7,14 +7,17 @@ mod diagnose;
 mod engine;
 mod error;
 mod force;
+mod hand;
+mod joined;
 mod judge;
+mod log;
 mod moving;
 mod noise;
 mod options;
 mod outlying;
 mod own_effects;
 mod select;
-mod servo_alone;
+mod servo_loop;
 mod settle;
 mod start_values;
 #[cfg(test)]

@@ -111,6 +111,24 @@ pub(crate) mod noise {
     pub(crate) const LEVEL_SD: f64 = 0.03;
 }
 
+/// Views of one log, together.
+pub(crate) mod joined {
+    /// Share of a gap from which all of it is accounted for. Choice.
+    pub(crate) const ALL_CLOSED: f64 = 0.95;
+    /// Gap over noise beyond which a view's part of the whole is counted no larger: a noiseless channel has one of any size.
+    pub(crate) const MOST_OVER_NOISE: f64 = 1e6;
+}
+
+/// Forces of a hand.
+pub(crate) mod hand {
+    /// Time between rows up to which a hand's push lasts longer than one of them \[s\]. Choice.
+    pub(crate) const CLOSE_S: f64 = 0.1;
+    /// Readings of an axis from which its noise is judged. Choice.
+    pub(crate) const FEWEST_ROWS: usize = 100;
+    /// Standard deviations by which the ratio of white noise may miss 1. Chance: one axis in 30 000 does.
+    pub(crate) const WHITE_SD: f64 = 4.0;
+}
+
 /// Spectral lines of what the base model leaves.
 pub(crate) mod lines {
     /// Probability, over all frequencies and streams, below which a peak is more than chance. Choice: far below that of an

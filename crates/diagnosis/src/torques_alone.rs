@@ -3,7 +3,7 @@
 
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::{Context, Effect};
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
 use crate::answer::corrected::{not_in_file, of_drives};
@@ -15,17 +15,21 @@ use crate::answer::{
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
+use crate::servo_loop::has_commands;
 use crate::{DiagnosisError, Options};
 
-/// Whether torques are all that a recording has to say of a device with links.
+/// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
+const UNTRUSTED_SCALE: f64 = 1.0;
+
+/// Whether torques are all that a recording has to say of a device with links. Untrusted ones have nothing to say where there are commands.
 pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
-    let has_torques = recording
-        .torque_nm
-        .iter()
-        .flatten()
-        .flatten()
-        .any(|value| value.is_finite());
-    has_torques
+    let has_commands = has_commands(device, recording);
+    let is_asked = |(joint, own): (usize, &Joint)| {
+        let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
+        let is_read = column.is_some_and(|column| column.iter().any(|value| value.is_finite()));
+        is_read && (own.torque_scale_sd < UNTRUSTED_SCALE || !has_commands)
+    };
+    device.joints.iter().enumerate().any(is_asked)
         && device.has_links()
         && matches!(
             channels(device, recording),

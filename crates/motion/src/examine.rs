@@ -27,10 +27,10 @@ const MOST_OF_MEMORY: f64 = 4.0;
 const MOST_REFUTED: usize = 4;
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
-/// torques in time, of a motion, without a hand's force.
+/// torques in time, of a motion.
 pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
     let has_torques = (recording.torque_nm.iter().flatten().flatten()).any(|own| own.is_finite());
-    has_torques && recording.force_n.is_none() && usable(device, recording).is_ok()
+    has_torques && usable(device, recording).is_ok()
 }
 
 /// Examines the torques of a motion, and what is found on a second recording, if there is one; `without`: names of effects that are left

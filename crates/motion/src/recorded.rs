@@ -1,6 +1,7 @@
 //! A recording's torques as they were read, and without what the device's effects add to them.
 
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, Recording, Statics};
+use nalgebra::Vector3;
 
 /// A joint's recorded torque without what the device's effects add to it ([`Recording::added`]); none where it was not recorded. A
 /// column that has one value throughout stays as it is: nothing was measured there that an effect could have added to.
@@ -25,14 +26,45 @@ pub fn torque_nm_without_effects(
     Some(torque_nm)
 }
 
-/// The recording with torques that the bare device would have.
+/// The recording with torques that the bare device would have with nothing at its handle.
 pub(crate) fn without_effects(device: &Device, recording: &Recording) -> Recording {
     let joints = 0..recording.torque_nm.len();
-    Recording {
-        torque_nm: joints
-            .map(|joint| torque_nm_without_effects(device, recording, joint))
-            .collect(),
+    let torque_nm = joints.map(|joint| torque_nm_without_effects(device, recording, joint));
+    let mut bare = Recording {
+        torque_nm: torque_nm.collect(),
         ..recording.clone()
+    };
+    take_off_hand(device, &mut bare);
+    bare
+}
+
+/// Takes the torques that hold the force of the hand off those of the drives: the principle of virtual work at each row (Craig 2018,
+/// section 5.10). A row without a reading of the force, or at which the device has no value, has no torque.
+fn take_off_hand(device: &Device, recording: &mut Recording) {
+    let Some(axes) = recording.force_n.take() else {
+        return;
+    };
+    if !device.has_links() {
+        return;
+    }
+    let mut statics = Statics::new(device);
+    let mut angles = vec![0.0; device.joints.len()];
+    for row in 0..recording.len() {
+        let force_n = Vector3::from(axes.each_ref().map(|axis| axis[row]));
+        if force_n == Vector3::zeros() {
+            continue;
+        }
+        recording.read_joints(row, &mut angles);
+        statics.choose_hand(device.hand_at(recording, row));
+        let mut torques = |hand: Option<Vector3<f64>>| {
+            let load = statics.load(&angles, |_| hand).ok()?;
+            Some(load.torques_nm.to_vec())
+        };
+        let both = torques(Some(force_n)).zip(torques(None));
+        for (joint, column) in recording.torque_nm.iter_mut().enumerate() {
+            let of_hand = (both.as_ref()).map_or(f64::NAN, |(with, bare)| with[joint] - bare[joint]);
+            column.iter_mut().for_each(|column| column[row] -= of_hand);
+        }
     }
 }
 

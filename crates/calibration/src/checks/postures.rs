@@ -230,7 +230,7 @@ pub fn without_copies(recording: &Recording) -> (Cow<'_, Recording>, Option<Stri
 }
 
 /// Rows, ascending, of which no earlier one has the same readings.
-fn distinct_rows(recording: &Recording) -> Vec<usize> {
+pub fn distinct_rows(recording: &Recording) -> Vec<usize> {
     let columns: Vec<&Vec<f64>> = recording
         .joint
         .iter()

@@ -124,7 +124,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         ),
         corrected: file.map(|file| file.device),
         fit_rows: FitRows {
-            every: 1,
+            looked_at: None,
             left_out: gone,
         },
         correction: curves.kept.map(|correction| correction.answer),

@@ -139,8 +139,8 @@ pub struct Diagnosis {
 /// Readings of a log that a fit used.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FitRows {
-    /// One row in so many was looked at; 0 is 1.
-    pub every: usize,
+    /// Rows that were looked at; none where all were.
+    pub looked_at: Option<BTreeSet<usize>>,
     /// Channel and row of the readings that were left out.
     pub left_out: BTreeSet<(String, usize)>,
 }
@@ -148,8 +148,8 @@ pub struct FitRows {
 impl FitRows {
     /// Whether the fit used a channel's reading at a row.
     pub fn has(&self, channel: &str, row: usize) -> bool {
-        row.is_multiple_of(self.every.max(1))
-            && !(self.left_out.iter()).any(|(name, own)| *own == row && name == channel)
+        let is_looked_at = (self.looked_at.as_ref()).is_none_or(|rows| rows.contains(&row));
+        is_looked_at && !(self.left_out.iter()).any(|(name, own)| *own == row && name == channel)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use haptical_effects::force::in_motion::COMMAND_LATENCY;
 use haptical_model::{Device, Recording};
-use haptical_motion::{Examined, examine_tracking};
+use haptical_motion::{Examined, Untracked, examine_tracking};
 
 use super::words::Words;
 use crate::force::OnSecond;
@@ -20,6 +20,10 @@ pub(super) fn beside(
     let tracking = match examine_tracking(device, logs, torques, without) {
         Ok(tracking) => tracking,
         Err(why) => {
+            if why != Untracked::NoCommands {
+                let words = format!("the commands were not tested: {why}");
+                answer.warnings.push(words);
+            }
             answer.untestable.push((name, why.to_string()));
             return (answer, seen);
         }

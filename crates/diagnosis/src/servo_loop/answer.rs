@@ -13,9 +13,8 @@ use crate::answer::{
     Untestable, Verdict, Whiteness,
 };
 use crate::judge::verdict::on_unseen;
+use crate::thresholds::joined::ALL_CLOSED;
 
-/// Share of a gap above which all of it is accounted for.
-const ALL_CLOSED: f64 = 0.95;
 /// Least floor, so that shares of noiseless logs are finite.
 const LEAST_FLOOR: f64 = 1e-7;
 

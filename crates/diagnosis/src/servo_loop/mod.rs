@@ -1,11 +1,10 @@
-//! The diagnosis of a log that has joints and their commands alone: how each joint answers what it is told
-//! (docs/diagnosis-servo.md). No position is fitted, and torques are not asked.
+//! The diagnosis of loops: how each joint of a log follows its commands (docs/diagnosis-servo.md). No position is fitted, and torques are
+//! asked only for a change of their scale.
 
 mod answer;
 mod causes;
 mod channel;
 
-use haptical_calibration::{CalibrationError, channels};
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording, Statics};
 use haptical_servo::{
@@ -24,25 +23,6 @@ pub(crate) struct Asked {
     torque: Option<Finding>,
     /// What its causes make of the second recording.
     second: Option<Result<Predicted, Untested>>,
-}
-
-/// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
-const UNTRUSTED_SCALE: f64 = 1.0;
-
-/// Whether commands and joints are all that a recording has to say of a device. Torques of a device with links decide
-/// themselves, unless the device file says that their scale is not known.
-pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
-    let has_torques = device.joints.iter().enumerate().any(|(joint, own)| {
-        let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
-        let is_read = column.is_some_and(|column| column.iter().any(|value| value.is_finite()));
-        is_read && own.torque_scale_sd < UNTRUSTED_SCALE
-    });
-    has_commands(device, recording)
-        && !(has_torques && device.has_links())
-        && matches!(
-            channels(device, recording),
-            Err(CalibrationError::NoChannel)
-        )
 }
 
 /// Whether any joint has commands.
@@ -87,10 +67,15 @@ pub(crate) fn diagnose(
         return Err(DiagnosisError::Commands { why: why.clone() });
     }
     if whys.len() == asked.len() && asked.iter().all(|own| own.torque.is_none()) {
-        let whys: Vec<String> = whys.into_iter().map(|(_, why)| why).collect();
-        return Err(DiagnosisError::Commands {
-            why: whys.join("; "),
-        });
+        let is_one = whys.iter().all(|(why, _)| *why == whys[0].0);
+        let why = match is_one {
+            true => whys[0].0.to_string(),
+            false => {
+                let words: Vec<String> = whys.into_iter().map(|(_, words)| words).collect();
+                words.join("; ")
+            }
+        };
+        return Err(DiagnosisError::Commands { why });
     }
     Ok(answer::answer(device, recording, effects, options, asked))
 }
