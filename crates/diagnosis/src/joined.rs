@@ -126,8 +126,7 @@ impl Weighed {
             self.unexplained() + other.unexplained(),
             self.closed() + other.closed(),
         );
-        let (weights, mut answer, other) =
-            ([self.weight, other.weight], self.answer, other.answer);
+        let (weights, mut answer, other) = ([self.weight, other.weight], self.answer, other.answer);
         let verdict = answer.verdict;
         if other.verdict != Verdict::NoGap {
             answer.unexplained_share = left;

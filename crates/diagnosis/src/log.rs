@@ -102,9 +102,7 @@ impl<'r> Log<'r> {
         found.warnings.extend(self.changes.iter().cloned());
         for words in second.into_iter().flat_map(|second| &second.changes) {
             if !self.changes.contains(words) {
-                found
-                    .warnings
-                    .push(format!("{SECOND_RECORDING}: {words}"));
+                found.warnings.push(format!("{SECOND_RECORDING}: {words}"));
             }
         }
     }

@@ -62,7 +62,8 @@ fn take_off_hand(device: &Device, recording: &mut Recording) {
         };
         let both = torques(Some(force_n)).zip(torques(None));
         for (joint, column) in recording.torque_nm.iter_mut().enumerate() {
-            let of_hand = (both.as_ref()).map_or(f64::NAN, |(with, bare)| with[joint] - bare[joint]);
+            let of_hand =
+                (both.as_ref()).map_or(f64::NAN, |(with, bare)| with[joint] - bare[joint]);
             column.iter_mut().for_each(|column| column[row] -= of_hand);
         }
     }

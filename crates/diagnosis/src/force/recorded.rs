@@ -87,12 +87,16 @@ impl<'a> Recorded<'a> {
         }
         let gravity = device.gravity_mps2.map(Vector3::from);
         let gravity_mps2 = gravity.ok_or_else(|| "no [gravity] in the device file".to_owned())?;
-        let force_n = recording.force_n.as_ref().map(|axes| {
+        // a force of zero throughout is that of no hand, and tests no sensor
+        let is_zero = |axes: &[Vec<f64>; 3]| axes.iter().flatten().all(|force| *force == 0.0);
+        let force_n = recording.force_n.as_ref().filter(|axes| !is_zero(axes));
+        let force_n = force_n.map(|axes| {
             let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
             (0..context.rows()).map(at).collect::<Vec<_>>()
         });
         // where a hand may hold the handle, it also moves it against a gauge: a cable, a tracker, a touched place
-        let is_held = force_n.is_none() && context.streams.iter().any(Stream::shows_handle);
+        let is_held =
+            recording.force_n.is_none() && context.streams.iter().any(Stream::shows_handle);
         if is_held && channels.len() < 5 {
             return Err(
                 "no columns fx_n, fy_n, fz_n, and too few torques to do without".to_owned(),

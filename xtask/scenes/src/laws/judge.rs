@@ -94,7 +94,18 @@ impl Pair<'_> {
     fn identification(&self, asks_width: bool) -> Option<String> {
         let list = |own: &Value| own["identify"]["parameters"].as_array().cloned();
         let (before, after) = (list(self.before)?, list(self.after)?);
-        for own in &before {
+        // other rows are held out of another order, and a polynomial's basis is that of the range of the fitted ones
+        let ranges = |own: &Value| -> Vec<Value> {
+            let drives = own["identify"]["transmissions"].as_array();
+            let ranges = drives.into_iter().flatten().map(|own| &own["range_rad"]);
+            ranges.cloned().collect()
+        };
+        let is_other_basis = ranges(self.before) != ranges(self.after);
+        let is_compared = |own: &&Value| {
+            let name = own["name"].as_str().unwrap_or_default();
+            !(is_other_basis && name.starts_with("chebyshev"))
+        };
+        for own in before.iter().filter(is_compared) {
             let mut others = after.iter();
             let Some(now) = others.find(|other| other["name"] == own["name"]) else {
                 continue;
