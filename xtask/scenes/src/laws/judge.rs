@@ -66,8 +66,14 @@ impl Pair<'_> {
             return Some(turned("a gap that was none".to_owned()));
         }
         let still = self::considered(after);
+        // a size that is so near to zero has no evidence that is so far from any threshold
+        let of_size = |own: &Name| {
+            causes(before)
+                .iter()
+                .any(|cause| Name::of(cause) == *own && size_nats(cause) >= NATS)
+        };
         let mut lost = self::asserted(before).into_iter();
-        let lost = lost.find(|own| is_true(&own) && !still.contains(own));
+        let lost = lost.find(|own| is_true(&own) && !still.contains(own) && of_size(own));
         lost.filter(|_| nats(before) >= NATS)
             .map(|name| turned(format!("{name} is lost")))
     }
@@ -200,6 +206,15 @@ fn considered(gap: &Value) -> Vec<Name> {
         names.push(own);
     }
     names
+}
+
+/// Evidence that a cause's sizes are not all zero: half the square of the surest in its standard deviations; without bound where it has none.
+fn size_nats(cause: &Value) -> f64 {
+    let sizes = cause["parameters"].as_object().into_iter().flatten();
+    let nats = sizes.filter_map(|(_, size)| {
+        Some(0.5 * (size["value"].as_f64()? / (width(size)? / 3.92)).powi(2))
+    });
+    nats.reduce(f64::max).unwrap_or(f64::INFINITY)
 }
 
 /// Evidence of an answer's gap: half the squares beyond noise that its causes close, or all of them where it has none, and of
