@@ -216,7 +216,18 @@ fn checked_log(
     parameters.retain(|parameter| !held.contains(parameter));
     let weights = Weights::stated(&device, &channels);
     let rules = &options.rules;
-    let judged = identifiability_at(&device, recording, &channels, &parameters, &weights, rules)?;
+    // where the samples support none of the forms that could be freed, nothing is to be judged
+    let judged = match parameters.is_empty() && !unsupported.is_empty() {
+        true => None,
+        false => Some(identifiability_at(
+            &device,
+            recording,
+            &channels,
+            &parameters,
+            &weights,
+            rules,
+        )?),
+    };
     let mut identifiable = Vec::new();
     let held = held.iter().map(|parameter| parameter.name(&device));
     let held = held.map(|name| NotIdentified {
@@ -234,17 +245,19 @@ fn checked_log(
         name,
     });
     let mut not_identified: Vec<NotIdentified> = held.chain(unsupported).collect();
-    for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
-        match judged.reason(index) {
-            None => identifiable.push(name.clone()),
-            Some(reason) => not_identified.push(NotIdentified {
-                name: name.clone(),
-                status: status.name(),
-                reason,
-            }),
+    if let Some(judged) = &judged {
+        for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
+            match judged.reason(index) {
+                None => identifiable.push(name.clone()),
+                Some(reason) => not_identified.push(NotIdentified {
+                    name: name.clone(),
+                    status: status.name(),
+                    reason,
+                }),
+            }
         }
     }
-    if identifiable.is_empty() {
+    if identifiable.is_empty() && judged.is_some() {
         let reasons = not_identified.iter().take(3);
         let reasons: Vec<&str> = reasons.map(|refused| refused.reason.as_str()).collect();
         return Err(CalibrationError::NothingIdentifiable {
@@ -284,7 +297,7 @@ fn checked_log(
             .collect(),
         identifiability: RankEntry {
             candidates: identifiable.len() + not_identified.len(),
-            ..RankEntry::from_judgements(std::iter::once(&judged))
+            ..RankEntry::from_judgements(judged.iter())
         },
         identifiable,
         not_identified,

@@ -10,6 +10,7 @@ mod absent_effects;
 mod budget;
 #[path = "../../examples/capstan.rs"]
 mod capstan;
+mod commands_and_outputs;
 #[path = "../../examples/control_loop.rs"]
 mod control_loop;
 #[path = "../../examples/diagnosis.rs"]
