@@ -5,7 +5,7 @@ use haptical_model::{Device, MotionWork, RigidBodies};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::MotionError;
-use crate::fit::plausible;
+use crate::thresholds::plausible;
 
 /// Inertial parameters of a body.
 pub(crate) const PARAMETERS: usize = 10;

@@ -9,6 +9,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
+use crate::thresholds::examine::{PRODUCT_DEGREE, QUANTITY_DEGREE};
 
 /// A quantity that a torque may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,9 +43,6 @@ const QUANTITIES: [Quantity; 5] = [
     Quantity::Acceleration,
     Quantity::Time,
 ];
-/// Degree of a function of the quantity alone, and of each factor of a product with another one.
-const DEGREE: usize = 8;
-const OF_PRODUCT: usize = 3;
 
 /// What the rest of a fit depends on at a joint, most first.
 pub(crate) fn dependences(
@@ -74,15 +72,15 @@ pub(crate) fn share_of_posture(problem: &Problem, fitted: &Fitted, joint: usize)
     let Some(excess) = excess(problem, fitted, joint) else {
         return 0.0;
     };
-    let q = |joint: usize| chebyshev(&problem.states.link.q[joint], DEGREE);
+    let q = |joint: usize| chebyshev(&problem.states.link.q[joint], QUANTITY_DEGREE);
     let own = q(joint);
     let mut signals = own.clone();
     let neighbours = [joint.checked_sub(1), Some(joint + 1)];
     let joints = problem.arm.joints();
     for other in neighbours.into_iter().flatten().filter(|own| *own < joints) {
         let other = q(other);
-        for a in &own[..OF_PRODUCT] {
-            signals.extend(other[..OF_PRODUCT].iter().map(|b| product(a, b)));
+        for a in &own[..PRODUCT_DEGREE] {
+            signals.extend(other[..PRODUCT_DEGREE].iter().map(|b| product(a, b)));
         }
         signals.extend(other);
     }
@@ -118,11 +116,11 @@ fn signals(problem: &Problem, base: &Base, joint: usize, quantity: Quantity) -> 
         all
     };
     match quantity {
-        Quantity::Position => chebyshev(&states.link.q[joint], DEGREE),
-        Quantity::Velocity => on_both_sides(&states.motor.dq[joint], DEGREE),
-        Quantity::Acceleration => chebyshev(&states.motor.ddq[joint], DEGREE),
-        Quantity::Load => on_both_sides(&problem.rigid[joint], DEGREE / 2),
-        Quantity::Time => on_both_sides(&states.time_s, DEGREE),
+        Quantity::Position => chebyshev(&states.link.q[joint], QUANTITY_DEGREE),
+        Quantity::Velocity => on_both_sides(&states.motor.dq[joint], QUANTITY_DEGREE),
+        Quantity::Acceleration => chebyshev(&states.motor.ddq[joint], QUANTITY_DEGREE),
+        Quantity::Load => on_both_sides(&problem.rigid[joint], QUANTITY_DEGREE / 2),
+        Quantity::Time => on_both_sides(&states.time_s, QUANTITY_DEGREE),
     }
 }
 

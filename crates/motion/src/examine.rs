@@ -17,14 +17,8 @@ use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
 use crate::signal::samples::Samples;
 use crate::survey::usable;
-use crate::unseen::{PARTS, Unseen, within};
-
-/// Edges of the band in which a spring between motor and link is looked for once more \[Hz\].
-const SPRING_EDGES_HZ: [f64; 2] = [8.0, 5.0];
-/// A noise with a memory is at most this many times a white one that is as large at its fastest: more is a disturbance of a colour of its own.
-const MOST_OF_MEMORY: f64 = 4.0;
-/// Effects that a second recording may refute, until no more are looked for in their place.
-const MOST_REFUTED: usize = 4;
+use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
+use crate::unseen::{Unseen, within};
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
 /// torques in time, of a motion.

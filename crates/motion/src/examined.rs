@@ -8,32 +8,11 @@ use crate::effect::{
 };
 use crate::findings::SAMPLING;
 use crate::scale::{Doubt, Scale};
+use crate::thresholds::examine::{
+    ALLOWED_REST, GAP_SDS, LEFT_BY_SPRING, LEFT_OF_JOINT, LEFT_OF_POSTURE, LEFT_OF_SECOND,
+    MOST_OF_GAP, NEAR_RIVAL_NATS, OF_SECOND_BESIDE_SPRING, PART_OF_GAP, QUIET_NOISES, UNEXPLAINED,
+};
 use crate::unseen::Unseen;
-
-/// A channel's rest is a gap beyond this share of the square of its noise, and beyond `GAP_SDS` standard deviations of such a
-/// square by chance: a sound arm's friction is no law to the last digit.
-pub(crate) const ALLOWED_REST: f64 = 0.21;
-const GAP_SDS: f64 = 4.0;
-/// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
-const NOT_TOLD_APART: f64 = 4.605;
-/// Share of what the base model leaves beyond noise that effects may leave.
-const UNEXPLAINED: f64 = 0.02;
-/// And of each joint's root mean square, beyond twice its noise.
-const LEFT: f64 = 0.1;
-const QUIET: f64 = 2.0;
-/// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
-const OF_POSTURE: f64 = 0.5;
-/// But a spring's, whose levers are not known, may leave this share of the gap, and so may a tilt's, which bodies feel that are off themselves.
-const OF_SPRING: f64 = 1e-3;
-/// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
-const PART: f64 = 0.01;
-
-/// What an effect of one joint's torque may explain at most, over what the base model leaves there.
-const MOST_OF_GAP: f64 = 4.0;
-/// Share of a second recording's squares beyond noise that effects may leave of it.
-const OF_SECOND: f64 = 0.1;
-/// The same beside a spring between motor and link, which is known to first order alone (A201).
-pub const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
 
 /// What the torques of a moving arm show.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -154,7 +133,7 @@ pub struct NearRival {
 impl NearRival {
     /// Whether a log does not tell it from the finding.
     pub fn is_near(&self) -> bool {
-        self.behind_nats < NOT_TOLD_APART
+        self.behind_nats < NEAR_RIVAL_NATS
     }
 }
 
@@ -173,9 +152,10 @@ impl Examined {
     fn kept(&self) -> impl Iterator<Item = &ChannelFit> {
         let energy = |own: &ChannelFit| ((own.rms_before / own.noise).powi(2) - 1.0).max(0.0);
         let whole: f64 = self.channels.iter().map(energy).sum();
-        let holds = move |own: &&ChannelFit| energy(own) > PART * whole;
-        let keeps =
-            |own: &&ChannelFit| own.rms_after > (QUIET * own.noise).max(LEFT * own.rms_before);
+        let holds = move |own: &&ChannelFit| energy(own) > PART_OF_GAP * whole;
+        let keeps = |own: &&ChannelFit| {
+            own.rms_after > (QUIET_NOISES * own.noise).max(LEFT_OF_JOINT * own.rms_before)
+        };
         self.channels.iter().filter(holds).filter(keeps)
     }
 
@@ -220,7 +200,9 @@ impl Examined {
             && self.doubts.is_empty()
             && beside.clone().all(is_told)
             && self.unseen.iter().any(is_gap)
-            && self.left_of_second.is_none_or(|left| left <= OF_SECOND)
+            && self
+                .left_of_second
+                .is_none_or(|left| left <= LEFT_OF_SECOND)
             && !self.is_push_contradicted
             && !beside.clone().any(|own| own.effect == CONTACT)
     }
@@ -231,7 +213,7 @@ impl Examined {
         let has_spring = self.findings.iter().any(|own| own.effect == JOINT_SPRING);
         let most = match has_spring {
             true => OF_SECOND_BESIDE_SPRING,
-            false => OF_SECOND,
+            false => LEFT_OF_SECOND,
         };
         self.is_push_contradicted || self.left_of_second.is_some_and(|left| left > most)
     }
@@ -267,11 +249,11 @@ impl Examined {
             all.all(|own| is_exact(own.effect) || !acts(own, joint))
         };
         let follows = |own: &ChannelFit| {
-            own.has_rest() && own.share_of_posture > OF_POSTURE && are_exact(own.joint)
+            own.has_rest() && own.share_of_posture > LEFT_OF_POSTURE && are_exact(own.joint)
         };
         let is_loose = |own: &Finding| [GRAVITY_SPRING, GRAVITY_DIRECTION].contains(&own.effect);
         let of_springs = self.findings.iter().all(is_loose);
-        let is_small = of_springs && self.unexplained_share() < OF_SPRING;
+        let is_small = of_springs && self.unexplained_share() < LEFT_BY_SPRING;
         let exact = self.findings.iter().any(|own| is_exact(own.effect));
         exact && !is_small && self.channels.iter().any(follows)
     }
@@ -306,7 +288,7 @@ pub(crate) fn gap(rows: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::unseen::PARTS;
+    use crate::thresholds::examine::PARTS;
 
     /// A joint whose effects leave 1.9 times its noise of 60, of which a share follows the posture.
     fn left(effect: &'static str, share_of_posture: f64, after_nats: f64) -> Examined {

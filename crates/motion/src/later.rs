@@ -13,10 +13,8 @@ use crate::fit::column::Column;
 use crate::fit::problem::{Problem, Reading};
 use crate::fit::system::System;
 use crate::select::{Fitted, Frame, Pick, Place, Pool, Selection, within_limits};
+use crate::thresholds::select::REFUTED_NATS;
 use crate::unseen::{Unseen, collected, end};
-
-/// What a pick makes worse of a second recording that refutes it \[nats\].
-const REFUTED_NATS: f64 = 4.0;
 
 /// A second recording, to be predicted by what the first one shows.
 pub(crate) struct Later {

@@ -21,6 +21,7 @@ mod scale;
 mod select;
 mod signal;
 mod survey;
+mod thresholds;
 mod tracking;
 mod unseen;
 
@@ -30,7 +31,7 @@ pub use dependence::{Dependence, Quantity};
 pub use effect::effect_names;
 pub use error::MotionError;
 pub use examine::{examine, is_moving_arm};
-pub use examined::{ChannelFit, Examined, Finding, NearRival, OF_SECOND_BESIDE_SPRING};
+pub use examined::{ChannelFit, Examined, Finding, NearRival};
 pub use identify::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
     NOISE_SEED, Residual, identify_dynamics, stacked_percent, with_dynamics,
@@ -39,5 +40,7 @@ pub use loads::link_torques;
 pub use recorded::torque_nm_without_effects;
 pub use scale::{Doubt, Scale};
 pub use survey::{Survey, SurveyedJoint, SurveyedTorque, survey, unwrapped, usual_step_s, why_not};
+pub use thresholds::TEXTS as THRESHOLDS;
+pub use thresholds::examine::{OF_SECOND_BESIDE_SPRING, PARTS};
 pub use tracking::{Tracking, Untracked, examine_tracking};
-pub use unseen::{PARTS, Unseen};
+pub use unseen::Unseen;

@@ -6,10 +6,7 @@ use crate::MotionError;
 use crate::arm::Arm;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::samples::Samples;
-
-/// Positions are smoothed up to this frequency \[Hz\], and up to this share of the log's rate.
-const CUTOFF_HZ: f64 = 40.0;
-const OF_RATE: f64 = 0.2;
+use crate::thresholds::signal::{LOADS_CUTOFF_HZ, LOADS_OF_RATE};
 
 /// Torques of the rigid bodies of a device along a recording, joint by joint and row by row, armatures and friction left out:
 /// what a spring between motor and link carries. Positions are those of the links' encoders where there are any. A row that no
@@ -20,7 +17,10 @@ const OF_RATE: f64 = 0.2;
 pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f64>>, MotionError> {
     let arm = Arm::new(device)?;
     let samples = Samples::new(recording, false)?;
-    let local = LocalPolynomial::new(samples.step_s, CUTOFF_HZ.min(OF_RATE * samples.rate_hz()));
+    let local = LocalPolynomial::new(
+        samples.step_s,
+        LOADS_CUTOFF_HZ.min(LOADS_OF_RATE * samples.rate_hz()),
+    );
     let joints = arm.joints();
     let nominal = arm.nominal();
     let columns = nominal.len();

@@ -9,21 +9,9 @@ use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::signal::samples::Samples;
-
-/// A slope is known where three of its standard deviations are below this share of it, or of 1.
-const KNOWN: f64 = 0.15;
-/// A torque is a multiple of what its links ask for where that and friction explain this share of it.
-const FOLLOWS: f64 = 0.7;
-/// A torque is noise where it is no larger than this many times what its readings scatter by.
-const NOISE: f64 = 1.5;
-/// It is silent where its square is below that of noise and of this share of what its links ask for, by so many standard deviations.
-const SILENT: f64 = 0.3;
-const SILENT_SDS: f64 = 4.0;
-/// A slope below this is one of the other sign, as long as its size is that of a torque: of a joint whose links ask for next to nothing,
-/// and whose rotor and friction ask for all, what little they ask for says nothing.
-const OTHER_SIGN: f64 = -0.3;
-/// Outside this it is another unit, where most joints are: no payload makes a torque smaller, nor all of them ten times larger.
-const UNIT: std::ops::Range<f64> = 0.5..10.0;
+use crate::thresholds::scale::{
+    FOLLOWS_LINKS, KNOWN_SLOPE, NOISE_SCATTERS, OTHER_SIGN, SAME_UNIT, SILENT_SDS, SILENT_SHARE,
+};
 
 /// How a channel's recorded torque goes with that of the nominal bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,21 +106,21 @@ impl Scale {
     /// Whether the slope is known, of a torque that is a multiple of what its links ask for.
     pub fn is_known(&self) -> bool {
         self.sd > 0.0
-            && 3.0 * self.sd < KNOWN * self.slope.abs().max(1.0)
-            && self.explained > FOLLOWS
+            && 3.0 * self.sd < KNOWN_SLOPE * self.slope.abs().max(1.0)
+            && self.explained > FOLLOWS_LINKS
             && !self.is_noise()
     }
 
     /// Whether the torque is no more than noise.
     pub fn is_noise(&self) -> bool {
-        self.heard < NOISE
+        self.heard < NOISE_SCATTERS
     }
 
     /// Whether it is noise where its links ask for more.
     fn is_silent(&self) -> bool {
         let square = self.heard.powi(2);
         let sd = square * (2.0 / self.rows.max(1) as f64).sqrt();
-        self.is_noise() && square + SILENT_SDS * sd < 1.0 + SILENT * self.asked.powi(2)
+        self.is_noise() && square + SILENT_SDS * sd < 1.0 + SILENT_SHARE * self.asked.powi(2)
     }
 }
 
@@ -152,19 +140,19 @@ pub(crate) fn doubts(scales: &[(usize, Scale)]) -> Vec<Doubt> {
         .filter(|(_, own)| own.is_known())
         .map(|(joint, own)| (*joint, own.slope))
         .collect();
-    let is_turned = |slope: f64| slope < OTHER_SIGN && slope > -UNIT.end;
+    let is_turned = |slope: f64| slope < OTHER_SIGN && slope > -SAME_UNIT.end;
     let turned = known.iter().filter(|(_, slope)| is_turned(*slope));
     found.extend(turned.map(|(joint, slope)| Doubt::Sign {
         joint: *joint,
         slope: *slope,
     }));
     let off: Vec<(usize, f64)> = (known.iter().copied())
-        .filter(|(_, slope)| !UNIT.contains(&slope.abs()))
+        .filter(|(_, slope)| !SAME_UNIT.contains(&slope.abs()))
         .collect();
     let is_one_unit = off.len() > 1
         && 2 * off.len() > known.len()
-        && (off.iter().all(|own| own.1.abs() < UNIT.start)
-            || off.iter().all(|own| own.1.abs() > UNIT.start));
+        && (off.iter().all(|own| own.1.abs() < SAME_UNIT.start)
+            || off.iter().all(|own| own.1.abs() > SAME_UNIT.start));
     if is_one_unit {
         found.push(Doubt::Unit { slopes: off });
     }

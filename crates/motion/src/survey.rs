@@ -3,9 +3,10 @@
 use haptical_model::{Device, JointType, Missing, ModelError, Recording, RigidBodies};
 
 use crate::MotionError;
-use crate::fit::problem::{LEAST_RATE_HZ, is_still};
+use crate::fit::problem::is_still;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
+use crate::thresholds::fit::LEAST_RATE_HZ;
 
 /// A log of positions and torques.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,11 +8,7 @@ use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::select::Selection;
-
-/// Parts in time that sums are kept of.
-pub const PARTS: usize = 10;
-/// Fits, each without every fifth part.
-pub(crate) const FOLDS: usize = 5;
+use crate::thresholds::examine::{FOLDS, PARTS};
 
 /// One joint's torque on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq)]

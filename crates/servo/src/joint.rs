@@ -9,7 +9,8 @@ use crate::noise::{floor, rounding};
 use crate::predict::{Model, closed, jackknife_sd};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, WIDE_RAD,
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, RESOLUTION,
+    WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -277,9 +278,6 @@ impl Joint<'_> {
         (lag::SPEC.name, numbers, rivals)
     }
 }
-
-/// What the search stops at, as a share of a number: folds that end at one point are no surer than that.
-const RESOLUTION: f64 = 2e-3;
 
 type Named = (&'static str, Vec<Number>, Vec<&'static str>);
 

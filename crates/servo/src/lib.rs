@@ -20,3 +20,6 @@ pub use effect::{SPECS, Spec};
 pub use joint::diagnose_joint;
 pub use log::{JointLog, Untested};
 pub use predict::Predicted;
+
+/// Text of the file with the numbers that decide: `haptical-diagnosis` makes a version of it.
+pub const THRESHOLDS: [&str; 1] = [include_str!("thresholds.rs")];

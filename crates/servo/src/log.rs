@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::thresholds::{
-    DEGREES_PER_RADIAN, FEWEST_ROWS, GAP_STEPS, MOST_LAG_S, OPPOSITE, SAME_MOTION, STILL_COUNTS,
-    STILL_RANGE, WRAP,
+    DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, MOST_LAG_S, OPPOSITE, SAME_MOTION,
+    STILL_COUNTS, STILL_RANGE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -330,9 +330,6 @@ pub(crate) fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// Changes of a reading that show its count.
-const FEWEST_STEPS: usize = 5;
-
 /// Lower twentieth of the changes that are none: one count, where readings are counts.
 fn smallest_step(values: &[f64]) -> f64 {
     let pairs = values.windows(2);
@@ -340,7 +337,7 @@ fn smallest_step(values: &[f64]) -> f64 {
         .map(|pair| (pair[1] - pair[0]).abs())
         .filter(|step| *step > 1e-9)
         .collect();
-    if steps.len() < FEWEST_STEPS {
+    if steps.len() < FEWEST_COUNTS {
         return 0.0;
     }
     steps.sort_unstable_by(f64::total_cmp);

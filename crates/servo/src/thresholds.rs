@@ -1,6 +1,6 @@
 //! Numbers that decide, each with its meaning and how it was set.
 //!
-//! "Real arm": twelve motions of an SO-101 at 50 Hz (docs/real-arms.md).
+//! "Real arm": twelve motions of an SO-101 at 50 Hz (docs/real-arms.md). A line before a group names the module that uses it.
 
 /// Rows that a joint needs.
 pub(crate) const FEWEST_ROWS: usize = 200;
@@ -72,3 +72,86 @@ pub(crate) const NEAR_S: f64 = 6.0;
 pub(crate) const NEAR_MOVES: f64 = 0.5;
 /// Changes of one joint at most.
 pub(crate) const MOST_CHANGES: usize = 3;
+
+// `log`
+/// Changes of a reading that show its count.
+pub(crate) const FEWEST_COUNTS: usize = 5;
+
+// `joint`
+/// What the search stops at, as a share of a number: folds that end at one point are no surer than that.
+pub(crate) const RESOLUTION: f64 = 2e-3;
+
+// `fit::linear`
+/// Share of a column's square that holds the weakest directions.
+pub(crate) const RIDGE: f64 = 1e-9;
+
+// `fit::search`
+/// Rounds of a search at most.
+pub(crate) const SEARCH_ROUNDS: usize = 60;
+
+// `change::sums`
+/// Past readings of the position in the regression.
+pub(crate) const PAST_READINGS: usize = 2;
+/// Past of the command that the regression sees \[s\].
+pub(crate) const MEMORY_S: f64 = 0.32;
+/// Lags of the command at most.
+pub(crate) const MOST_LAGS: usize = 16;
+/// Grid points over a log at most.
+pub(crate) const MOST_POINTS: usize = 1200;
+/// Least rows between them.
+pub(crate) const LEAST_STEP: usize = 10;
+/// Rows before and after a reading whose velocities it follows: velocities are a mean over the last rows, or of the next.
+pub(crate) const VELOCITY_LAGS: std::ops::Range<isize> = -3..2;
+
+// `change::scan`
+/// Factors that a gain is looked for at.
+pub(crate) const GAIN_FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
+/// Part of the log at either end in which no change of a level is looked for.
+pub(crate) const LEVEL_EDGE: usize = 20;
+/// Rows that are looked at besides a grid.
+pub(crate) const LEVEL_REPEATS: usize = 12;
+
+// `change::delay`
+/// Rows by which a delay is looked for at.
+pub(crate) const DELAY_SHIFTS: [isize; 8] = [-5, -3, -2, -1, 1, 2, 3, 5];
+/// Part of the log at either end in which none is looked for: a single step shows it badly.
+pub(crate) const DELAY_EDGE: usize = 8;
+/// Rows that are looked at besides a grid.
+pub(crate) const DELAY_REPEATS: usize = 24;
+/// What a repeated reading of a joint that moves says at most \[nats\]: a bus may drop one by itself.
+pub(crate) const REPEATED_NATS: f64 = 7.0;
+/// Stretches on either side of a change that are counted by themselves, those of them that may be something else, and what the
+/// others must say \[nats\].
+pub(crate) const STRETCHES: usize = 24;
+pub(crate) const SPARE_STRETCHES: usize = 2;
+pub(crate) const BROAD_NATS: f64 = 1.0;
+
+// `change::still`
+/// Runs on either side that are needed.
+pub(crate) const FEWEST_RUNS: usize = 4;
+/// How many times the scatter of runs an offset between two of them is.
+pub(crate) const RUN_SCATTERS: f64 = 3.0;
+/// Share of the squares that two means take which one leaves.
+pub(crate) const SPLIT_SHARE: f64 = 0.5;
+/// Least step of a joint whose command stands that is no slip of its friction \[rad\], and in deviations of its readings.
+pub(crate) const STILL_STEP: f64 = 0.03;
+pub(crate) const STILL_SD: f64 = 8.0;
+
+// `change`
+/// Gains of a joint that changed.
+pub(crate) const CHANGED_GAINS: std::ops::Range<f64> = 0.1..10.0;
+/// A factor that is nearer to 1 is what the laws get wrong.
+pub(crate) const LEAST_GAIN: f64 = 1.3;
+pub(crate) const GAIN_ROUNDS: usize = 6;
+
+// `change::torque`
+/// Factors of a torque that are looked for.
+pub(crate) const TORQUE_FACTORS: std::ops::RangeInclusive<u32> = 2..=10;
+/// How far from a whole count a reading may be, for the digits of a log.
+pub(crate) const COUNT_ROUNDING: f64 = 0.05;
+/// Steps that are needed on either side.
+pub(crate) const FEWEST_TORQUE_STEPS: usize = 8;
+/// What the steps must say \[nats\].
+pub(crate) const TORQUE_NATS: f64 = 15.0;
+/// Largest reading in counts.
+pub(crate) const MOST_COUNTS: f64 = 1e6;

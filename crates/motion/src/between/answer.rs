@@ -7,12 +7,7 @@ use super::terms::{Term, half_play, yielded};
 use crate::examined::{ChannelFit, Examined, Finding, NearRival};
 use haptical_linalg::dot;
 
-/// What yields beyond a play is told from this many standard deviations on.
-const SURE_SDS: f64 = 3.0;
-/// Relative standard deviation of how a spring hardens, whose law is no gear's to the last digit.
-const HARDENING_SD: f64 = 0.5;
-/// Rivals further behind are not told of \[nats\].
-const FAR: f64 = 12.0;
+use crate::thresholds::between::{FAR_RIVAL_NATS, HARDENING_SD, SURE_YIELD_SDS};
 
 pub(super) fn examined(rows: &Rows, chosen: &Chosen) -> Examined {
     let mut channels = Vec::new();
@@ -148,13 +143,15 @@ fn of_joint(rows: &JointRows, fitted: &Fitted, (chosen, at): (&Chosen, usize)) -
                 first += term.columns_count();
                 let beyond = if *yields { value(1) } else { 0.0 };
                 let half_rad = half_play(value(0), beyond, *flight_nm);
-                let is_sure = *yields && beyond > SURE_SDS * sd(1);
+                let is_sure = *yields && beyond > SURE_YIELD_SDS * sd(1);
                 let mut numbers = vec![("width_rad", 2.0 * half_rad, 2.0 * sd(0))];
                 numbers.extend(is_sure.then(|| stiffness(1)));
                 numbers
             }
         };
-        let near = chosen.rivals[at][index].iter().filter(|own| own.1 < FAR);
+        let near = chosen.rivals[at][index]
+            .iter()
+            .filter(|own| own.1 < FAR_RIVAL_NATS);
         let rivals = near.map(|(rival, behind)| NearRival {
             effect: rival.name(),
             joint: Some(rows.joint),

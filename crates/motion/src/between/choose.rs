@@ -2,16 +2,10 @@
 
 use super::fit::{Fitted, fit};
 use super::rows::JointRows;
-use super::terms::{FLIGHT_SHARES, HARDENING_SHARES, LEAST_NATS, Term};
-
-/// Most terms at once.
-const MOST: usize = 12;
-/// Largest share of rows in which a play may leave the place of its link open.
-const MOST_FLIGHT: f64 = 0.35;
-
-/// Steps either way in which the share of a spring that hardens is settled, and their size.
-const FINER: i32 = 16;
-const FINER_STEP: f64 = 1.1;
+use super::terms::Term;
+use crate::thresholds::between::{
+    FINER_STEP, FINER_STEPS, FLIGHT_SHARES, HARDENING_SHARES, LEAST_NATS, MOST_FLIGHT, MOST_TERMS,
+};
 
 /// What was found.
 pub(super) struct Chosen {
@@ -152,7 +146,7 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
         is_shared: false,
     };
     let has_delays = !is_left_out(Term::Delay) && rows.len() > 1;
-    for _ in 0..MOST {
+    for _ in 0..MOST_TERMS {
         let before = state.score(rows);
         let has = |(at, term): &(usize, Term)| {
             let own = &state.fitted[*at];
@@ -197,7 +191,7 @@ fn refined(rows: &JointRows, fitted: &Fitted) -> Fitted {
         let terms: Vec<Term> = fitted.terms.iter().map(of).collect();
         fit(rows, &terms, &|_| true)
     };
-    let all = (-FINER..=FINER).map(|k| with(FINER_STEP.powi(k)));
+    let all = (-FINER_STEPS..=FINER_STEPS).map(|k| with(FINER_STEP.powi(k)));
     let all: Vec<Fitted> = all.filter(|own| own.is_possible(rows)).collect();
     let best = (all.iter()).max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood));
     let Some((best, (at, _))) = best.and_then(|own| Some((own, own.hardening()?))) else {

@@ -5,11 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::rows::JointRows;
 use super::terms::Term;
-
-/// Rounds in which the noise and the second order of a delay settle.
-const ROUNDS: usize = 12;
-/// Largest correlation of neighbouring rows that is looked for.
-const MOST_CORRELATED: f64 = 0.95;
+use crate::thresholds::between::{FIT_ROUNDS, MOST_CORRELATED};
 
 /// A fit of one joint.
 #[derive(Debug, Clone)]
@@ -171,7 +167,7 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
     let (mut sd, mut correlation) = (1e3 * rows.noise, 0.0_f64);
     let mut coefficients: Vec<f64> = vec![0.0; columns.len()];
     let mut found = probe;
-    for _ in 0..ROUNDS {
+    for _ in 0..FIT_ROUNDS {
         let half_play = play.map_or(0.0, |at| coefficients[at].abs());
         let second = delay.map_or(0.0, |at| 0.5 * coefficients[at] * coefficients[at]);
         let sds: Vec<f64> = (0..rows.count())

@@ -19,14 +19,7 @@ use self::rows::Rows;
 use self::terms::Term;
 use crate::MotionError;
 use crate::examined::{ChannelFit, Examined};
-
-/// Shares of the energy beyond noise that effects may leave, on rows that were fitted and on others.
-const LEFT: f64 = 0.02;
-const LEFT_UNSEEN: f64 = 0.1;
-/// A joint with less than this share of the gap, and without an effect, may keep it.
-const PART: f64 = 0.01;
-/// Square of what passes for noise over the noise: rounding is not white.
-const NOISE: f64 = 1.5;
+use crate::thresholds::between::{LEFT, LEFT_UNSEEN, NOISE_SQUARE, PART_OF_GAP};
 
 /// Where the torque that a gear carries comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,7 +89,7 @@ pub fn examine_between(
 /// Whether effects explain what the encoders show: of the whole energy beyond noise, and of every joint's that has an effect or a
 /// hundredth of it, they leave 2 %, and a tenth on rows that were not fitted (A169).
 fn is_adequate(examined: &Examined) -> bool {
-    let energy = |rms: f64, noise: f64| ((rms / noise).powi(2) - NOISE).max(0.0);
+    let energy = |rms: f64, noise: f64| ((rms / noise).powi(2) - NOISE_SQUARE).max(0.0);
     let whole: f64 = (examined.channels.iter())
         .map(|own| energy(own.rms_before, own.noise))
         .sum();
@@ -106,7 +99,7 @@ fn is_adequate(examined: &Examined) -> bool {
             .findings
             .iter()
             .any(|found| found.joint.is_none_or(|joint| joint == own.joint));
-        let is_small = !has_effect && before <= PART * whole;
+        let is_small = !has_effect && before <= PART_OF_GAP * whole;
         let mut unseen = examined
             .unseen
             .iter()
@@ -114,7 +107,7 @@ fn is_adequate(examined: &Examined) -> bool {
         let holds = unseen.all(|unseen| {
             let [before, after] =
                 [&unseen.before, &unseen.after].map(|own| own.iter().sum::<f64>());
-            let floor = NOISE * unseen.noise.powi(2) * unseen.rows_in_all() as f64;
+            let floor = NOISE_SQUARE * unseen.noise.powi(2) * unseen.rows_in_all() as f64;
             !has_effect || after - floor <= LEFT_UNSEEN * (before - floor).max(0.0)
         });
         is_small || (after <= LEFT * before && holds)

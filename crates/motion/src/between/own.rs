@@ -6,10 +6,11 @@ use super::answer::{examined, rms};
 use super::choose::Chosen;
 use super::fit::{Fitted, fit, predicted};
 use super::rows::{JointRows, Rows};
-use super::terms::{FLIGHT_SHARES, Term};
+use super::terms::Term;
 use super::unseen::{about_zero, weights_of};
 use super::{Between, LEFT_UNSEEN, LoadSource};
 use crate::MotionError;
+use crate::thresholds::between::{FLIGHT_SHARES, NOISE_ENERGY};
 
 /// An effect of a joint (from 0) whose size is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +59,7 @@ pub fn examine_own(
     }
     let is_left = |((joint, before), after): ((&JointRows, &Fitted), &Fitted)| {
         let energy = |own: &Fitted| (rms(&own.rest, &after.weights) / joint.noise).powi(2) - 1.0;
-        energy(after) > LEFT_UNSEEN * energy(before) && energy(after) > NOISE
+        energy(after) > LEFT_UNSEEN * energy(before) && energy(after) > NOISE_ENERGY
     };
     let mut triples = rows.joints.iter().zip(&bare).zip(&fitted);
     let is_adequate = !triples.any(is_left);
@@ -86,9 +87,6 @@ pub fn examine_own(
         offsets_rad: Vec::new(),
     })
 }
-
-/// Energy beyond noise, over that of noise, that passes for noise.
-const NOISE: f64 = 0.5;
 
 fn term(rows: &JointRows, own: OwnEffect) -> (Term, f64) {
     match own {

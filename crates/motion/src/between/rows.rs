@@ -5,23 +5,14 @@ use haptical_model::Recording;
 
 use super::LoadSource;
 use crate::MotionError;
-use crate::fit::problem::LEAST_RATE_HZ;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
 use crate::signal::samples::{Piece, Samples};
-
-/// Edges of the band of the rows \[Hz\] where a load has little noise, and where it is a drive's torque: above the second one the noise of
-/// its current, over a stiffness, is larger than what the encoder shows of it (A166). At most this share of the log's rate.
-const OF_LINKS_HZ: f64 = 20.0;
-const OF_DRIVES_HZ: f64 = 8.0;
-const OF_RATE: f64 = 0.1;
-/// Most rows of a joint: longer logs keep every second one, or fewer.
-const MOST_ROWS: usize = 4000;
-/// Fewest rows of a joint.
-const LEAST_ROWS: usize = 60;
-/// A recording in which no joint moves faster than this stands still \[rad/s\].
-const STILL: f64 = 1e-3;
+use crate::thresholds::between::{
+    DRIVES_EDGE_HZ, EDGE_OF_RATE, LEAST_ROWS, LINKS_EDGE_HZ, MOST_ROWS, STILL_RAD_PER_S,
+};
+use crate::thresholds::fit::LEAST_RATE_HZ;
 
 /// Rows of all joints that have an encoder on the link.
 pub(super) struct Rows {
@@ -69,10 +60,10 @@ impl Rows {
             return Err(MotionError::Sampling(message));
         }
         let edge_hz = match source {
-            LoadSource::Links => OF_LINKS_HZ,
-            LoadSource::Drives => OF_DRIVES_HZ,
+            LoadSource::Links => LINKS_EDGE_HZ,
+            LoadSource::Drives => DRIVES_EDGE_HZ,
         };
-        let edge_hz = edge_hz.min(OF_RATE * samples.rate_hz());
+        let edge_hz = edge_hz.min(EDGE_OF_RATE * samples.rate_hz());
         let grid = Grid::new(&samples, edge_hz, source);
         let [time_s, row_of] = grid.times(&samples);
         let first = &samples.pieces[0];
@@ -93,7 +84,7 @@ impl Rows {
             return Err(MotionError::Sampling(message));
         }
         let speeds = joints.iter().flat_map(|own| &own.speed);
-        if speeds.fold(0.0_f64, |most, own| most.max(own.abs())) < STILL {
+        if speeds.fold(0.0_f64, |most, own| most.max(own.abs())) < STILL_RAD_PER_S {
             return Err(MotionError::Standstill);
         }
         Ok(Self {

@@ -1,25 +1,12 @@
 //! What may lie between motor and link: columns of a joint's rows, and names.
 
 use super::rows::JointRows;
-
-/// What a term explains beyond its numbers, at least \[nats\].
-pub(super) const LEAST_NATS: f64 = 12.0;
-/// Half a play is at least this share of what the gear yields in a standard deviation of the load: a smaller one is what a spring's law gets
-/// wrong.
-const LEAST_PLAY: f64 = 0.1;
-/// Shortest delay in steps of the log: what damps a gear, over its stiffness, lags as well (A168).
-const LEAST_DELAY_STEPS: f64 = 0.05;
-/// Loads below these shares of their root mean square may be no load: the bodies' masses are not known better, and a link that flies
-/// through its play is unloaded.
-pub(super) const FLIGHT_SHARES: [f64; 4] = [0.03, 0.06, 0.12, 0.25];
+use crate::thresholds::between::{LEAST_DELAY_STEPS, LEAST_NATS, LEAST_PLAY};
 
 /// Half the width of a play from its side: what yields beyond it counts from no load, its side from the least load that says it.
 pub(super) fn half_play(side: f64, beyond: f64, flight_nm: f64) -> f64 {
     side - flight_nm * beyond.max(0.0)
 }
-
-/// Shares by which a gear may be harder at the root mean square of its load than at rest that are tried.
-pub(super) const HARDENING_SHARES: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 
 /// What a gear that hardens yields, times its stiffness at rest: the x of `x (1 + share (x / load_nm)^2) = load`, the one real root of the
 /// cubic.
@@ -148,6 +135,7 @@ impl Term {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::thresholds::between::HARDENING_SHARES;
 
     #[test]
     fn what_yields_solves_its_cubic() {

@@ -5,7 +5,8 @@ use super::fit::{Fitted, determined, fit, predicted};
 use super::rows::{JointRows, Rows};
 use super::terms::Term;
 use crate::MotionError;
-use crate::unseen::{FOLDS, PARTS, Unseen};
+use crate::thresholds::examine::{FOLDS, PARTS};
+use crate::unseen::Unseen;
 
 /// Rows of the recording, left out in turn.
 pub(super) fn within(rows: &Rows, chosen: &Chosen) -> Vec<Unseen> {

@@ -5,27 +5,18 @@ use std::rc::Rc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, Finer, PUSH_LAW_SD};
+use super::{Candidate, Candidates, Context, Effect, Finer};
 use crate::fit::trimmed::{Outside, outside};
+use crate::thresholds::effect::{
+    CONTACT_NODE_ROWS, FARTHEST_M, FELT_BY_TWO, MOST_CONTACT_NODES, ONE_WAY, PUSH_LAW_SD,
+    TORQUES_OF_MANY,
+};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "contact",
     candidates: Candidates::Given(candidates),
 };
 
-/// Rows between the nodes of the force's course, of few and of many.
-const NODES: [f64; 2] = [2.0, 1.0];
-/// Torques that many nodes ask for at least: three components a row are all that three torques are.
-const TORQUES_OF_MANY: usize = 5;
-/// Most nodes: a longer contact has them further apart. A slow course needs few, and one that begins at once many.
-const MOST_NODES: [usize; 2] = [60, 120];
-/// A force at the flange is felt by several joints: the second most has this share of the squares of the most, at least.
-const FELT_BY_TWO: f64 = 0.03;
-/// A surface pushes in one direction: the mean force over the mean of its size, at least.
-const ONE_WAY: f64 = 0.5;
-
-/// Farthest that what touches is from the flange \[m\]: a tool is longer than a hand, and shorter than a link.
-const FARTHEST_M: f64 = 0.4;
 /// Numbers of the point that is touched.
 const OF_POINT: usize = 3;
 
@@ -50,7 +41,13 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         true => 2,
         false => 1,
     };
-    let of_kind = |kind| Course::new(context, &outside.rows, (NODES[kind], MOST_NODES[kind]));
+    let of_kind = |kind| {
+        Course::new(
+            context,
+            &outside.rows,
+            (CONTACT_NODE_ROWS[kind], MOST_CONTACT_NODES[kind]),
+        )
+    };
     let courses: Vec<Course> = (0..kinds).map(of_kind).collect();
     let Some(geometry) = geometry(context).map(Rc::new) else {
         return Vec::new();

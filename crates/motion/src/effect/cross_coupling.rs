@@ -3,13 +3,12 @@
 use super::{Candidate, Candidates, Context, Effect};
 use std::rc::Rc;
 
+use crate::thresholds::effect::MOST_COUPLING;
+
 pub(super) const EFFECT: Effect = Effect {
     name: "cross-coupling",
     candidates: Candidates::Given(candidates),
 };
-
-/// A drive loads a joint by less than its own torque.
-const MOST: f64 = 1.0;
 
 /// A share of one drive's torque on another joint: an entry beside the diagonal of the transmission's matrix, which joint torques are the
 /// transpose of times motor torques (Tsai, Robot Analysis, 1999). A drive passes the joints between its motor and its own, so that it loads
@@ -35,7 +34,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
                 let shape = vec![("from_joint", number)];
                 Some(Candidate {
                     shape,
-                    within: [-MOST, MOST],
+                    within: [-MOST_COUPLING, MOST_COUPLING],
                     ..own.of_kind(*from)
                 })
             })

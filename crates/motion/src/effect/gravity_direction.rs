@@ -51,5 +51,5 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let numbers = |own: &[f64]| vec![("tilt_rad", own[0].hypot(own[1]))];
     let found = Candidate::new(EFFECT.name, None, columns.collect(), Rc::new(numbers));
     // the torques of a tilt are those of bodies that are off themselves
-    vec![found.about_to(0.5 * crate::fit::plausible::MASS)]
+    vec![found.about_to(crate::thresholds::effect::BODIES_LAW_SD)]
 }

@@ -3,14 +3,12 @@
 use std::rc::Rc;
 
 use super::{Candidate, Candidates, Context, Effect, ends};
+use crate::thresholds::effect::LEAST_TRAVEL_RAD;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "gravity-spring",
     candidates: Candidates::Given(candidates),
 };
-
-/// Travel from which on a sine is not taken for a constant.
-const LEAST_TRAVEL_RAD: f64 = 1.0;
 
 /// A torque that depends on the joint's own angle alone: straight (a torsion spring) or a sine (a counterweight, a spring on a
 /// crank).

@@ -5,19 +5,13 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, LINK_LAW_SD};
+use super::{Candidate, Candidates, Context, Effect};
+use crate::thresholds::effect::{LINK_LAW_SD, MOST_CENTRE_M, MOST_MISSING_MASS, MOST_OF_ROD};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "link-inertia",
     candidates: Candidates::Given(candidates),
 };
-
-/// Most that a mass is too small, as a share of it.
-const MOST_MASS: f64 = 5.0;
-/// Most that a centre of mass is off, and as a share of the length of a rod with the link's inertia: from one end of it to the other.
-/// Beyond it is no longer this link's (assumption A200).
-const MOST_CENTRE_M: f64 = 0.5;
-const MOST_OF_ROD: f64 = 1.0;
 
 /// For each body its mass, alone at its centre of mass, and its centre of mass.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
@@ -40,7 +34,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
             found.push(of_mass);
             continue;
         }
-        of_mass.within = [-mass_kg, MOST_MASS * mass_kg];
+        of_mass.within = [-mass_kg, MOST_MISSING_MASS * mass_kg];
         found.push(of_mass);
         let shifts = (0..3).map(|axis| {
             let mut shift = Vector3::zeros();

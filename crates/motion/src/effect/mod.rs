@@ -22,9 +22,7 @@ pub(crate) use self::torque_saturation::ends_at;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
-
-/// Square of a column, over that of the effect's largest, that is rounding.
-const UNFELT: f64 = 1e-18;
+use crate::thresholds::effect::UNFELT;
 
 /// Numbers of an effect from the coefficients of its columns.
 pub(crate) type Numbers = Rc<dyn Fn(&[f64]) -> Vec<(&'static str, f64)>>;
@@ -79,17 +77,6 @@ pub(crate) enum Finer<'c> {
     /// The same, where it corrects the law a little: most of what it explains was explained before.
     Correction(MadeAbout<'c>),
 }
-
-/// How far the size of a friction is known beyond which of its many laws it follows.
-const FRICTION_LAW_SD: f64 = 0.05;
-/// The same of cogging: magnets and slots are no sines.
-const COGGING_LAW_SD: f64 = 0.02;
-/// The same of a weight or a torque's scale: it is measured by bodies that are off themselves.
-const BODIES_LAW_SD: f64 = 0.5 * crate::fit::plausible::MASS;
-/// The same of a link's mass: what it has more of need not be at its centre.
-const LINK_LAW_SD: f64 = 0.3;
-/// The same of a push, whose point is not known.
-const PUSH_LAW_SD: f64 = 0.1;
 
 /// What effects are worked out of.
 #[derive(Clone, Copy)]

@@ -2,23 +2,16 @@
 
 use std::rc::Rc;
 
-use super::{COGGING_LAW_SD, Candidate, Candidates, Context, Effect, ends};
+use super::{Candidate, Candidates, Context, Effect, ends};
 use crate::fit::problem::Problem;
+use crate::thresholds::effect::{
+    COGGING_KEPT, COGGING_LAW_SD, HIGHEST_OF_SLIDE, HIGHEST_ORDER, LEAST_PERIODS, MOST_ORDERS,
+};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "motor-cogging",
     candidates: Candidates::ByRest(candidates),
 };
-
-/// Repetitions in a turn of the joint that are tried at most, and in 2 pi metres of a slide: two in a turn of a screw of 5 mm.
-const HIGHEST: f64 = 400.0;
-const HIGHEST_OF_SLIDE: f64 = 2500.0;
-/// And at least in what the joint turns: what repeats less often may be a weight or a spring.
-const LEAST_PERIODS: f64 = 3.0;
-/// Best of a scan that are fitted beside the base model.
-const KEPT: usize = 2;
-/// Most orders of a scan.
-const MOST: usize = 1500;
 
 /// The orders of which a periodogram of the rest over the joint's angle shows most.
 fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
@@ -36,12 +29,12 @@ fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
         let lowest = LEAST_PERIODS * std::f64::consts::TAU / travel;
         let highest = match problem.arm.slides(joint) {
             true => HIGHEST_OF_SLIDE,
-            false => HIGHEST,
+            false => HIGHEST_ORDER,
         };
-        let count = (((highest - lowest) / step).max(0.0) as usize).min(MOST);
+        let count = (((highest - lowest) / step).max(0.0) as usize).min(MOST_ORDERS);
         let mut scan = scan(problem, q, rest, (lowest, step, count));
         scan.sort_by(|a, b| b.0.total_cmp(&a.0));
-        scan.truncate(KEPT);
+        scan.truncate(COGGING_KEPT);
         scan.iter()
             .filter_map(|(_, order)| at(context, joint, *order, step))
             .collect()

@@ -5,7 +5,8 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{BODIES_LAW_SD, Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Candidates, Context, Effect, Finer};
+use crate::thresholds::effect::BODIES_LAW_SD;
 
 pub(super) const EFFECT: Effect = Effect {
     name: "payload",

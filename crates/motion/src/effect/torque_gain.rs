@@ -2,15 +2,13 @@
 
 use std::rc::Rc;
 
-use super::{BODIES_LAW_SD, Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Candidates, Context, Effect, Finer};
+use crate::thresholds::effect::{BODIES_LAW_SD, MOST_GAIN};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "torque-gain",
     candidates: Candidates::Given(candidates),
 };
-
-/// Most of a reading that is too much; a torque that is not there at all, or of the wrong sign, is no scale of it.
-const MOST: f64 = 0.95;
 
 /// `e tau` by the nominal bodies' torque: the logged torque is 1 + e times the true one, and its gain as a device file has it what of a
 /// reading is too much, e / (1 + e). What bodies and friction are beside the nominal ones has the log's scale too: settled by the reading itself.
@@ -22,7 +20,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers));
         let settled = found.map(|own| Candidate {
             law_sd: BODIES_LAW_SD,
-            is_sound: |own| own[0] > -MOST,
+            is_sound: |own| own[0] > -MOST_GAIN,
             finer: Finer::Correction(Rc::new(move |own| {
                 by_reading(context, joint, own[0] / (1.0 + own[0]))
             })),
@@ -39,7 +37,7 @@ fn by_reading(context: Context<'_>, joint: usize, gain: f64) -> Option<Candidate
     let mut found = context.of_signals(EFFECT.name, joint, &[signal], Rc::new(numbers))?;
     let rows = context.problem.states.rows() as f64;
     found.of_noise = rows * (gain * (1.0 - 0.5 * gain)).max(0.0);
-    found.is_sound = |own| own[0] < MOST;
+    found.is_sound = |own| own[0] < MOST_GAIN;
     found.law_sd = BODIES_LAW_SD;
     found.about = vec![gain];
     found.finer = Finer::Correction(Rc::new(move |own| by_reading(context, joint, own[0])));

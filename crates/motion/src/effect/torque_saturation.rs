@@ -4,35 +4,16 @@ use std::rc::Rc;
 
 use super::{Candidate, Candidates, Context, Effect, ends};
 use crate::select::Pick;
+use crate::thresholds::effect::{
+    ABOVE_SDS, DENSER_AT_END, END_SDS, LEAST_FLAT, LONGEST_SATURATION, MOST_ABOVE,
+    MOST_MISSING_NODES, NEAR_ALL, NEAR_END_SDS, RIGHT_SIDE, SATURATION_LIMITS,
+};
 
 pub(super) const EFFECT: Effect = Effect {
     name: "torque-saturation",
     candidates: Candidates::Given(candidates),
 };
 
-/// Shares of the largest torque at which it may set in.
-const LIMITS: [f64; 12] = [
-    0.95, 0.85, 0.75, 0.65, 0.55, 0.47, 0.4, 0.34, 0.28, 0.22, 0.16, 0.1,
-];
-/// Longest share of the log that it may last.
-const LONGEST: f64 = 0.4;
-/// Least share of samples that stand at the end of what is read.
-const LEAST_FLAT: f64 = 0.003;
-/// How far about the end they are, and how far above it there are none to speak of, in standard deviations of a reading.
-const END_SDS: f64 = 3.0;
-const ABOVE_SDS: f64 = 5.0;
-/// Most readings above, per reading at the end: noise has tails.
-const ABOVE: f64 = 0.02;
-/// How much denser readings are there than below.
-const DENSER: f64 = 3.0;
-/// A smoothed reading that is this near to the end, in standard deviations of one, holds readings that ended.
-const NEAR_END_SDS: f64 = 2.0;
-/// Least of what is missing that is missing on the right side, over what is on the wrong one.
-const RIGHT_SIDE: f64 = 1.5;
-/// Most nodes of what is missing.
-const MOST_NODES: usize = 120;
-/// How far the share of the excess that is lost may be from all of it.
-const NEAR_ALL: f64 = 0.15;
 /// The law of a reading that ends, among this effect's.
 const CLIPPED: usize = 1;
 
@@ -45,7 +26,7 @@ pub(crate) fn ends_at(pick: &Pick) -> Option<(usize, f64)> {
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
         let [low, high] = ends(&context.problem.recorded_torque(joint));
-        let limits = LIMITS.map(|share| share * high.max(-low));
+        let limits = SATURATION_LIMITS.map(|share| share * high.max(-low));
         let mut found: Vec<Candidate<'_>> = clipped(context, joint).into_iter().collect();
         let lost = limits.into_iter();
         found.extend(lost.filter_map(|limit| at(context, joint, limit)));
@@ -82,7 +63,7 @@ fn clipped(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
     let apart_s = states
         .pass
         .row_s()
-        .max(times.len() as f64 * states.fine_s / MOST_NODES as f64);
+        .max(times.len() as f64 * states.fine_s / MOST_MISSING_NODES as f64);
     let mut nodes: Vec<f64> = Vec::new();
     for time in times {
         let node = (time / apart_s).round() * apart_s;
@@ -125,7 +106,7 @@ fn end(all: &[f64], sd: f64) -> Option<f64> {
     // the densest of those above which there is nothing more
     let is_end = |value: &f64| {
         let at = within(value - END_SDS * sd, value + END_SDS * sd);
-        all.len() as f64 - below(value + ABOVE_SDS * sd) as f64 <= ABOVE * at
+        all.len() as f64 - below(value + ABOVE_SDS * sd) as f64 <= MOST_ABOVE * at
     };
     let end = bins.take_while(|value| *value > 0.3 * most).filter(is_end);
     let end = end.max_by(|a, b| dense(a).total_cmp(&dense(b)))?;
@@ -133,7 +114,8 @@ fn end(all: &[f64], sd: f64) -> Option<f64> {
     let under = within(end - 3.0 * END_SDS * sd, end - END_SDS * sd);
     // both in bands of two standard deviations
     let per_width = under / END_SDS;
-    let is_dense = at >= LEAST_FLAT * all.len() as f64 && dense(&end) > DENSER * per_width.max(2.0);
+    let is_dense =
+        at >= LEAST_FLAT * all.len() as f64 && dense(&end) > DENSER_AT_END * per_width.max(2.0);
     let from = below(end - 2.0 * sd);
     let nearby = &sizes[from..below(end + 2.0 * sd)];
     is_dense.then(|| nearby[nearby.len() / 2])
@@ -156,7 +138,7 @@ fn at(context: Context<'_>, joint: usize, limit: f64) -> Option<Candidate<'_>> {
         .collect();
     let beyond =
         (logged.iter()).filter(|own| own.abs() > limit).count() as f64 / logged.len() as f64;
-    if beyond > LONGEST {
+    if beyond > LONGEST_SATURATION {
         return None;
     }
     let mut found = context.of_signals(EFFECT.name, joint, &sides, Rc::new(|_| Vec::new()))?;

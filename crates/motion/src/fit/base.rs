@@ -7,24 +7,10 @@ use std::rc::Rc;
 
 use crate::arm::Deviation;
 use crate::fit::column::Column;
-use crate::fit::plausible;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-
-/// Speeds within which Coulomb friction turns over that are tried, \[rad/s\] or \[m/s\].
-const TURNOVER: [f64; 10] = [
-    0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12,
-];
-
-/// Times by which Coulomb friction may lead the motion, and lag it where negative, that are tried \[s\]. It lags by its memory (Hess and
-/// Soom 1990); where a simulator holds it back by a soft constraint it leads (docs/assumptions.md, A185).
-const LEADS_S: [f64; 7] = [0.0, 0.003, 0.006, 0.009, 0.012, -0.003, -0.006];
-
-/// Travel over which every friction may build up: the joint's at its fastest in so many seconds.
-const BRISTLE_S: f64 = 1e-4;
-
-/// Noise of a fitted armature's acceleration, over that of a row, from which on it counts.
-const LOUD: f64 = 0.3;
+use crate::thresholds::fit::{BRISTLE_S, LEADS_S, LOUD_ARMATURE, TURNOVERS};
+use crate::thresholds::plausible;
 
 /// What a column of the base model is.
 #[derive(Debug, Clone)]
@@ -155,7 +141,7 @@ impl Base {
                 continue;
             };
             let noise = value.abs() * problem.states.acceleration_sd[joint];
-            is_loud |= noise > LOUD * problem.row_sd[channel];
+            is_loud |= noise > LOUD_ARMATURE * problem.row_sd[channel];
             likely[joint] = value.abs();
         }
         is_loud.then_some(likely)
@@ -351,7 +337,7 @@ fn settled_reversals(problem: &Problem, columns: &[BaseColumn]) -> Vec<Reversal>
     let system = system_of(columns);
     let solved = system.solve(&problem.recorded(0.0), &[]);
     let middle = Reversal {
-        turnover: TURNOVER[TURNOVER.len() / 2],
+        turnover: TURNOVERS[TURNOVERS.len() / 2],
         lead_s: 0.0,
     };
     let mut reversals = vec![middle; problem.arm.joints()];
@@ -379,7 +365,7 @@ fn settled_reversals(problem: &Problem, columns: &[BaseColumn]) -> Vec<Reversal>
                 all.reduce(|a, b| if b.0 > a.0 { b } else { a })
             };
             let lead_s = known[joint].lead_s;
-            let turnovers = TURNOVER.map(|turnover| Reversal { turnover, lead_s });
+            let turnovers = TURNOVERS.map(|turnover| Reversal { turnover, lead_s });
             if let Some((_, found)) = best(&mut turnovers.into_iter()) {
                 let leads = LEADS_S.map(|lead_s| Reversal { lead_s, ..found });
                 reversals[joint] = best(&mut leads.into_iter()).map_or(found, |own| own.1);

@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use haptical_linalg::dot;
 
+use crate::thresholds::fit::GAP_ROWS;
+
 /// A column of rows: of one channel alone, or of all.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Column {
@@ -19,9 +21,6 @@ pub(crate) enum Column {
         spans: Vec<Range<usize>>,
     },
 }
-
-/// Zeros in a row that end a span.
-const GAP_ROWS: usize = 8;
 
 impl Column {
     /// The same column with the spans of rows where it is not zero: products pass over the others.

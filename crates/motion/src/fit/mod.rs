@@ -2,7 +2,6 @@
 
 pub(crate) mod base;
 pub(crate) mod column;
-pub(crate) mod plausible;
 pub(crate) mod problem;
 pub(crate) mod system;
 pub(crate) mod trimmed;

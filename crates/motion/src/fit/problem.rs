@@ -12,20 +12,9 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
-
-/// Edges of the band that are tried, widest first \[Hz\]: an arm's motion is below the first, and where positions are coarse the
-/// noise of their accelerations asks for a narrower one.
-const EDGES_HZ: [f64; 6] = [20.0, 12.0, 8.0, 5.0, 3.0, 2.0];
-/// Edge of the band, at most this share of the log's rate.
-const OF_RATE: f64 = 0.1;
-/// Lowest rate of a log \[Hz\].
-pub(crate) const LEAST_RATE_HZ: f64 = 20.0;
-/// Fewest rows of a joint.
-const LEAST_ROWS: usize = 30;
-/// A joint that moves slower than this share of its fastest rests: friction that sticks is not known there.
-const RESTS: f64 = 0.02;
-/// A joint whose fastest motion is slower than this share of the fastest joint's, and than `STILL`, stands still.
-const STILL: f64 = 1e-3;
+use crate::thresholds::fit::{
+    EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, LEAST_RATE_HZ, RESTING_SHARE, STILL,
+};
 
 /// How a recording is read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -95,7 +84,7 @@ impl Problem {
         if channels.is_empty() {
             return Err(MotionError::Constant);
         }
-        let highest = OF_RATE * samples.rate_hz();
+        let highest = EDGE_OF_RATE * samples.rate_hz();
         let edges: Vec<f64> = match edge_hz {
             Some(edge_hz) => vec![edge_hz],
             None => EDGES_HZ
@@ -106,7 +95,7 @@ impl Problem {
         let mut chosen = None;
         for edge in edges {
             let states = States::new(&samples, edge);
-            let Some(states) = states.filter(|own| own.rows() >= LEAST_ROWS) else {
+            let Some(states) = states.filter(|own| own.rows() >= LEAST_JOINT_ROWS) else {
                 continue;
             };
             let [positions, torques] = noises(&arm, &samples, &states, (&channels, has_memory))?;
@@ -200,7 +189,7 @@ impl Problem {
             let dq = &self.states.motor.dq[joint];
             let fastest = dq.iter().fold(0.0_f64, |most, dq| most.max(dq.abs()));
             let rests: Vec<f64> = (dq.iter())
-                .map(|dq| f64::from(dq.abs() < RESTS * fastest))
+                .map(|dq| f64::from(dq.abs() < RESTING_SHARE * fastest))
                 .collect();
             let slower = self.states.slower_speed(&self.samples, joint);
             let direction = |dq: f64| libm::tanh(dq / turnovers[joint]);

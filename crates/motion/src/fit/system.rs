@@ -10,9 +10,7 @@ use haptical_linalg::{Information, dot};
 use nalgebra::DMatrix;
 
 use crate::fit::column::Column;
-
-/// A column of which no more than this share of the square is beside those before it adds nothing.
-const DEPENDENT: f64 = 1e-8;
+use crate::thresholds::fit::DEPENDENT;
 
 /// Columns and their products.
 #[derive(Debug, Clone)]

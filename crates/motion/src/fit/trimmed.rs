@@ -11,15 +11,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-
-/// Share of the times that agree, at least.
-const KEPT: f64 = 0.6;
-/// Concentration steps.
-const STEPS: usize = 8;
-/// A time that lies this many standard deviations beyond noise is outside.
-const BEYOND: f64 = 6.0;
-/// Mean square of what agrees, at most, in squares of noise.
-const AGREES: f64 = 2.0;
+use crate::thresholds::fit::{AGREEING_SQUARE, CONCENTRATION_STEPS, LEAST_AGREEING, OUTSIDE_SDS};
 
 /// Times that do not agree with the others.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +32,7 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
     let mut squares = vec![0.0; rows];
     let mut rest = Vec::new();
     let mut step = 0;
-    while step <= STEPS {
+    while step <= CONCENTRATION_STEPS {
         rest = rest_of(problem, base, &columns, &recorded, &inside)?;
         for (row, square) in squares.iter_mut().enumerate() {
             *square = (0..channels)
@@ -49,16 +41,16 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
                 / channels as f64;
         }
         let mut order = squares.clone();
-        let kept = ((KEPT * rows as f64) as usize).min(rows - 1);
+        let kept = ((LEAST_AGREEING * rows as f64) as usize).min(rows - 1);
         let (_, most, _) = order.select_nth_unstable_by(kept, f64::total_cmp);
-        let most = match step < STEPS {
+        let most = match step < CONCENTRATION_STEPS {
             true => *most,
-            false => 1.0 + BEYOND * (2.0 / channels as f64).sqrt(),
+            false => 1.0 + OUTSIDE_SDS * (2.0 / channels as f64).sqrt(),
         };
         let now: Vec<bool> = squares.iter().map(|square| *square <= most).collect();
         // what has settled is ready for the last step
-        step = match step + 1 < STEPS && now == inside {
-            true => STEPS,
+        step = match step + 1 < CONCENTRATION_STEPS && now == inside {
+            true => CONCENTRATION_STEPS,
             false => step + 1,
         };
         inside = now;
@@ -68,8 +60,9 @@ pub(crate) fn outside(problem: &Problem, base: &Base) -> Option<Outside> {
         .map(|own| *own.0)
         .collect();
     let mean = agreeing.iter().sum::<f64>() / agreeing.len().max(1) as f64;
-    let is_found =
-        agreeing.len() < rows && agreeing.len() as f64 > 0.5 * rows as f64 && mean < AGREES;
+    let is_found = agreeing.len() < rows
+        && agreeing.len() as f64 > 0.5 * rows as f64
+        && mean < AGREEING_SQUARE;
     let of_channel = |channel: usize| {
         let own = rest[channel * rows..][..rows].iter().zip(&inside);
         own.filter(|(_, inside)| !**inside)

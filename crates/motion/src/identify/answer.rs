@@ -5,9 +5,7 @@ use haptical_model::{Device, JointType};
 use nalgebra::DVector;
 
 use crate::arm::PARAMETERS;
-use crate::fit::plausible;
 use crate::fit::problem::Problem;
-use crate::identify::ARMATURE_SD;
 use crate::identify::combinations::Combinations;
 use crate::identify::estimate::Estimate;
 use crate::identify::feasible::Feasible;
@@ -16,6 +14,8 @@ use crate::identify::friction::FrictionLaw;
 use crate::identify::numbers::Number;
 use crate::identify::result::{BaseParameter, BodyDynamics, Estimated, JointDynamics};
 use crate::identify::shape::Shape;
+use crate::thresholds::identify::ARMATURE_SD;
+use crate::thresholds::plausible;
 
 /// From coordinates of the fit to an answer.
 pub(crate) struct Answer<'a> {

@@ -17,9 +17,8 @@ use crate::identify::estimate::least_squares;
 use crate::identify::fit::Settled;
 use crate::identify::loaded::Loaded;
 use crate::identify::numbers::{Number, columns};
+use crate::thresholds::identify::NOISE_DRAWS;
 
-/// Draws of the noise: their mean is taken.
-const DRAWS: u64 = 3;
 /// Seed of the first; the others follow it.
 pub const NOISE_SEED: u64 = 1;
 
@@ -61,7 +60,7 @@ pub(crate) fn of_noise(
     sds: &[f64],
 ) -> Result<Vec<f64>, MotionError> {
     let mut sum = vec![0.0; values.len()];
-    for draw in 0..DRAWS {
+    for draw in 0..NOISE_DRAWS {
         let mut random = ChaCha8Rng::seed_from_u64(NOISE_SEED + draw);
         let mut noisy = known.recording.clone();
         for (column, sd) in noisy.joint.iter_mut().zip(sds) {
@@ -81,7 +80,7 @@ pub(crate) fn of_noise(
             false => return Err(MotionError::Fit("noise changes what is fixed".to_owned())),
         };
         for (sum, (value, before)) in sum.iter_mut().zip(again.values.iter().zip(values)) {
-            *sum += (value - before) / DRAWS as f64;
+            *sum += (value - before) / NOISE_DRAWS as f64;
         }
     }
     Ok(sum)

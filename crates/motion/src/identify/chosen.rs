@@ -9,11 +9,7 @@ use crate::identify::combinations::Combinations;
 use crate::identify::estimate::{Estimate, instrumented};
 use crate::identify::instruments::{self, Instruments};
 use crate::identify::numbers::Number;
-
-/// Share of a standard deviation from which a bias is worth the larger intervals of instruments.
-const BIAS_MATTERS: f64 = 0.25;
-/// Instruments by which the median number is this many times less certain than by least squares say too little.
-const WIDER: f64 = 3.0;
+use crate::thresholds::identify::{MOST_WIDENING, WORTHWHILE_BIAS};
 
 /// The fit with instruments, where there are some that span the motion.
 pub(crate) fn with_instruments(
@@ -73,12 +69,12 @@ impl Chosen {
         let share = |(bias, sd): (&f64, &f64)| bias.abs() / sd;
         let matters = bias.as_ref().is_none_or(|own| {
             let mut shares = own.iter().zip(&plain.sd).map(share);
-            shares.any(|own| own > BIAS_MATTERS)
+            shares.any(|own| own > WORTHWHILE_BIAS)
         });
         let why = match &with {
             None => "the log neither repeats its motion nor has commands",
             Some(_) if !matters => "it is too small for instruments to help",
-            Some((own, _)) if wider(own, &plain) > WIDER => {
+            Some((own, _)) if wider(own, &plain) > MOST_WIDENING => {
                 "the motion repeats itself, or follows its commands, too loosely to keep it out"
             }
             Some(_) => "",

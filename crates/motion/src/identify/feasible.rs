@@ -8,14 +8,9 @@ use nalgebra::{DMatrix, DVector, Matrix4};
 use crate::MotionError;
 use crate::arm::PARAMETERS;
 use crate::identify::shape::Shape;
-
-/// Steps of Gauss and Newton, and when they end: the change of a coordinate.
-const STEPS: usize = 60;
-const SETTLED: f64 = 1e-9;
-/// What the rounding of its numbers may take off the least eigenvalue of a body, many times over.
-const ROUNDING: f64 = 1e-11;
-/// The same of a second moment, which is a difference of inertias, as a share of them.
-const DIFFERENCE: f64 = 1e-14;
+use crate::thresholds::identify::{
+    COORDINATE_TOLERANCE, EIGENVALUE_ROUNDING, GAUSS_NEWTON_STEPS, MOMENT_ROUNDING,
+};
 
 /// What a number is to the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -177,7 +172,7 @@ impl Search<'_> {
         let mut at = start;
         let mut cost = self.cost(&at);
         let mut damping = 1e-6;
-        for _ in 0..STEPS {
+        for _ in 0..GAUSS_NEWTON_STEPS {
             let (normal, slope) = self.normal(&at, held);
             let mut step = None;
             while damping < 1e12 {
@@ -197,7 +192,8 @@ impl Search<'_> {
             };
             let bodies = &moved.as_slice()[..PARAMETERS * self.shapes.len()];
             let largest = bodies.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-            let is_settled = largest < SETTLED && cost - less <= SETTLED * (1.0 + cost);
+            let is_settled = largest < COORDINATE_TOLERANCE
+                && cost - less <= COORDINATE_TOLERANCE * (1.0 + cost);
             (at, cost) = (next, less);
             if is_settled {
                 break;
@@ -240,11 +236,15 @@ impl Search<'_> {
 fn is_body(parameters: [f64; PARAMETERS]) -> bool {
     let mut pseudo = Inertia::from_parameters(parameters).pseudo_inertia();
     let moments = pseudo[(0, 0)] + pseudo[(1, 1)] + pseudo[(2, 2)];
-    (0..3).for_each(|axis| pseudo[(axis, axis)] -= DIFFERENCE * moments);
+    (0..3).for_each(|axis| pseudo[(axis, axis)] -= MOMENT_ROUNDING * moments);
     let scale = pseudo.diagonal().map(f64::sqrt);
     let scaled = Matrix4::from_fn(|a, b| {
         let own = pseudo[(a, b)] / (scale[a] * scale[b]);
-        if a == b { own - ROUNDING } else { own }
+        if a == b {
+            own - EIGENVALUE_ROUNDING
+        } else {
+            own
+        }
     });
     scaled.iter().all(|own| own.is_finite()) && scaled.cholesky().is_some()
 }
@@ -268,7 +268,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::identify::shape::GIVEN_SD;
+    use crate::thresholds::identify::GIVEN_BODY_SD;
 
     fn nominal() -> Inertia {
         let about = Matrix3::new(0.03, 0.002, 0.0, 0.002, 0.05, 0.001, 0.0, 0.001, 0.04);
@@ -283,13 +283,13 @@ mod tests {
     proptest! {
         #[test]
         fn every_vector_of_coordinates_is_a_body(at in prop::array::uniform10(-1.5..1.5_f64)) {
-            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            let shape = Shape::new(&nominal(), GIVEN_BODY_SD).unwrap();
             prop_assert!(is_positive(shape.parameters(&at)));
         }
 
         #[test]
         fn slopes_are_those_of_finite_differences(at in prop::array::uniform10(-0.8..0.8_f64)) {
-            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            let shape = Shape::new(&nominal(), GIVEN_BODY_SD).unwrap();
             let slopes = shape.slopes(&at);
             for k in 0..PARAMETERS {
                 let moved = |by: f64| {
@@ -311,7 +311,7 @@ mod tests {
             wanted in prop::array::uniform4(-5.0..5.0_f64),
             mix in prop::collection::vec(-1.0..1.0_f64, 40),
         ) {
-            let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+            let shape = Shape::new(&nominal(), GIVEN_BODY_SD).unwrap();
             let nominal = nominal().parameters();
             let map = DMatrix::from_fn(4, PARAMETERS, |row, column| mix[PARAMETERS * row + column]);
             let kinds: Vec<Kind> = (0..PARAMETERS).map(|entry| Kind::Body { shape: 0, entry }).collect();
@@ -327,7 +327,7 @@ mod tests {
 
     #[test]
     fn nothing_asked_for_is_the_nominal_body() {
-        let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+        let shape = Shape::new(&nominal(), GIVEN_BODY_SD).unwrap();
         for (found, wanted) in shape
             .parameters(&[0.0; 10])
             .iter()
@@ -339,7 +339,7 @@ mod tests {
 
     #[test]
     fn what_a_body_can_have_is_realised_and_an_armature_is_not_negative() {
-        let shape = Shape::new(&nominal(), GIVEN_SD).unwrap();
+        let shape = Shape::new(&nominal(), GIVEN_BODY_SD).unwrap();
         let nominal = nominal().parameters();
         let mut kinds: Vec<Kind> = (0..PARAMETERS)
             .map(|entry| Kind::Body { shape: 0, entry })

@@ -9,18 +9,9 @@ use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::identify::friction::{self, FrictionLaw};
 use crate::identify::numbers::{Number, columns};
-
-/// Rounds in which friction, delay and weights are settled.
-const ROUNDS: usize = 3;
-/// Steps of the delay in each.
-const DELAY_STEPS: usize = 4;
-/// The delay has settled where it moves by less than this share of the log's step.
-const SETTLED: f64 = 1e-3;
-/// Longest delay that is looked for, in steps of the log, and in seconds.
-const LONGEST_STEPS: f64 = 10.0;
-const LONGEST_S: f64 = 0.05;
-/// Least standard deviation of a row, as a share of the torque's root mean square.
-const LEAST_SHARE: f64 = 1e-6;
+use crate::thresholds::identify::{
+    DELAY_STEPS, DELAY_TOLERANCE, FIT_ROUNDS, LEAST_ROW_SD, LONGEST_DELAY_S, LONGEST_DELAY_STEPS,
+};
 
 /// What is settled before numbers are told apart.
 #[derive(Debug, Clone)]
@@ -37,8 +28,8 @@ pub(crate) fn settle(problem: &mut Problem, numbers: &[Number]) -> Settled {
     let mut friction = friction::first(problem);
     let mut early_s = 0.0;
     let noise = problem.row_sd.clone();
-    let longest_s = (LONGEST_STEPS * problem.samples.step_s).max(LONGEST_S);
-    for _ in 0..ROUNDS {
+    let longest_s = (LONGEST_DELAY_STEPS * problem.samples.step_s).max(LONGEST_DELAY_S);
+    for _ in 0..FIT_ROUNDS {
         let all = columns(problem, numbers, &friction, early_s);
         friction = friction::choose(problem, numbers, &all, &problem.recorded(early_s));
         let mut all = columns(problem, numbers, &friction, early_s);
@@ -51,7 +42,7 @@ pub(crate) fn settle(problem: &mut Problem, numbers: &[Number]) -> Settled {
             let Some(place) = delay else { break };
             let before_s = early_s;
             early_s = (early_s + solved.solution[place]).clamp(-longest_s, longest_s);
-            if (early_s - before_s).abs() < SETTLED * problem.samples.step_s {
+            if (early_s - before_s).abs() < DELAY_TOLERANCE * problem.samples.step_s {
                 break;
             }
             all[place] = Rc::new(crate::identify::numbers::delay(problem, early_s));
@@ -64,7 +55,7 @@ pub(crate) fn settle(problem: &mut Problem, numbers: &[Number]) -> Settled {
                 .states
                 .torque(&problem.samples, problem.channels[channel], 0.0);
             let size = (dot(&torque, &torque) / rows as f64).sqrt();
-            left.max(*noise).max(LEAST_SHARE * size)
+            left.max(*noise).max(LEAST_ROW_SD * size)
         });
         let sds: Vec<f64> = sds.collect();
         problem.reweigh(&sds);

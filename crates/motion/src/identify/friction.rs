@@ -7,18 +7,10 @@ use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::identify::numbers::Number;
-
-/// Speeds within which friction turns over that are tried \[rad/s\], \[m/s\].
-const SPEEDS: [f64; 11] = [
-    0.0015, 0.003, 0.005, 0.0075, 0.011, 0.017, 0.025, 0.04, 0.07, 0.12, 0.2,
-];
-/// Travels over which it builds up that are tried \[rad\], \[m\]: the shortest is an encoder's count, the longest a soft seal.
-const TRAVELS: [f64; 10] = [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
-/// Rounds in which each joint's law is chosen beside those of the others.
-const ROUNDS: usize = 2;
-/// A law with a memory is taken where it explains this much more \[nats\] per row of a joint: both laws are of three numbers, and
-/// the one without a memory is what simulators have.
-const BETTER: f64 = 0.005;
+use crate::thresholds::identify::{
+    FARTHEST_LOG_SIZE, FRICTION_LOG_STEP, FRICTION_ROUNDS, FRICTION_SPEEDS, FRICTION_TRAVELS,
+    MEMORY_NATS_PER_ROW,
+};
 
 /// What Coulomb friction is a multiple of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +24,7 @@ pub enum FrictionLaw {
 impl FrictionLaw {
     /// The same law with another size, the logarithm of its share given.
     pub(crate) fn scaled(self, log: f64) -> Self {
-        let factor = log.clamp(-FARTHEST, FARTHEST).exp();
+        let factor = log.clamp(-FARTHEST_LOG_SIZE, FARTHEST_LOG_SIZE).exp();
         match self {
             Self::Speed(own) => Self::Speed(factor * own),
             Self::Travel(own) => Self::Travel(factor * own),
@@ -41,9 +33,12 @@ impl FrictionLaw {
 
     /// How its side changes with the logarithm of its size.
     pub(crate) fn by_turnover(self, problem: &Problem, joint: usize) -> Vec<f64> {
-        let [above, below] = [LOG_STEP, -LOG_STEP].map(|log| self.scaled(log).side(problem, joint));
+        let [above, below] = [FRICTION_LOG_STEP, -FRICTION_LOG_STEP]
+            .map(|log| self.scaled(log).side(problem, joint));
         let pairs = above.iter().zip(below);
-        pairs.map(|(a, b)| (a - b) / (2.0 * LOG_STEP)).collect()
+        pairs
+            .map(|(a, b)| (a - b) / (2.0 * FRICTION_LOG_STEP))
+            .collect()
     }
 
     /// Side on which the friction is at the fine steps, -1 to 1.
@@ -58,11 +53,6 @@ impl FrictionLaw {
     }
 }
 
-/// Half a step either way for the derivative by the logarithm of a law's size.
-const LOG_STEP: f64 = 0.2;
-/// Farthest that a law's size is from the one that was tried: half of the way to the next.
-const FARTHEST: f64 = 0.6;
-
 /// Friction that is a share of what a joint carries, `s |tau|`, by its side (Hamon, Gautier and Garrec 2010).
 pub(crate) fn by_load(problem: &Problem, joint: usize, side: &[f64]) -> Vec<f64> {
     let load = problem.carried(joint);
@@ -74,7 +64,7 @@ pub(crate) fn by_load(problem: &Problem, joint: usize, side: &[f64]) -> Vec<f64>
 
 /// Laws that every joint starts with.
 pub(crate) fn first(problem: &Problem) -> Vec<FrictionLaw> {
-    vec![FrictionLaw::Speed(SPEEDS[SPEEDS.len() / 2]); problem.arm.joints()]
+    vec![FrictionLaw::Speed(FRICTION_SPEEDS[FRICTION_SPEEDS.len() / 2]); problem.arm.joints()]
 }
 
 /// The law of each joint that explains most of a target beside all other numbers.
@@ -94,8 +84,8 @@ pub(crate) fn choose(
         .collect();
     let system = System::new(&others, &vec![None; others.len()]);
     let solved = system.solve(target, &[]);
-    let laws: Vec<FrictionLaw> = (SPEEDS.map(FrictionLaw::Speed).into_iter())
-        .chain(TRAVELS.map(FrictionLaw::Travel))
+    let laws: Vec<FrictionLaw> = (FRICTION_SPEEDS.map(FrictionLaw::Speed).into_iter())
+        .chain(FRICTION_TRAVELS.map(FrictionLaw::Travel))
         .collect();
     let of_joint = |joint: usize| -> Vec<(Rc<Column>, Vec<f64>)> {
         let columns = laws.iter().filter_map(|law| {
@@ -110,16 +100,20 @@ pub(crate) fn choose(
         .iter()
         .map(|joint| of_joint(*joint))
         .collect();
-    let mut chosen = vec![SPEEDS.len() / 2; problem.channels.len()];
-    let margin = BETTER * problem.states.rows() as f64;
-    for round in 0..ROUNDS {
+    let mut chosen = vec![FRICTION_SPEEDS.len() / 2; problem.channels.len()];
+    let margin = MEMORY_NATS_PER_ROW * problem.states.rows() as f64;
+    for round in 0..FRICTION_ROUNDS {
         for channel in 0..problem.channels.len() {
             let beside = (0..tried.len()).filter(|other| round > 0 && *other != channel);
             let beside: Vec<_> = beside.map(|other| &tried[other][chosen[other]]).collect();
             let gain = |law: usize| {
                 let all = beside.iter().copied().chain([&tried[channel][law]]);
                 let (columns, across): (Vec<_>, Vec<_>) = all.cloned().unzip();
-                let bonus = if law < SPEEDS.len() { margin } else { 0.0 };
+                let bonus = if law < FRICTION_SPEEDS.len() {
+                    margin
+                } else {
+                    0.0
+                };
                 solved.gain(&columns, &across).nats + bonus
             };
             let gains: Vec<f64> = (0..tried[channel].len()).map(gain).collect();

@@ -7,17 +7,9 @@
 use haptical_model::Recording;
 
 use crate::signal::samples::Samples;
-
-/// Samples that are looked at for a period.
-const COARSE: usize = 1500;
-/// Share of the motion's variance that a period leaves at most.
-const REPEATS: f64 = 0.01;
-/// Share that has to be left at a shorter lag, so that a lag is a period and not a step.
-const APART: f64 = 0.5;
-/// Share of the motion's variance that commands leave at most.
-const FOLLOWS: f64 = 0.05;
-/// Longest lag between command and position that is tried \[s\].
-const LONGEST_LAG_S: f64 = 0.2;
+use crate::thresholds::identify::{
+    COMMANDS_LEAVE, LONGEST_LAG_S, PERIOD_LEAVES, PERIOD_SAMPLES, SHORTER_LAG_LEAVES,
+};
 
 /// Where the regressor has a twin without its noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,22 +77,22 @@ pub(crate) fn period(columns: &[Vec<f64>]) -> Option<usize> {
     if moving.is_empty() || length < 8 {
         return None;
     }
-    let every = length.div_ceil(COARSE);
+    let every = length.div_ceil(PERIOD_SAMPLES);
     let coarse: Vec<f64> = (0..=length / 2)
         .step_by(every)
         .map(|lag| left(lag, every))
         .collect();
-    let apart = coarse.iter().position(|own| *own > APART)?;
+    let apart = coarse.iter().position(|own| *own > SHORTER_LAG_LEAVES)?;
     let near = (apart + 1..coarse.len()).find(|k| {
         let next = coarse.get(k + 1).copied().unwrap_or(f64::INFINITY);
         // the coarse grid may miss the period by half of a step
-        coarse[*k] < 4.0 * REPEATS && coarse[*k] <= coarse[k - 1] && coarse[*k] <= next
+        coarse[*k] < 4.0 * PERIOD_LEAVES && coarse[*k] <= coarse[k - 1] && coarse[*k] <= next
     })?;
     let from = (near * every).saturating_sub(every).max(1);
     let to = (near * every + every).min(length / 2);
     let fine = (from..=to).map(|lag| (lag, left(lag, 1)));
     let (lag, least) = fine.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    (least < REPEATS).then_some(lag)
+    (least < PERIOD_LEAVES).then_some(lag)
 }
 
 fn commands(recording: &Recording, samples: &Samples) -> Option<(Recording, Instruments)> {
@@ -119,7 +111,7 @@ fn commands(recording: &Recording, samples: &Samples) -> Option<(Recording, Inst
             variance(&difference)
         };
         let lag = (0..=longest).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-        if left(lag) > FOLLOWS * variance(own) {
+        if left(lag) > COMMANDS_LEAVE * variance(own) {
             return None;
         }
         twin.joint[joint] = (0..own.len())

@@ -8,9 +8,7 @@ use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::identify::bias::Known;
 use crate::identify::friction::by_load;
-
-/// What it explains beyond its number, at least \[nats\], rows with a memory counted as what they say.
-const LEAST_NATS: f64 = 16.0;
+use crate::thresholds::identify::LOADED_NATS;
 
 /// Joints whose friction is asked for its share of the load, and the arm whose bodies are the load.
 #[derive(Debug, Clone, Default)]
@@ -40,7 +38,7 @@ impl Loaded {
             column.is_some_and(|own| {
                 let own = [Rc::new(own)];
                 let gain = solved.gain(&own, &system.across(&own));
-                gain.coefficients[0] > 0.0 && gain.nats > LEAST_NATS * inflation.max(1.0)
+                gain.coefficients[0] > 0.0 && gain.nats > LOADED_NATS * inflation.max(1.0)
             })
         };
         let joints: Vec<usize> = problem.channels.iter().copied().filter(is_shown).collect();

@@ -34,8 +34,11 @@ use fit::settle;
 use loaded::Loaded;
 use numbers::{Number, numbers};
 use predict::Numbers;
-use shape::{ASSUMED_SD, GIVEN_SD, Shape};
+use shape::Shape;
 
+use crate::thresholds::identify::{
+    ARMATURE_SD, ASSUMED_BODY_SD, GIVEN_BODY_SD, LOOSE_SD, POSITION_NOISE,
+};
 pub use bias::NOISE_SEED;
 pub use device::with_dynamics;
 pub use friction::FrictionLaw;
@@ -44,14 +47,6 @@ pub use predict::Residual;
 pub use result::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, JointDynamics, stacked_percent,
 };
-
-/// Standard deviation of friction and offsets that is known beforehand, in torques' root mean squares: nothing.
-const LOOSE: f64 = 1e3;
-/// Share of a torque that the noise of the positions may make up within the band.
-const NOISE_SHARE: f64 = 0.01;
-
-/// Standard deviation of an armature that is known beforehand, as a share of the stated one.
-pub(crate) const ARMATURE_SD: f64 = 1.0;
 
 /// Identifies the dynamics of a device from a recording; `validate`: one that is predicted and not fitted; `edge_hz`: the band, where
 /// it is not for the log to say.
@@ -90,7 +85,7 @@ fn pass(
     let reading = Reading {
         edge_hz,
         sets_right: true,
-        noise_share: NOISE_SHARE,
+        noise_share: POSITION_NOISE,
         ..Reading::default()
     };
     let mut problem = Problem::new(arm.clone(), recording, reading)?;
@@ -203,8 +198,8 @@ fn shapes(arm: &Arm, is_held: &[bool]) -> Result<Vec<(usize, Shape)>, MotionErro
     let shape = |body: usize| {
         let own = &arm.bodies.masses()[body];
         let sd = match own.has_mass && own.has_inertia {
-            true => GIVEN_SD,
-            false => ASSUMED_SD,
+            true => GIVEN_BODY_SD,
+            false => ASSUMED_BODY_SD,
         };
         let shape = Shape::new(&own.inertia, sd).ok_or_else(|| {
             MotionError::Fit(format!("row {} has no mass that a body can have", own.row))
@@ -253,27 +248,27 @@ fn feasible(
         }
         Number::Viscous { joint } => Kind::Own {
             least: 0.0,
-            known_sd: Some(LOOSE * torque(joint) / largest(&motor.dq[joint])),
+            known_sd: Some(LOOSE_SD * torque(joint) / largest(&motor.dq[joint])),
         },
         Number::Coulomb { joint } => Kind::Own {
             least: 0.0,
-            known_sd: Some(LOOSE * torque(joint)),
+            known_sd: Some(LOOSE_SD * torque(joint)),
         },
         Number::Turnover { joint } | Number::Lead { joint } => Kind::Own {
             least: f64::NEG_INFINITY,
-            known_sd: Some(LOOSE * torque(joint)),
+            known_sd: Some(LOOSE_SD * torque(joint)),
         },
         Number::Load { .. } => Kind::Own {
             least: 0.0,
-            known_sd: Some(LOOSE),
+            known_sd: Some(LOOSE_SD),
         },
         Number::Offset { joint } => Kind::Own {
             least: f64::NEG_INFINITY,
-            known_sd: Some(LOOSE * torque(joint)),
+            known_sd: Some(LOOSE_SD * torque(joint)),
         },
         Number::Delay => Kind::Own {
             least: f64::NEG_INFINITY,
-            known_sd: Some(LOOSE * problem.samples.step_s),
+            known_sd: Some(LOOSE_SD * problem.samples.step_s),
         },
     };
     let kinds: Vec<Kind> = numbers.iter().map(kind).collect();

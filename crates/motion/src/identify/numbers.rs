@@ -9,6 +9,7 @@ use crate::fit::base::slope;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::identify::friction::{FrictionLaw, by_load};
+use crate::thresholds::identify::DELAY_DIFFERENCE;
 
 /// A number that torques depend on linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,9 +154,6 @@ pub(crate) fn order(numbers: &[Number]) -> Vec<usize> {
     order
 }
 
-/// Half a step either way for the derivative by the delay, as a share of the log's step.
-const DELAY_STEP: f64 = 0.5;
-
 /// Whitened rows of every number; `early_s`: how long torques are taken to be logged before their positions.
 pub(crate) fn columns(
     problem: &Problem,
@@ -195,7 +193,7 @@ pub(crate) fn columns(
 /// How recorded torques less the model change with the time that they are early, its sign turned: what is left is
 /// `recorded(early) - columns x`, and a step of x makes it `recorded(early + x)`.
 pub(crate) fn delay(problem: &Problem, early_s: f64) -> Column {
-    let step_s = DELAY_STEP * problem.samples.step_s;
+    let step_s = DELAY_DIFFERENCE * problem.samples.step_s;
     let ahead = problem.recorded(early_s + step_s);
     let behind = problem.recorded(early_s - step_s);
     let slopes = ahead.iter().zip(behind);

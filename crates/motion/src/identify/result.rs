@@ -5,9 +5,7 @@ use haptical_dynamics::Inertia;
 use crate::identify::friction::FrictionLaw;
 use crate::identify::instruments::Instruments;
 use crate::identify::predict::Residual;
-
-/// Half width of a normal 95 % interval in standard deviations.
-const NORMAL_95: f64 = 1.96;
+use crate::thresholds::identify::NORMAL_95;
 
 /// A number with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]

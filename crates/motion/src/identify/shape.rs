@@ -7,12 +7,8 @@ use haptical_dynamics::Inertia;
 use haptical_dynamics::nalgebra::{Matrix3, Matrix4};
 
 use crate::arm::PARAMETERS;
+use crate::thresholds::identify::FLATTEST_BODY;
 
-/// Standard deviation of the logarithm of a body's size that is known where its numbers are given, and where they are assumed.
-pub(crate) const GIVEN_SD: f64 = 0.5;
-pub(crate) const ASSUMED_SD: f64 = 1.0;
-/// Least second moment about the centre of a nominal body, as a share of their sum: a body that is flatter is thickened.
-const FLATTEST: f64 = 1e-3;
 /// Places below the diagonal of U, behind its diagonal.
 const BELOW: [(usize, usize); 6] = [(1, 0), (2, 0), (2, 1), (3, 0), (3, 1), (3, 2)];
 /// A nominal body about which ten coordinates turn.
@@ -31,7 +27,7 @@ impl Shape {
         let second = Matrix3::from_diagonal_element(0.5 * about.trace()) - about;
         let eigen = ((second + second.transpose()) * 0.5).symmetric_eigen();
         let sum: f64 = eigen.eigenvalues.iter().map(|own| own.max(0.0)).sum();
-        let least = (FLATTEST * sum).max(nominal.mass_kg * 1e-8);
+        let least = (FLATTEST_BODY * sum).max(nominal.mass_kg * 1e-8);
         let values = eigen.eigenvalues.map(|own| own.max(least));
         let second =
             eigen.eigenvectors * Matrix3::from_diagonal(&values) * eigen.eigenvectors.transpose();

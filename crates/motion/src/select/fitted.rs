@@ -2,15 +2,13 @@
 
 use std::rc::Rc;
 
-use crate::examined::ALLOWED_REST;
 use crate::fit::base::{Base, Term};
 use crate::fit::column::Column;
-use crate::fit::plausible;
 use crate::fit::problem::Problem;
 use crate::fit::system::{Solved, System};
-
-/// Times that numbers beyond their limits are put at them.
-const ROUNDS: usize = 6;
+use crate::thresholds::examine::ALLOWED_REST;
+use crate::thresholds::plausible;
+use crate::thresholds::select::LIMIT_ROUNDS;
 
 /// The base model of a problem, ready to be fitted with effects.
 pub(crate) struct Frame<'c> {
@@ -106,7 +104,7 @@ pub(crate) fn within_limits(
             }
         }
         round += 1;
-        if is_settled || round > ROUNDS {
+        if is_settled || round > LIMIT_ROUNDS {
             return solved;
         }
     }

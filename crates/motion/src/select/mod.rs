@@ -18,29 +18,13 @@ use self::scored::{Scored, penalty};
 use crate::effect::{Candidate, Context, Finer};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
-use crate::fit::plausible;
 use crate::fit::problem::Problem;
-
-/// Most effects at once, and most places of them: an armature may be off at every joint.
-const MOST: usize = 4;
-const MOST_PLACES: usize = 10;
-/// What an effect explains beyond its numbers, at least \[nats\].
-pub(crate) const LEAST_NATS: f64 = 16.0;
-/// A further effect explains this share of the whole, or that one of what is left.
-const OF_WHOLE: f64 = 0.03;
-const OF_REST: f64 = 0.5;
-/// Beside a delay of all positions it explains this share of the whole: a shifted torque is not the one that was read.
-const OF_DELAYED: f64 = 2e-3;
-/// Candidates that are fitted in full, strongest first, and the share of the strongest that they explain at least.
-const IN_FULL: usize = 6;
-const NEAR: f64 = 0.5;
-/// Times that a law is corrected, and the share of what it then explains that it explained before.
-const CORRECTIONS: usize = 2;
-const MOST_OF_CORRECTED: f64 = 0.7;
-/// Delays are settled to this share of a step.
-const DELAY_STEPS: f64 = 0.01;
-/// Longest delay that is tried \[s\].
-const LONGEST_S: f64 = 0.1;
+use crate::thresholds::plausible;
+use crate::thresholds::select::{
+    CORRECTIONS, DELAY_TOLERANCE, FITTED_IN_FULL, LEAST_LAST_NATS, LEAST_NATS, LEAST_OF_DELAYED,
+    LEAST_OF_REST, LEAST_OF_WHOLE, LONGEST_DELAY_S, MOST_EFFECTS, MOST_OF_CORRECTED, MOST_PLACES,
+    NEAR_STRONGEST,
+};
 
 /// What was found.
 pub(crate) struct Selection {
@@ -169,16 +153,16 @@ fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> 
         early_s: None,
     };
     let mut way = Vec::new();
-    while kinds(&state.taken) <= MOST && state.taken.len() < MOST_PLACES {
+    while kinds(&state.taken) <= MOST_EFFECTS && state.taken.len() < MOST_PLACES {
         if !state.taken.is_empty() && is_quiet(frame.problem, &state.fitted) {
             break;
         }
-        let of_whole = OF_WHOLE * before;
+        let of_whole = LEAST_OF_WHOLE * before;
         let of_delayed = match state.taken.iter().any(Candidate::is_delay_of_all) {
-            true => OF_DELAYED * before,
+            true => LEAST_OF_DELAYED * before,
             false => 0.0,
         };
-        let of_rest = of_whole.min(OF_REST * state.fitted.excess);
+        let of_rest = of_whole.min(LEAST_OF_REST * state.fitted.excess);
         let least = LeastNats {
             of_law: LEAST_NATS.max(of_rest).max(of_delayed),
             of_recording: match state.taken.is_empty() {
@@ -187,7 +171,7 @@ fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> 
             },
         };
         match best(frame, pool, &state, least) {
-            Some(next) if kinds(&next.taken) <= MOST => {
+            Some(next) if kinds(&next.taken) <= MOST_EFFECTS => {
                 way.push(std::mem::replace(&mut state, next));
             }
             _ => break,
@@ -300,8 +284,8 @@ fn nearest<'c>(frame: &Frame<'_>, pool: &Pool<'c>, state: &State<'c>) -> Vec<Sta
         let copies = near.iter().filter(|other| is_there(other)).count();
         let is_near = near
             .first()
-            .is_none_or(|first| own.nats > NEAR * first.nats);
-        if near.len() < IN_FULL && is_near && copies < 1 {
+            .is_none_or(|first| own.nats > NEAR_STRONGEST * first.nats);
+        if near.len() < FITTED_IN_FULL && is_near && copies < 1 {
             near.push(own);
         }
     }
@@ -360,7 +344,7 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, further: Candidate<'c>) -> Opt
         let last = fitted.base_columns + first - 1;
         let variance = fitted.solved.covariance(&[last])[(0, 0)];
         let last_nats = 0.5 * fitted.solved.solution[last].powi(2) / variance.max(1e-300);
-        if own.needs_last && last_nats < scored::LEAST_LAST_NATS {
+        if own.needs_last && last_nats < LEAST_LAST_NATS {
             return None;
         }
     }
@@ -393,8 +377,8 @@ fn delay(frame: &Frame<'_>, taken: &[Candidate<'_>], columns: &[Rc<Column>], sta
     let mut at = start_s;
     for _ in 0..8 {
         let step = frame.fitted(columns, Some(at)).effects()[first];
-        at = (at + step).clamp(-LONGEST_S, LONGEST_S);
-        if step.abs() < DELAY_STEPS * frame.problem.samples.step_s {
+        at = (at + step).clamp(-LONGEST_DELAY_S, LONGEST_DELAY_S);
+        if step.abs() < DELAY_TOLERANCE * frame.problem.samples.step_s {
             break;
         }
     }

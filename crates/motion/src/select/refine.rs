@@ -3,11 +3,7 @@
 use super::scored::{Scored, score};
 use super::{Fitted, Frame};
 use crate::effect::{Candidate, Finer, MadeAbout};
-
-/// Steps of a search for a number of a shape, each 0.62 of the one before.
-const STEPS: usize = 8;
-/// Times that a candidate is made linear about its coefficients.
-const TIMES: usize = 6;
+use crate::thresholds::select::{LINEARISATIONS, SEARCH_STEPS};
 
 /// The candidate with the shape that explains most.
 pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>) -> Scored<'c> {
@@ -16,7 +12,7 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
         Finer::Settled | Finer::Correction(_) => start,
         Finer::About(about) => {
             let mut best = start;
-            for _ in 0..TIMES {
+            for _ in 0..LINEARISATIONS {
                 let nearer = about_of(&best, &about).and_then(|own| score(frame, fitted, &own));
                 match nearer {
                     Some(nearer) if nearer.nats > best.nats - 1.0 => best = nearer,
@@ -45,7 +41,7 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
             };
             let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
             let (mut at_a, mut at_b) = (try_at(a), try_at(b));
-            for _ in 0..STEPS {
+            for _ in 0..SEARCH_STEPS {
                 keep(&at_a, &mut best);
                 keep(&at_b, &mut best);
                 if nats(&at_a) >= nats(&at_b) {

@@ -4,9 +4,10 @@ use std::rc::Rc;
 
 use haptical_linalg::dot;
 
-use super::scored::{LEAST_LAST_NATS, Pool, penalty};
+use super::scored::{Pool, penalty};
 use super::{Frame, State, columns_of, is_taken, nearest};
 use crate::effect::{Candidate, TORQUE_GAIN, is_of_own_joint};
+use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS};
 
 /// Another effect in the place of a pick.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,9 +19,6 @@ pub(crate) struct Rival {
     /// Share of the pick's own gain that it has.
     pub(crate) share: f64,
 }
-
-/// Share of what an effect of one joint's torque explains that it explains there, at least.
-const OF_OWN_JOINT: f64 = 0.5;
 
 /// What is known of a pick beside the other picks.
 pub(super) struct Beside {
@@ -84,7 +82,7 @@ fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candi
         return true;
     };
     let rests = [&others.fitted, &whole.fitted].map(|own| own.solved.rest.as_slice());
-    if gained_by_channel(frame.problem.states.rows(), rests, channel) < OF_OWN_JOINT {
+    if gained_by_channel(frame.problem.states.rows(), rests, channel) < LEAST_AT_JOINT {
         return false;
     }
     own.effect != TORQUE_GAIN || is_scale(frame, others, whole, own, joint)

@@ -2,9 +2,7 @@
 
 use super::{Fitted, Frame, Pick};
 use crate::effect::{Candidate, Candidates, Context, EFFECTS};
-
-/// What the last column of an effect that needs it explains at least \[nats\].
-pub(super) const LEAST_LAST_NATS: f64 = 12.0;
+use crate::thresholds::select::LEAST_LAST_NATS;
 
 /// A candidate and what it explains.
 #[derive(Clone)]

@@ -3,14 +3,7 @@
 use super::scored::score;
 use super::{Fitted, Frame, State, columns_of};
 use crate::effect::{Candidate, Finer};
-
-/// Steps of the logarithm of a shape's number within which what is explained has to fall for a standard deviation to be known.
-const SHAPE_STEPS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
-/// Parabolas through three numbers, the ends so many standard deviations from the middle; the middle moves by no more at once.
-const PARABOLAS: usize = 3;
-const ENDS_SDS: f64 = 2.0;
-/// A move of so many standard deviations is none.
-const SETTLED_SDS: f64 = 0.1;
+use crate::thresholds::select::{PARABOLA_SDS, PARABOLAS, SHAPE_STEPS, UNMOVED_SDS};
 
 /// The number of a pick's shape that leaves least beside the base model and the other picks, all fitted anew, and the standard deviation
 /// of its logarithm: by the second difference of what is left, of which half a nat is one standard deviation (Wilks 1938). Numbers of the
@@ -35,7 +28,7 @@ pub(super) fn settled<'c>(
     let mut sd = alone(frame, &others, own, misfit);
     let mut best = state;
     for _ in 0..PARABOLAS {
-        let step = ENDS_SDS * sd;
+        let step = PARABOLA_SDS * sd;
         let value = best.taken[index].shape[0].1;
         let moved =
             |by: f64| at(value * by.exp()).and_then(|own| replaced(frame, &best, index, own));
@@ -52,7 +45,7 @@ pub(super) fn settled<'c>(
             break;
         };
         best = nearer;
-        if by.abs() < SETTLED_SDS * sd {
+        if by.abs() < UNMOVED_SDS * sd {
             break;
         }
     }

@@ -4,8 +4,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Degree of the polynomial: position and acceleration have no error up to the fourth power of time.
-const DEGREE: usize = 4;
+use crate::thresholds::signal::LOCAL_DEGREE;
 
 /// Weights of the samples around one: their sums with positions are the polynomial's value and derivatives there.
 #[derive(Debug, Clone)]
@@ -20,16 +19,16 @@ impl LocalPolynomial {
     /// A window that passes what is slower than `cutoff_hz` (to -3 dB) of samples that are `step_s` apart.
     pub(crate) fn new(step_s: f64, cutoff_hz: f64) -> Self {
         let of_nyquist = 2.0 * cutoff_hz * step_s;
-        let half = ((DEGREE as f64 + 1.0) / of_nyquist + 4.6) / 3.2;
-        let half = (half.round() as usize).max(DEGREE / 2 + 1);
+        let half = ((LOCAL_DEGREE as f64 + 1.0) / of_nyquist + 4.6) / 3.2;
+        let half = (half.round() as usize).max(LOCAL_DEGREE / 2 + 1);
         let at = |index: usize| index as f64 - half as f64;
-        let powers = DMatrix::from_fn(2 * half + 1, DEGREE + 1, |row, power| {
+        let powers = DMatrix::from_fn(2 * half + 1, LOCAL_DEGREE + 1, |row, power| {
             (at(row) / half as f64).powi(power as i32)
         });
         let gram = powers.transpose() * &powers;
         let unit = step_s * half as f64;
         let weights = [0, 1, 2].map(|order: usize| {
-            let mut wanted = DVector::zeros(DEGREE + 1);
+            let mut wanted = DVector::zeros(LOCAL_DEGREE + 1);
             // the derivative of x^k at 0 is k!; one and two are their own factorials
             wanted[order] = order.max(1) as f64 / unit.powi(order as i32);
             let solved = gram.clone().cholesky().map(|own| own.solve(&wanted));

@@ -6,8 +6,7 @@
 
 use core::f64::consts::PI;
 
-/// Periods of the band's edge on each side.
-const PERIODS: f64 = 2.0;
+use crate::thresholds::signal::LOW_PASS_PERIODS;
 
 /// A low pass of a band.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,7 +18,7 @@ pub(crate) struct LowPass {
 impl LowPass {
     /// How far it reaches on each side \[s\].
     pub(crate) fn reach_s(&self) -> f64 {
-        PERIODS / self.edge_hz
+        LOW_PASS_PERIODS / self.edge_hz
     }
 
     /// Distance of the rows behind it \[s\].
@@ -30,10 +29,10 @@ impl LowPass {
     /// Weight of a sample, up to a factor, at a distance in time.
     pub(crate) fn weight(&self, distance_s: f64) -> f64 {
         let x = self.edge_hz * distance_s;
-        if x.abs() >= PERIODS {
+        if x.abs() >= LOW_PASS_PERIODS {
             return 0.0;
         }
-        let hann = 0.5 + 0.5 * (PI * x / PERIODS).cos();
+        let hann = 0.5 + 0.5 * (PI * x / LOW_PASS_PERIODS).cos();
         let angle = 2.0 * PI * x;
         let sinc = match angle.abs() < 1e-9 {
             true => 1.0,

@@ -3,15 +3,7 @@
 use haptical_linalg::dot;
 
 use crate::signal::local_polynomial::LocalPolynomial;
-
-/// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
-const SEGMENT: usize = 48;
-/// Correlations of successive samples that are told apart.
-const STEPS: usize = 96;
-/// A rest of a column that is this share of its values is rounding: a joint that stands still shows no noise of its counts.
-const ROUNDING: f64 = 1e-12;
-/// A memory is believed beyond this many standard deviations of chance.
-const BELIEVED: f64 = 4.0;
+use crate::thresholds::signal::{MEMORY_SDS, NOISE_CORRELATIONS, NOISE_ROUNDING, NOISE_SEGMENT};
 
 /// A noise whose samples have a standard deviation and a correlation with the one before (an autoregression of the first order).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,11 +26,11 @@ impl Noise {
             let inner = local.half..column.len().saturating_sub(local.half);
             let rest: Vec<f64> = inner.map(|k| column[k] - local.at(0, column, k)).collect();
             let largest = column.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-            for own in rest.chunks_exact(SEGMENT) {
-                let square = dot(own, own) / SEGMENT as f64;
-                if square > (ROUNDING * largest).powi(2) {
+            for own in rest.chunks_exact(NOISE_SEGMENT) {
+                let square = dot(own, own) / NOISE_SEGMENT as f64;
+                if square > (NOISE_ROUNDING * largest).powi(2) {
                     squares.push(square);
-                    let next = dot(&own[1..], own) / (SEGMENT - 1) as f64;
+                    let next = dot(&own[1..], own) / (NOISE_SEGMENT - 1) as f64;
                     ratios.push(next / square);
                 }
             }
@@ -52,10 +44,10 @@ impl Noise {
         // what is left of an autoregression beside the polynomial
         let mut left: Vec<f64> = local.weights[0].iter().map(|own| -own).collect();
         left[local.half] += 1.0;
-        let spread = (1.25 / (SEGMENT as f64 * ratios.len().max(1) as f64)).sqrt();
+        let spread = (1.25 / (NOISE_SEGMENT as f64 * ratios.len().max(1) as f64)).sqrt();
         let found = median(&mut ratios);
         let of = |step: usize| {
-            let correlation = step as f64 / STEPS as f64;
+            let correlation = step as f64 / NOISE_CORRELATIONS as f64;
             (
                 correlation,
                 covariance(&left, correlation, 0),
@@ -63,19 +55,16 @@ impl Noise {
             )
         };
         let white = of(0);
-        let is_white = !has_memory || found <= white.2 / white.1 + BELIEVED * spread;
+        let is_white = !has_memory || found <= white.2 / white.1 + MEMORY_SDS * spread;
         let off = |own: &(f64, f64, f64)| (own.2 / own.1 - found).abs();
         let (correlation, variance, _) = match is_white {
             true => white,
-            false => {
-                (1..STEPS).map(of).fold(
-                    white,
-                    |best, own| if off(&own) < off(&best) { own } else { best },
-                )
-            }
+            false => (1..NOISE_CORRELATIONS).map(of).fold(white, |best, own| {
+                if off(&own) < off(&best) { own } else { best }
+            }),
         };
         // the median of a chi-square over its freedom (Wilson and Hilferty 1931)
-        let bias = (1.0 - 2.0 / (9.0 * SEGMENT as f64)).powi(3);
+        let bias = (1.0 - 2.0 / (9.0 * NOISE_SEGMENT as f64)).powi(3);
         let square = median(&mut squares) / bias;
         Self {
             sd: (square / variance.max(1e-6)).sqrt(),

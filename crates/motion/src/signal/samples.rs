@@ -4,22 +4,10 @@ use haptical_model::Recording;
 
 use crate::MotionError;
 use crate::signal::sampling::Sampling;
-
-/// Steps that differ from the usual one by more than this share end a piece.
-const BREAK: f64 = 0.6;
-/// Steps over which readings are filled in, of a log of which rows are missing.
-const FILLED: f64 = 4.6;
-/// The same of a log whose stamps are so uneven that most of its rows are in no piece of this length otherwise \[s\], and its
-/// shortest step.
-const LONG_S: f64 = 1.0;
-const FILLED_S: f64 = 0.02;
-const SHORTEST: f64 = 0.1;
-/// Stamps that lie within this share of a step beside an even grid are taken as even.
-const EVEN: f64 = 0.05;
-/// Rows on each side of a step of an odd length that say whether rows are missing there.
-const BESIDE: usize = 6;
-/// Fewest samples of a piece.
-const LEAST: usize = 32;
+use crate::thresholds::signal::{
+    BREAK_SHARE, EVEN_STAMPS, FILLED_STEPS, LEAST_PIECE_SAMPLES, LONG_PIECE_S, ROWS_AROUND_STEP,
+    SHORTEST_STEP, UNEVEN_FILLED_S,
+};
 
 /// What was recorded without a gap; sample k is `k * step_s` after the first.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,17 +67,20 @@ impl Samples {
             .map(|own| [own.repeated_share, own.missing_share]);
         let kept = sampling.as_ref().map(|own| recording.select(&own.rows));
         let (recording, time_s, longest) = match (&kept, &sampling) {
-            (Some(kept), Some(own)) => (kept, own.time_s.as_slice(), FILLED),
-            _ => (recording, time_s.as_slice(), 1.0 + BREAK),
+            (Some(kept), Some(own)) => (kept, own.time_s.as_slice(), FILLED_STEPS),
+            _ => (recording, time_s.as_slice(), 1.0 + BREAK_SHARE),
         };
         let mut pieces = Vec::new();
         let (mut deviation, mut count) = (0.0, 0);
-        let steps_s = [(1.0 - BREAK) * step_s, longest * step_s];
+        let steps_s = [(1.0 - BREAK_SHARE) * step_s, longest * step_s];
         let mut all = stretches(recording, time_s, (step_s, steps_s));
         let long = all.iter().map(std::ops::Range::len);
-        let long = long.filter(|rows| *rows as f64 * step_s > LONG_S);
+        let long = long.filter(|rows| *rows as f64 * step_s > LONG_PIECE_S);
         if 2 * long.sum::<usize>() < recording.len() {
-            let steps_s = [SHORTEST * step_s, (FILLED * step_s).max(FILLED_S)];
+            let steps_s = [
+                SHORTEST_STEP * step_s,
+                (FILLED_STEPS * step_s).max(UNEVEN_FILLED_S),
+            ];
             all = stretches(recording, time_s, (step_s, steps_s));
         }
         let (mut late, mut late_s) = (0, 0.0);
@@ -107,7 +98,7 @@ impl Samples {
             pieces.push(piece);
         }
         if pieces.is_empty() {
-            let message = format!("no {LEAST} rows follow each other without a gap");
+            let message = format!("no {LEAST_PIECE_SAMPLES} rows follow each other without a gap");
             return Err(MotionError::Sampling(message));
         }
         let is_stamped_late = 2 * late > count;
@@ -149,12 +140,12 @@ pub(crate) fn usual_step(recording: &Recording, time_s: &[f64]) -> Option<f64> {
             .filter(|step| *step > 0.0)
             .collect();
         steps.sort_by(f64::total_cmp);
-        (steps.len() >= LEAST / 2).then(|| (steps[steps.len() / 2], steps))
+        (steps.len() >= LEAST_PIECE_SAMPLES / 2).then(|| (steps[steps.len() / 2], steps))
     };
     let (usual_s, steps) = over(1)?;
     let quarter = steps.len() / 4;
-    let jitters = steps[steps.len() - 1 - quarter] - steps[quarter] > 2.0 * EVEN * usual_s;
-    let together = || over(BESIDE).map(|own| own.0);
+    let jitters = steps[steps.len() - 1 - quarter] - steps[quarter] > 2.0 * EVEN_STAMPS * usual_s;
+    let together = || over(ROWS_AROUND_STEP).map(|own| own.0);
     Some(if jitters { together() } else { None }.unwrap_or(usual_s))
 }
 
@@ -187,7 +178,7 @@ fn stretches(
         if goes_on {
             continue;
         }
-        if row - from >= LEAST {
+        if row - from >= LEAST_PIECE_SAMPLES {
             found.push(from..row);
         }
         let is_empty = row < recording.len() && !is_whole(row);
@@ -198,14 +189,15 @@ fn stretches(
 
 /// Whether a step of an odd length before a row is one of uneven stamps: the rows on both sides are as far apart as they should be.
 fn is_jitter(recording: &Recording, time_s: &[f64], row: usize, step_s: f64) -> bool {
-    if row < BESIDE || row + BESIDE > recording.len() {
+    if row < ROWS_AROUND_STEP || row + ROWS_AROUND_STEP > recording.len() {
         return false;
     }
-    let (before, after) = (row - BESIDE..row, row..row + BESIDE);
+    let (before, after) = (row - ROWS_AROUND_STEP..row, row..row + ROWS_AROUND_STEP);
     let is_next = |own: usize| recording.run_at(own) == recording.run_at(own - 1);
-    let mean = |rows: std::ops::Range<usize>| time_s[rows].iter().sum::<f64>() / BESIDE as f64;
+    let mean =
+        |rows: std::ops::Range<usize>| time_s[rows].iter().sum::<f64>() / ROWS_AROUND_STEP as f64;
     (before.start + 1..after.end).all(is_next)
-        && ((mean(after) - mean(before)) / step_s - BESIDE as f64).abs() < BREAK
+        && ((mean(after) - mean(before)) / step_s - ROWS_AROUND_STEP as f64).abs() < BREAK_SHARE
 }
 
 /// A stretch on an even grid, the mean square deviation of its stamps from it in steps, and the step of the rows where stamps were
@@ -236,11 +228,12 @@ fn piece(
         .map(|own| &own[rows.clone()])
         .collect();
     let is_late = may_be_late
-        && square.sqrt() >= EVEN
+        && square.sqrt() >= EVEN_STAMPS
         && roughness(&even, &motors) < roughness(stamps, &motors);
     let stamps = if is_late { even.as_slice() } else { stamps };
-    let is_even =
-        is_late || square.sqrt() < EVEN && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN;
+    let is_even = is_late
+        || square.sqrt() < EVEN_STAMPS
+            && ((slope / step_s) - 1.0).abs() * (length as f64) < EVEN_STAMPS;
     let column = |values: &[f64]| match is_even {
         true => values[rows.clone()].to_vec(),
         false => resampled(stamps, &values[rows.clone()], step_s),
@@ -357,7 +350,7 @@ mod tests {
             .collect();
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(
-            found[0].0 < BESIDE && found[0].1.abs_diff(300) < 2 * BESIDE,
+            found[0].0 < ROWS_AROUND_STEP && found[0].1.abs_diff(300) < 2 * ROWS_AROUND_STEP,
             "{found:?}"
         );
         // rows that were taken evenly stay as they are

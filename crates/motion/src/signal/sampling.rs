@@ -2,20 +2,10 @@
 
 use haptical_model::Recording;
 
-/// Fewest such rows, and their least share, that are a fault of the log.
-const LEAST: usize = 3;
-const LEAST_SHARE: f64 = 0.001;
-/// A step of all joints together that is this many times what its neighbours say is one with rows missing.
-const LONG: f64 = 1.6;
-/// A step whose stamps are within this share of a whole number of steps is judged.
-const EVEN: f64 = 0.1;
-/// Stamps of which more than this share are off a whole number of steps are a clock's own and say themselves where rows are missing: a
-/// logger that is out of step with its controller reads a state twice, and skips one, and neither moves its clock.
-const CLOCK: f64 = 0.05;
-/// Most rows that are missing at one place.
-const MOST_MISSING: f64 = 20.0;
-/// A step is judged where a joint moves by this many times its smallest change, or what its steps scatter by.
-const FINE: f64 = 10.0;
+use crate::thresholds::signal::{
+    CLEAR_MOTION, LEAST_FAULTY_ROWS, LEAST_FAULTY_SHARE, LONG_STEP, MOST_MISSING_ROWS,
+    UNEVEN_CLOCK, WHOLE_STEP,
+};
 
 /// Rows that stay, with the times that they have.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,10 +60,10 @@ impl Sampling {
         // stamps that jitter say themselves how long a step took
         let is_even = |k: usize| {
             let steps = (stamps[k] - stamps[k - 1]) / step_s;
-            (steps - steps.round().max(1.0)).abs() < EVEN
+            (steps - steps.round().max(1.0)).abs() < WHOLE_STEP
         };
         let uneven = (1..rows.len()).filter(|k| is_next(rows[*k]) && !is_even(*k));
-        let is_clock = uneven.count() as f64 > CLOCK * rows.len() as f64;
+        let is_clock = uneven.count() as f64 > UNEVEN_CLOCK * rows.len() as f64;
         let judged = if is_clock { 0 } else { rows.len() };
         let mut shifts = vec![0.0; rows.len()];
         for k in 3..judged.saturating_sub(3) {
@@ -96,14 +86,14 @@ impl Sampling {
                 size = size.max(usual.abs() / scale);
             }
             let ratio = product / square.max(1e-300);
-            if size > FINE && (LONG..MOST_MISSING).contains(&ratio) {
+            if size > CLEAR_MOTION && (LONG_STEP..MOST_MISSING_ROWS).contains(&ratio) {
                 let lost = ratio.round() - 1.0;
                 shifts[k] = lost * step_s;
                 missing += lost as usize;
             }
         }
         let share = (repeated + missing) as f64 / all as f64;
-        if repeated + missing < LEAST || share < LEAST_SHARE {
+        if repeated + missing < LEAST_FAULTY_ROWS || share < LEAST_FAULTY_SHARE {
             return None;
         }
         let mut shift = 0.0;

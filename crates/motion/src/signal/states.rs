@@ -8,15 +8,7 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
-
-/// Positions are smoothed up to this multiple of the band's edge, so that the low pass alone shapes the rows.
-const BEYOND: f64 = 2.0;
-/// Fewest fine steps in a period of the band's edge.
-const FINE: f64 = 8.0;
-/// Noise that a speed may have where friction changes sides with it \[rad/s\], \[m/s\]: friction turns over within speeds that are larger.
-const SLIDING_NOISE: f64 = 1e-3;
-/// Most rows of a joint: longer logs keep every second one, or fewer.
-const MOST_ROWS: usize = 12_000;
+use crate::thresholds::signal::{FINE_STEPS, MOST_JOINT_ROWS, SLIDING_NOISE, SMOOTHED_BEYOND};
 
 /// Positions, velocities and accelerations of one side of the drives, joint by joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,9 +52,11 @@ impl States {
     pub(crate) fn new(samples: &Samples, edge_hz: f64) -> Option<Self> {
         let pass = LowPass { edge_hz };
         let step_s = samples.step_s;
-        let stride = (samples.rate_hz() / (FINE * edge_hz)).floor().max(1.0) as usize;
+        let stride = (samples.rate_hz() / (FINE_STEPS * edge_hz))
+            .floor()
+            .max(1.0) as usize;
         let fine_s = step_s * stride as f64;
-        let local = LocalPolynomial::new(step_s, BEYOND * edge_hz);
+        let local = LocalPolynomial::new(step_s, SMOOTHED_BEYOND * edge_hz);
         let (first, weights) = pass.weights(fine_s, 0.0);
         let half = first.unsigned_abs();
         let every = (pass.row_s() / fine_s).round().max(1.0) as usize;
@@ -70,7 +64,7 @@ impl States {
         let possible: usize = (samples.pieces.iter())
             .map(|piece| fine_steps(piece.length).saturating_sub(2 * half) / every)
             .sum();
-        let every = every * possible.div_ceil(MOST_ROWS).max(1);
+        let every = every * possible.div_ceil(MOST_JOINT_ROWS).max(1);
         let joints = samples.pieces.first()?.motor.len();
         let empty = || Side {
             q: vec![Vec::new(); joints],
@@ -94,7 +88,7 @@ impl States {
         };
         // by the narrowest window: the band's own would take what friction does to a motion for noise
         let noise = position_sds(samples, &LocalPolynomial::new(step_s, 0.5 / step_s));
-        let of = |sd: &f64| sharpest(step_s, BEYOND * edge_hz, *sd);
+        let of = |sd: &f64| sharpest(step_s, SMOOTHED_BEYOND * edge_hz, *sd);
         let sharp: Vec<LocalPolynomial> = noise.iter().map(of).collect();
         for (number, piece) in samples.pieces.iter().enumerate() {
             let count = fine_steps(piece.length);
@@ -204,7 +198,7 @@ impl States {
 
     /// Recorded torques at the fine steps, smoothed as the positions are.
     pub(crate) fn smoothed(&self, samples: &Samples, joint: usize) -> Vec<f64> {
-        let local = LocalPolynomial::new(samples.step_s, BEYOND * self.pass.edge_hz);
+        let local = LocalPolynomial::new(samples.step_s, SMOOTHED_BEYOND * self.pass.edge_hz);
         let at = |&(piece, sample): &(usize, usize)| {
             let torque = samples.pieces[piece].torque[joint].as_deref();
             torque.map_or(0.0, |own| local.at(0, own, sample))
@@ -214,7 +208,7 @@ impl States {
 
     /// Speed of a joint's motor at the fine steps, smoothed over twice as long; the same as otherwise where that reaches beyond a piece.
     pub(crate) fn slower_speed(&self, samples: &Samples, joint: usize) -> Vec<f64> {
-        let local = LocalPolynomial::new(samples.step_s, 0.5 * BEYOND * self.pass.edge_hz);
+        let local = LocalPolynomial::new(samples.step_s, 0.5 * SMOOTHED_BEYOND * self.pass.edge_hz);
         let at = |(&(piece, sample), own): (&(usize, usize), &f64)| {
             let motor = &samples.pieces[piece].motor[joint];
             match sample >= local.half && sample + local.half < motor.len() {

@@ -7,10 +7,9 @@ use super::rows::Rows;
 use super::{Explained, NAME, Untracked};
 use crate::MotionError;
 use crate::examined::{ChannelFit, Examined, Finding};
-use crate::unseen::{PARTS, Unseen};
-
-/// A log does not say when within a step its command was sent: a uniform distribution over it.
-const OF_STEP: f64 = 0.288_675_134_594_812_9;
+use crate::thresholds::examine::PARTS;
+use crate::thresholds::plausible;
+use crate::unseen::Unseen;
 
 pub(super) fn examined(
     found: &Explained,
@@ -56,7 +55,11 @@ pub(super) fn examined(
             joint,
             change: None,
             nats,
-            numbers: vec![("delay_s", delay_s, sd_s.hypot(OF_STEP * rows.step_s))],
+            numbers: vec![(
+                "delay_s",
+                delay_s,
+                sd_s.hypot(plausible::OF_STEP * rows.step_s),
+            )],
             rivals: Vec::new(),
             is_told: true,
         }

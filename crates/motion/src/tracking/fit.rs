@@ -1,16 +1,10 @@
 //! Gains of a law, and how late it hears its command, by least squares.
 
 use super::law::{Equations, Law, Signals};
-use super::rows::{EARLIEST_S, LATEST_S, Rows};
+use super::rows::Rows;
 use crate::examined::is_beyond_noise;
 use crate::fit::system::System;
-
-/// Delays that are tried at first \[s\].
-const DELAYS_S: [f64; 7] = [EARLIEST_S, 0.0, 0.01, 0.02, 0.04, 0.07, LATEST_S];
-/// Distances of the parabolas that the best of them is settled by \[s\].
-const NEAR_S: [f64; 4] = [4e-3, 1e-3, 2.5e-4, 1e-4];
-/// Distance over which the sharpness of the best one is looked at \[s\].
-const BESIDE_S: f64 = 5e-4;
+use crate::thresholds::tracking::{DELAYS_S, PARABOLAS_S, SHARPNESS_S};
 
 /// A joint's gains under a law and a delay.
 #[derive(Debug, Clone)]
@@ -103,7 +97,7 @@ pub(super) fn search(rows: &Rows, signals: &Signals, law: Law, joints: &[usize])
             .sum()
     };
     // squares are no parabolas from one delay of the grid to the next: nearer and nearer ones
-    for near_s in NEAR_S {
+    for near_s in PARABOLAS_S {
         let middle_s = tried[best_of(&tried)].0;
         for next in [middle_s - near_s, middle_s + near_s] {
             let place = tried.partition_point(|own| own.0 < next);
@@ -123,8 +117,8 @@ pub(super) fn search(rows: &Rows, signals: &Signals, law: Law, joints: &[usize])
         }
     }
     let (delay_s, objective, fits) = tried.swap_remove(best_of(&tried));
-    let beside = [-BESIDE_S, BESIDE_S].map(|own| of_best(&at(delay_s + own).2, &fits));
-    let sharp = count * (beside[0] + beside[1] - 2.0 * joints.len() as f64) / BESIDE_S.powi(2);
+    let beside = [-SHARPNESS_S, SHARPNESS_S].map(|own| of_best(&at(delay_s + own).2, &fits));
+    let sharp = count * (beside[0] + beside[1] - 2.0 * joints.len() as f64) / SHARPNESS_S.powi(2);
     Found {
         law,
         delay_s,

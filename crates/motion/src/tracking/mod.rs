@@ -16,20 +16,12 @@ use self::rows::{Reading, Rows};
 use crate::arm::Arm;
 use crate::examined::Examined;
 use crate::recorded::Logs;
+use crate::thresholds::tracking::{
+    IN_TIME_S, IN_TIME_STEPS, LEAST_NATS, LEAST_OF_JOINTS, LEFT_BY_DELAY, SURELY_LATE_SDS,
+};
 
 /// Name of the effect.
 pub(crate) const NAME: &str = "command-latency";
-/// A command that is heard within this share of a step of the log, or within this time, is heard in time (A192).
-const OF_STEP: f64 = 0.5;
-const IN_TIME_S: f64 = 2e-3;
-/// A delay is beyond that by so many of its standard deviations.
-const SURE_SDS: f64 = 2.0;
-/// It explains more than any law without one, at least \[nats\].
-const LEAST_NATS: f64 = 16.0;
-/// Share of the energy beyond noise, between command and torque, that a delay may leave: what leaves more is not the delay's.
-const LEFT: f64 = 0.25;
-/// Share of the joints whose torques a law has to explain.
-const OF_JOINTS: f64 = 0.5;
 
 /// Why a log does not say whether commands are heard late.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -117,10 +109,10 @@ struct Explained {
 impl Explained {
     /// The delays that are none of a sound arm, by their place among the joints.
     fn late(&self) -> Vec<usize> {
-        let limit_s = IN_TIME_S.max(OF_STEP * self.rows.step_s);
+        let limit_s = IN_TIME_S.max(IN_TIME_STEPS * self.rows.step_s);
         let is_late = |at: &usize| {
             let (_, delay_s, sd_s) = self.joints[*at];
-            delay_s - SURE_SDS * sd_s > limit_s
+            delay_s - SURELY_LATE_SDS * sd_s > limit_s
         };
         (0..self.joints.len()).filter(is_late).collect()
     }
@@ -139,7 +131,7 @@ impl Explained {
             let fits = at.iter().map(|at| self.fit(*at, is_as_found));
             fits.map(|own| own.square - own.rest.len() as f64).sum()
         };
-        beyond(true) <= LEFT * beyond(false).max(0.0)
+        beyond(true) <= LEFT_BY_DELAY * beyond(false).max(0.0)
     }
 
     /// What a delay explains of some joints beside the best law without one \[nats\].
@@ -233,7 +225,7 @@ fn is_of_positions(effect: &str, joint: Option<usize>) -> bool {
 fn explained(rows: Rows) -> Result<Explained, Untracked> {
     let signals = Signals::of(&rows)?;
     let all: Vec<usize> = (0..rows.joints.len()).collect();
-    let least = (OF_JOINTS * all.len() as f64).ceil() as usize;
+    let least = (LEAST_OF_JOINTS * all.len() as f64).ceil() as usize;
     let explains = |found: &Found| found.fits.iter().filter(|own| own.is_noise()).count();
     let best = |laws: Vec<Law>| {
         let found = laws

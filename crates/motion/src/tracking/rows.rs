@@ -9,15 +9,7 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
-
-/// Most readings of a log that are looked at: where the commands move most.
-const MOST_READINGS: usize = 30_000;
-/// Most rows of a joint, and fewest.
-const MOST_ROWS: usize = 800;
-const LEAST_ROWS: usize = 60;
-/// Delays that are tried: from a command that is early to one that is late \[s\].
-pub(super) const EARLIEST_S: f64 = -0.02;
-pub(super) const LATEST_S: f64 = 0.1;
+use crate::thresholds::tracking::{EARLIEST_S, LATEST_S, LEAST_ROWS, MOST_READINGS, MOST_ROWS};
 
 /// How a log is read.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,23 +5,11 @@ use std::ops::Range;
 use haptical_linalg::NormalEquations;
 
 use super::scan::{Likely, Scan};
-use super::sums::{ORDER, Prefix, fitted, rows};
-use crate::thresholds::{DELAY_NATS, NEAR_MOVES, NEAR_S, SHARE_OF_FREE};
-
-/// Rows by which a delay is looked for at.
-const SHIFTS: [isize; 8] = [-5, -3, -2, -1, 1, 2, 3, 5];
-/// Part of the log at either end in which none is looked for: a single step shows it badly.
-const EDGE: usize = 8;
-/// Rows that are looked at besides a grid.
-const REPEATS: usize = 24;
-/// What a repeated reading of a joint that moves says at most \[nats\]: a bus may drop one by itself.
-const MOST_NATS: f64 = 7.0;
-
-/// Stretches on either side of a change that are counted by themselves, those of them that may be something else, and what the
-/// others must say \[nats\].
-const STRETCHES: usize = 24;
-const SPARE: usize = 2;
-const BROAD_NATS: f64 = 1.0;
+use super::sums::{Prefix, fitted, rows};
+use crate::thresholds::{
+    BROAD_NATS, DELAY_EDGE, DELAY_NATS, DELAY_REPEATS, DELAY_SHIFTS, NEAR_MOVES, NEAR_S,
+    PAST_READINGS, REPEATED_NATS, SHARE_OF_FREE, SPARE_STRETCHES, STRETCHES,
+};
 
 /// Sums with the inputs some rows later.
 struct Shifted {
@@ -43,18 +31,18 @@ impl Scan<'_> {
         let near = near.max(10 * self.regression.regressors());
         let all = self.regression.rows;
         let windows = [all, near];
-        let found = SHIFTS.map(|rows| {
+        let found = DELAY_SHIFTS.map(|rows| {
             let prefix = self.regression.prefix(rows as f64);
             let whole = self.regression.up_to(&prefix, all);
             let shifted = Shifted { prefix, whole };
             let bonus = self.repeats(rows);
             let mut further: Vec<usize> = (0..all).filter(|&row| bonus[row] > 0.0).collect();
             further.sort_unstable_by(|&a, &b| bonus[b].total_cmp(&bonus[a]));
-            further.truncate(REPEATS);
+            further.truncate(DELAY_REPEATS);
             windows.map(|window| {
                 let nats =
                     |row: usize| self.sides_of(row, &shifted, window).nats(self) + bonus[row];
-                let likely = self.placed(rows as f64, (EDGE, &further), &nats)?;
+                let likely = self.placed(rows as f64, (DELAY_EDGE, &further), &nats)?;
                 let row = likely.rows[1];
                 if window < all && !self.moves(row.saturating_sub(window)..row, row..row + window) {
                     return None;
@@ -108,8 +96,10 @@ impl Scan<'_> {
             };
             Some(square(unchanged, 0.0)? - square(late, shift)?)
         };
-        let end = (row + ORDER).saturating_add(window).min(regression.rows);
-        let stretches = [row.saturating_sub(window)..row, row + ORDER..end];
+        let end = (row + PAST_READINGS)
+            .saturating_add(window)
+            .min(regression.rows);
+        let stretches = [row.saturating_sub(window)..row, row + PAST_READINGS..end];
         stretches.into_iter().all(|rows| {
             let length = (rows.len() / STRETCHES).max(1);
             let starts = rows.clone().step_by(length);
@@ -120,14 +110,14 @@ impl Scan<'_> {
                 })
                 .collect();
             gains.sort_unstable_by(|a, b| b.total_cmp(a));
-            gains.iter().skip(SPARE).sum::<f64>() > BROAD_NATS
+            gains.iter().skip(SPARE_STRETCHES).sum::<f64>() > BROAD_NATS
         })
     }
 
     /// Sums on either side of a row, of at most some rows each.
     fn sides_of(&self, row: usize, shifted: &Shifted, window: usize) -> Sides {
         let rows = self.regression.rows;
-        let clear = (row + ORDER).min(rows);
+        let clear = (row + PAST_READINGS).min(rows);
         let own = |row: usize| self.regression.up_to(&self.own, row);
         let moved = |row: usize| self.regression.up_to(&shifted.prefix, row);
         let mut before = own(row);
@@ -168,7 +158,7 @@ impl Scan<'_> {
                 |&at: &usize| regression.position(at) == regression.position(at - grown);
             if own.clone().all(|at| is_repeat(&at)) {
                 let said = own.filter_map(surprise).sum::<f64>();
-                bonus[row] = said.clamp(0.0, MOST_NATS);
+                bonus[row] = said.clamp(0.0, REPEATED_NATS);
             }
         }
         bonus
@@ -179,7 +169,7 @@ impl Scan<'_> {
         let row = likely.rows[1];
         let before = self.regression.up_to(&self.own, row);
         let squares = |shift: f64| {
-            let later = (self.regression).of_rows(row + ORDER..self.regression.rows, shift);
+            let later = (self.regression).of_rows(row + PAST_READINGS..self.regression.rows, shift);
             fitted(&before.plus(&later, 1.0)).rest_square()
         };
         let (mut size, mut least, mut step) = (likely.size, squares(likely.size), 0.5);
@@ -194,10 +184,10 @@ impl Scan<'_> {
         }
         // the rows after it whose past has both sides are free, so it is known no better
         let [first, at, last] = likely.rows;
-        let last = (last + ORDER).min(self.regression.rows - 1);
+        let last = (last + PAST_READINGS).min(self.regression.rows - 1);
         Likely {
             size,
-            rows: [first.saturating_sub(ORDER).max(1), at, last],
+            rows: [first.saturating_sub(PAST_READINGS).max(1), at, last],
             ..likely
         }
     }

@@ -9,13 +9,16 @@ mod torque;
 use self::scan::{Likely, Scan};
 pub(crate) use self::still::of_a_still_joint;
 use self::still::{between_runs, by_means};
-use self::sums::{ORDER, Regression};
+use self::sums::Regression;
 pub use self::torque::torque_gain;
 use crate::answer::{Finding, Instant, Number};
 use crate::effect::{gain, latency, offset};
 use crate::fit::{Problem, Terms};
 use crate::log::{Series, mean, rms};
-use crate::thresholds::{BEYOND_BAND, LEVEL_LEAVES, LEVEL_NATS, MOST_CHANGES, STILL_COUNTS};
+use crate::thresholds::{
+    BEYOND_BAND, CHANGED_GAINS, GAIN_ROUNDS, LEAST_GAIN, LEVEL_LEAVES, LEVEL_NATS, MOST_CHANGES,
+    PAST_READINGS, STILL_COUNTS,
+};
 
 /// What changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -257,7 +260,7 @@ fn of_offset(
 ) -> Option<(Change, f64)> {
     let at = likely.rows[1];
     let solution = scan.solution(at, 1.0);
-    let own = 1.0 - solution[..ORDER].iter().sum::<f64>();
+    let own = 1.0 - solution[..PAST_READINGS].iter().sum::<f64>();
     let settled = solution.last()? / own;
     let jumped = regression
         .predicted(&solution, at, 0.0)
@@ -300,9 +303,12 @@ fn of_gain(
     scan: &Scan<'_>,
     likely: &Likely,
 ) -> Option<(Change, f64)> {
-    let (at, factor) = (likely.rows[1], likely.size.clamp(GAINS.start, GAINS.end));
+    let (at, factor) = (
+        likely.rows[1],
+        likely.size.clamp(CHANGED_GAINS.start, CHANGED_GAINS.end),
+    );
     let solution = scan.solution(at, factor);
-    let own = 1.0 - solution[..ORDER].iter().sum::<f64>();
+    let own = 1.0 - solution[..PAST_READINGS].iter().sum::<f64>();
     let constant = solution.get(regression.regressors() - 1)? / own;
     let step = solution.last()? / own;
     let middle = mean(&series.response);
@@ -323,7 +329,7 @@ fn of_gain(
             break;
         }
         best = Some((squares, change));
-        let Some(next) = follows.filter(|(factor, _)| GAINS.contains(factor)) else {
+        let Some(next) = follows.filter(|(factor, _)| CHANGED_GAINS.contains(factor)) else {
             break;
         };
         kind = next;
@@ -340,12 +346,6 @@ fn of_gain(
     change.number.ci95 = [factor - 1.96 * sd, factor + 1.96 * sd];
     Some((change, squares))
 }
-
-/// Gains of a joint that changed.
-const GAINS: std::ops::Range<f64> = 0.1..10.0;
-/// A factor that is nearer to 1 is what the laws get wrong.
-const LEAST_GAIN: f64 = 1.3;
-const GAIN_ROUNDS: usize = 6;
 
 /// What the laws leave where a gain is undone, and the factor and level that the readings after it have on what they predict.
 fn scaled(series: &Series, change: &Change) -> (f64, Option<(f64, f64)>) {

@@ -3,17 +3,11 @@
 
 use haptical_linalg::NormalEquations;
 
-use super::sums::{ORDER, Prefix, Regression, fitted, rows, with_step};
-use crate::thresholds::{LONG_REST_S, PLACE_NATS, PLACE_SHARE, SAME_NATS, SAME_SHARE};
-
-/// Factors that a gain is looked for at.
-const FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
-
-/// Part of the log at either end in which no change of a level is looked for.
-const LEVEL_EDGE: usize = 20;
-
-/// Rows that are looked at besides a grid.
-const WILD: usize = 12;
+use super::sums::{Prefix, Regression, fitted, rows, with_step};
+use crate::thresholds::{
+    GAIN_FACTORS, LEVEL_EDGE, LEVEL_REPEATS, LONG_REST_S, PAST_READINGS, PLACE_NATS, PLACE_SHARE,
+    SAME_NATS, SAME_SHARE,
+};
 
 /// A change where it is likeliest.
 #[derive(Debug, Clone, Copy)]
@@ -54,7 +48,7 @@ impl<'r> Scan<'r> {
             .filter_map(surprise)
             .collect();
         wild.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-        wild.truncate(WILD);
+        wild.truncate(LEVEL_REPEATS);
         Self {
             squares: whole.rest_square(),
             wild: wild.into_iter().map(|(_, row)| row).collect(),
@@ -113,8 +107,8 @@ impl<'r> Scan<'r> {
         let &(near, _) = coarse.iter().max_by(by_nats)?;
         let step = self.regression.step;
         let rows = self.regression.rows;
-        let fine: Vec<(usize, f64)> = (near.saturating_sub(step).max(ORDER + 1)
-            ..=(near + step).min(rows - ORDER - 2))
+        let fine: Vec<(usize, f64)> = (near.saturating_sub(step).max(PAST_READINGS + 1)
+            ..=(near + step).min(rows - PAST_READINGS - 2))
             .map(|row| (row, nats(row)))
             .collect();
         let &(at, best) = fine.iter().max_by(by_nats)?;
@@ -154,7 +148,7 @@ impl<'r> Scan<'r> {
     /// Sums before a row, and of the rows that have nothing of what was before it in their past.
     fn sides(&self, row: usize) -> [NormalEquations; 2] {
         let before = self.regression.up_to(&self.own, row);
-        let clear = (row + ORDER).min(self.regression.rows);
+        let clear = (row + PAST_READINGS).min(self.regression.rows);
         let up_to = self.regression.up_to(&self.own, clear);
         [before, self.all.plus(&up_to, -1.0)]
     }
@@ -162,7 +156,7 @@ impl<'r> Scan<'r> {
     /// The position is read with another offset from a row on, and with another gain.
     fn of_level(&self, row: usize, factor: f64) -> NormalEquations {
         let [before, after] = self.sides(row);
-        let commands = ORDER..self.regression.regressors() - 1;
+        let commands = PAST_READINGS..self.regression.regressors() - 1;
         let after = after.scaled(commands, factor);
         with_step(&before.plus(&after, 1.0), &after)
     }
@@ -181,7 +175,7 @@ impl<'r> Scan<'r> {
 
     /// The likeliest gain.
     pub(super) fn gain(&self) -> Option<Likely> {
-        let found = FACTORS.iter().filter_map(|&factor| {
+        let found = GAIN_FACTORS.iter().filter_map(|&factor| {
             self.placed(factor, (LEVEL_EDGE, &self.wild), &|row| {
                 self.nats(fitted(&self.of_level(row, factor)).rest_square())
             })

@@ -4,6 +4,7 @@ use super::scan::Likely;
 use super::{Change, Kind, LAWS};
 use crate::fit::{Problem, Terms};
 use crate::log::{Series, mean, rms};
+use crate::thresholds::{FEWEST_RUNS, RUN_SCATTERS, SPLIT_SHARE, STILL_SD, STILL_STEP};
 
 /// The first row of a run at which the mean of what delay and lag leave changes most, where that is half of it. A regression on the position's own
 /// past explains another level between two runs, whose first rows have no past.
@@ -61,14 +62,6 @@ pub(super) fn between_runs(series: &Series) -> Option<Change> {
     is_one.then(|| Change::new(series, Kind::Offset(size), [starts[at]; 3], sd))
 }
 
-/// Runs on either side that are needed.
-const FEWEST_RUNS: usize = 4;
-/// How many times the scatter of runs an offset between two of them is.
-const RUN_SCATTERS: f64 = 3.0;
-
-/// Share of the squares that two means take which one leaves.
-const SPLIT_SHARE: f64 = 0.5;
-
 /// The row that splits values into two with the most different means, and the share of their squares about one mean that takes.
 fn best_split(values: &[f64]) -> Option<(usize, f64)> {
     let rows = values.len() as f64;
@@ -93,10 +86,6 @@ fn best_split(values: &[f64]) -> Option<(usize, f64)> {
     }
     (spread > 0.0).then(|| (best.0, best.1 / spread))
 }
-
-/// Least step of a joint whose command stands that is no slip of its friction \[rad\], and in deviations of its readings.
-const STILL_STEP: f64 = 0.03;
-const STILL_SD: f64 = 8.0;
 
 /// An offset of a joint whose command stands.
 pub(crate) fn of_a_still_joint(series: &Series) -> Vec<Change> {

@@ -5,24 +5,13 @@ use std::ops::Range;
 
 use haptical_linalg::{NormalEquations, NormalSolution};
 
-use crate::fit::linear::RIDGE;
 use crate::log::{Series, mean};
+use crate::thresholds::{
+    LEAST_STEP, MEMORY_S, MOST_LAGS, MOST_POINTS, PAST_READINGS, RIDGE, VELOCITY_LAGS,
+};
 
-/// Past readings of the position in the regression.
-pub(super) const ORDER: usize = 2;
-/// Past of the command that the regression sees \[s\].
-const MEMORY_S: f64 = 0.32;
 /// Regressors at most, and the target.
-const MOST_COLUMNS: usize = ORDER + MOST_LAGS + 5 + 2;
-/// Lags of the command at most.
-const MOST_LAGS: usize = 16;
-/// Grid points over a log at most.
-const MOST_POINTS: usize = 1200;
-/// Least rows between them.
-const LEAST_STEP: usize = 10;
-
-/// Rows before and after a reading whose velocities it follows: velocities are a mean over the last rows, or of the next.
-const VELOCITY_LAGS: Range<isize> = -3..2;
+const MOST_COLUMNS: usize = PAST_READINGS + MOST_LAGS + 5 + 2;
 
 /// A column that the position follows, and how many rows before it.
 #[derive(Debug)]
@@ -85,7 +74,7 @@ impl Regression {
         let columns: usize = inputs.iter().map(|input| input.lags.len()).sum();
         Self {
             position: series.response.iter().map(|value| value - middle).collect(),
-            regressors: ORDER + columns + 1,
+            regressors: PAST_READINGS + columns + 1,
             inputs,
             pieces,
             piece,
@@ -117,11 +106,11 @@ impl Regression {
         }
         let own = &self.pieces[self.piece[row]];
         let mut values = [0.0; MOST_COLUMNS];
-        for (past, value) in values[..ORDER].iter_mut().enumerate() {
+        for (past, value) in values[..PAST_READINGS].iter_mut().enumerate() {
             *value = self.position[row - past - 1];
         }
         let (whole, part) = (shift.floor(), shift - shift.floor());
-        let mut column = ORDER;
+        let mut column = PAST_READINGS;
         for input in &self.inputs {
             let at = |row: isize| {
                 input.values[row.clamp(own.start as isize, own.end as isize - 1) as usize]

@@ -7,17 +7,9 @@ use crate::answer::{Finding, Number};
 use crate::change::instant;
 use crate::effect::torque_gain;
 use crate::log::{JointLog, Series};
-
-/// Factors that are looked for.
-const FACTORS: std::ops::RangeInclusive<u32> = 2..=10;
-/// How far from a whole count a reading may be, for the digits of a log.
-const ROUNDING: f64 = 0.05;
-/// Steps that are needed on either side.
-const FEWEST_STEPS: usize = 8;
-/// What the steps must say \[nats\].
-const LEAST_NATS: f64 = 15.0;
-/// Largest reading in counts.
-const MOST_COUNTS: f64 = 1e6;
+use crate::thresholds::{
+    COUNT_ROUNDING, FEWEST_TORQUE_STEPS, MOST_COUNTS, TORQUE_FACTORS, TORQUE_NATS,
+};
 
 /// Says whether the scale of a joint's torques changed within its log, and when; nothing where they are not read in counts.
 ///
@@ -47,9 +39,10 @@ pub fn torque_gain(log: &JointLog<'_>) -> Option<Finding> {
     })
     .ok()?;
     let counts = counts(series.torque.as_deref()?)?;
-    let grown = FACTORS.filter_map(|factor| Some((later(&counts, factor)?, factor, true)));
+    let grown = TORQUE_FACTORS.filter_map(|factor| Some((later(&counts, factor)?, factor, true)));
     let backward: Vec<i64> = counts.iter().rev().copied().collect();
-    let shrunk = FACTORS.filter_map(|factor| Some((later(&backward, factor)?, factor, false)));
+    let shrunk =
+        TORQUE_FACTORS.filter_map(|factor| Some((later(&backward, factor)?, factor, false)));
     let ((_, rows), factor, has_grown) =
         grown.chain(shrunk).max_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
     let [first, shown, last] = rows;
@@ -68,7 +61,10 @@ pub fn torque_gain(log: &JointLog<'_>) -> Option<Finding> {
         numbers: vec![Number {
             name: torque_gain::SPEC.parameters[0],
             value: factor,
-            ci95: [(1.0 - ROUNDING) * factor, (1.0 + ROUNDING) * factor],
+            ci95: [
+                (1.0 - COUNT_ROUNDING) * factor,
+                (1.0 + COUNT_ROUNDING) * factor,
+            ],
         }],
         confusable_with: Vec::new(),
         share: 0.0,
@@ -92,7 +88,7 @@ fn counts(torque: &[f64]) -> Option<Vec<i64>> {
     let whole = torque.iter().map(|value| {
         let value = value / count;
         // a count is known to the digits of its own step
-        let allowed = ROUNDING.max(2e-4 * value.abs()).min(0.3);
+        let allowed = COUNT_ROUNDING.max(2e-4 * value.abs()).min(0.3);
         ((value - value.round()).abs() < allowed).then_some(value.round() as i64)
     });
     whole.collect()
@@ -109,7 +105,7 @@ fn later(counts: &[i64], factor: u32) -> Option<(f64, [usize; 3])> {
         steps.filter(|step| *step != 0).collect()
     };
     let (before, after) = (steps(&counts[..first]), steps(&counts[first..]));
-    if before.len().min(after.len()) < FEWEST_STEPS {
+    if before.len().min(after.len()) < FEWEST_TORQUE_STEPS {
         return None;
     }
     let multiples = before.iter().filter(|step| *step % factor == 0).count();
@@ -118,5 +114,5 @@ fn later(counts: &[i64], factor: u32) -> Option<(f64, [usize; 3])> {
     let nats = -(after.len() as f64) * share.ln();
     let mut shown = (first..counts.len()).filter(|&row| counts[row] != 0);
     let (next, third) = (shown.next()?, shown.nth(1)?);
-    (nats > LEAST_NATS).then_some((nats, [first, next, third]))
+    (nats > TORQUE_NATS).then_some((nats, [first, next, third]))
 }

@@ -5,9 +5,7 @@ use std::ops::Range;
 use haptical_linalg::{Matrix, NormalEquations};
 
 use super::Held;
-
-/// Share of a column's square that holds the weakest directions.
-pub(crate) const RIDGE: f64 = 1e-9;
+use crate::thresholds::RIDGE;
 
 /// Columns of a model and their products on the rows that are not held out.
 #[derive(Debug)]

@@ -1,5 +1,7 @@
 //! Compass search (Kolda, Lewis & Torczon, SIAM Review 45, 2003): a play has corners where derivatives lie.
 
+use crate::thresholds::SEARCH_ROUNDS;
+
 /// What may move, by how much at first and at last, and how far from zero.
 #[derive(Debug)]
 pub(crate) struct Limits {
@@ -11,8 +13,6 @@ pub(crate) struct Limits {
 
 /// Numbers of a shape.
 pub(crate) const AXES: usize = 4;
-/// Rounds at most.
-const ROUNDS: usize = 60;
 
 /// The lowest point that steps along each axis find, and its value.
 pub(crate) fn compass(
@@ -26,7 +26,7 @@ pub(crate) fn compass(
     }
     let mut best = value(at);
     let mut steps = limits.steps;
-    for _ in 0..ROUNDS {
+    for _ in 0..SEARCH_ROUNDS {
         let before = at;
         let mut has_moved = [false; AXES];
         for axis in (0..AXES).filter(|&axis| limits.free[axis] && steps[axis] >= limits.least[axis])

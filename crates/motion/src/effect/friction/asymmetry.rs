@@ -2,7 +2,8 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD};
+use crate::effect::{Candidate, Candidates, Context, Effect};
+use crate::thresholds::effect::FRICTION_LAW_SD;
 
 pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "friction-asymmetry",

@@ -2,17 +2,13 @@
 
 use std::rc::Rc;
 
-use crate::effect::{
-    Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, Finer, first, product,
-};
+use crate::effect::{Candidate, Candidates, Context, Effect, Finer, first, product};
+use crate::thresholds::effect::{FRICTION_LAW_SD, MOST_OF_LOAD};
 
 pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "load-friction",
     candidates: Candidates::Given(candidates),
 };
-
-/// Most of its load that a drive's friction is.
-const MOST: f64 = 0.8;
 
 /// `s(dq) |tau|` by the torque of the nominal bodies, which a bearing carries, or of the whole drive, which a gear does (Hamon, Gautier and
 /// Garrec 2010).
@@ -38,7 +34,7 @@ fn of<'c>(context: Context<'c>, joint: usize, load: &[f64]) -> Option<Candidate<
     let signal = product(&context.sign(joint), load.iter().copied());
     let found = context.of_signals(EFFECT.name, joint, &[signal], first("share"));
     found.map(|own| Candidate {
-        within: [0.0, MOST],
+        within: [0.0, MOST_OF_LOAD],
         ..own.if_positive().about_to(FRICTION_LAW_SD)
     })
 }
@@ -46,7 +42,7 @@ fn of<'c>(context: Context<'c>, joint: usize, load: &[f64]) -> Option<Candidate<
 /// By the drive's torque as it was recorded, this friction included. The noise of that is in the rows too: a factor `c` takes
 /// `(1 - (1 - c)^2) / 2` of a row's off.
 fn by_recorded(context: Context<'_>, joint: usize, per_nm: f64) -> Option<Candidate<'_>> {
-    if !(0.0..MOST).contains(&per_nm) {
+    if !(0.0..MOST_OF_LOAD).contains(&per_nm) {
         return None;
     }
     let load = sizes(&context.problem.recorded_torque(joint));

@@ -2,22 +2,18 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first};
+use crate::effect::{Candidate, Candidates, Context, Effect, ends, first};
 use crate::fit::base::beyond_sign;
+use crate::thresholds::effect::{FRICTION_LAW_SD, PRESLIDING_S, SHORTEST_PRESLIDING_S};
 
 pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "presliding",
     candidates: Candidates::Given(candidates),
 };
 
-/// Travels that are tried, as the joint's at its fastest in so many seconds.
-const TRAVELS: [f64; 5] = [0.001, 0.003, 0.008, 0.02, 0.05];
-/// The shortest: what is shorter is part of the base model.
-const SHORTEST: f64 = 5e-4;
-
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
-        let travels = TRAVELS.map(|time_s| time_s * fastest(context, joint));
+        let travels = PRESLIDING_S.map(|time_s| time_s * fastest(context, joint));
         travels
             .into_iter()
             .filter_map(|travel| at(context, joint, travel))
@@ -33,7 +29,7 @@ fn fastest(context: Context<'_>, joint: usize) -> f64 {
 /// `z - s(dq)` with Dahl's `dz = (sign(dq) - z) |dq| / x dt` (Dahl 1968): beside the base model's Coulomb friction, whose size takes
 /// it off again.
 fn at(context: Context<'_>, joint: usize, travel: f64) -> Option<Candidate<'_>> {
-    if travel < SHORTEST * fastest(context, joint) {
+    if travel < SHORTEST_PRESLIDING_S * fastest(context, joint) {
         return None;
     }
     let signal = beyond_sign(

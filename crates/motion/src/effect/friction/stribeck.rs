@@ -2,25 +2,19 @@
 
 use std::rc::Rc;
 
-use crate::effect::{
-    Candidate, Candidates, Context, Effect, FRICTION_LAW_SD, ends, first, product,
-};
+use crate::effect::{Candidate, Candidates, Context, Effect, ends, first, product};
+use crate::thresholds::effect::{FRICTION_LAW_SD, STRIBECK_SPEEDS, STRIBECK_TURNOVERS};
 
 pub(in crate::effect) const EFFECT: Effect = Effect {
     name: "stribeck-friction",
     candidates: Candidates::Given(candidates),
 };
 
-/// Speeds at which the higher friction has fallen to 1/e that are tried, as shares of the joint's fastest.
-const SPEEDS: [f64; 5] = [0.02, 0.05, 0.1, 0.2, 0.35];
-/// Lowest such speed, in turnovers of the base model's friction: what is slower is how that turns over.
-const TURNOVERS: f64 = 3.0;
-
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
         let [low, high] = ends(context.speed(joint));
-        let speeds = SPEEDS.map(|share| share * high.max(-low));
-        let slowest = TURNOVERS * context.base.reversals[joint].turnover;
+        let speeds = STRIBECK_SPEEDS.map(|share| share * high.max(-low));
+        let slowest = STRIBECK_TURNOVERS * context.base.reversals[joint].turnover;
         let slow = speeds.into_iter().filter(|speed| *speed >= slowest);
         slow.filter_map(|speed| at(context, joint, speed)).collect()
     })
@@ -28,7 +22,7 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
 
 /// `s(dq) exp(-(dq / v)^2)` (Armstrong-Helouvry, Dupont and Canudas de Wit 1994, eq. 4).
 fn at(context: Context<'_>, joint: usize, speed: f64) -> Option<Candidate<'_>> {
-    if speed < TURNOVERS * context.base.reversals[joint].turnover {
+    if speed < STRIBECK_TURNOVERS * context.base.reversals[joint].turnover {
         return None;
     }
     let dq = context.speed(joint);

@@ -24,5 +24,5 @@ pub(crate) const ARMATURE: f64 = 0.10;
 pub(crate) const DELAY_STEPS: f64 = 1.0;
 /// Limit of a torque's offset, in standard deviations of the noise of a reading.
 pub(crate) const OFFSET_NOISES: f64 = 0.5;
-/// A log does not say when within a step its torques were read: a uniform distribution over it.
+/// A log does not say when within a step its torques were read, or its commands sent: a uniform distribution over it.
 pub(crate) const OF_STEP: f64 = 0.288_675_134_594_812_9;

@@ -1,0 +1,67 @@
+//! From readings to samples: gaps, smoothing, noise.
+
+// `signal::samples`
+/// Steps that differ from the usual one by more than this share end a piece.
+pub(crate) const BREAK_SHARE: f64 = 0.6;
+/// Steps over which readings are filled in, of a log of which rows are missing.
+pub(crate) const FILLED_STEPS: f64 = 4.6;
+/// The same of a log whose stamps are so uneven that most of its rows are in no piece of this length otherwise \[s\], and its
+/// shortest step.
+pub(crate) const LONG_PIECE_S: f64 = 1.0;
+pub(crate) const UNEVEN_FILLED_S: f64 = 0.02;
+pub(crate) const SHORTEST_STEP: f64 = 0.1;
+/// Stamps that lie within this share of a step beside an even grid are taken as even.
+pub(crate) const EVEN_STAMPS: f64 = 0.05;
+/// Rows on each side of a step of an odd length that say whether rows are missing there.
+pub(crate) const ROWS_AROUND_STEP: usize = 6;
+/// Fewest samples of a piece.
+pub(crate) const LEAST_PIECE_SAMPLES: usize = 32;
+
+// `signal::sampling`
+/// Fewest rows that are repeated or missing, and their least share, that are a fault of the log.
+pub(crate) const LEAST_FAULTY_ROWS: usize = 3;
+pub(crate) const LEAST_FAULTY_SHARE: f64 = 0.001;
+/// A step of all joints together that is this many times what its neighbours say is one with rows missing.
+pub(crate) const LONG_STEP: f64 = 1.6;
+/// A step whose stamps are within this share of a whole number of steps is judged.
+pub(crate) const WHOLE_STEP: f64 = 0.1;
+/// Stamps of which more than this share are off a whole number of steps are a clock's own and say themselves where rows are missing: a
+/// logger that is out of step with its controller reads a state twice, and skips one, and neither moves its clock.
+pub(crate) const UNEVEN_CLOCK: f64 = 0.05;
+/// Most rows that are missing at one place.
+pub(crate) const MOST_MISSING_ROWS: f64 = 20.0;
+/// A step is judged where a joint moves by this many times its smallest change, or what its steps scatter by.
+pub(crate) const CLEAR_MOTION: f64 = 10.0;
+
+// `signal::local_polynomial`
+/// Degree of the polynomial: position and acceleration have no error up to the fourth power of time.
+pub(crate) const LOCAL_DEGREE: usize = 4;
+
+// `signal::low_pass`
+/// Periods of the band's edge on each side of the low pass.
+pub(crate) const LOW_PASS_PERIODS: f64 = 2.0;
+
+// `signal::states`
+/// Positions are smoothed up to this multiple of the band's edge, so that the low pass alone shapes the rows.
+pub(crate) const SMOOTHED_BEYOND: f64 = 2.0;
+/// Fewest fine steps in a period of the band's edge.
+pub(crate) const FINE_STEPS: f64 = 8.0;
+/// Noise that a speed may have where friction changes sides with it \[rad/s\], \[m/s\]: friction turns over within speeds that are larger.
+pub(crate) const SLIDING_NOISE: f64 = 1e-3;
+/// Most rows of a joint: longer logs keep every second one, or fewer.
+pub(crate) const MOST_JOINT_ROWS: usize = 12_000;
+
+// `signal::noise`
+/// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
+pub(crate) const NOISE_SEGMENT: usize = 48;
+/// Correlations of successive samples that are told apart.
+pub(crate) const NOISE_CORRELATIONS: usize = 96;
+/// A rest of a column that is this share of its values is rounding: a joint that stands still shows no noise of its counts.
+pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
+/// A memory is believed beyond this many standard deviations of chance.
+pub(crate) const MEMORY_SDS: f64 = 4.0;
+
+// `loads`
+/// Positions are smoothed up to this frequency \[Hz\], and up to this share of the log's rate.
+pub(crate) const LOADS_CUTOFF_HZ: f64 = 40.0;
+pub(crate) const LOADS_OF_RATE: f64 = 0.2;
