@@ -10,7 +10,8 @@ use crate::DiagnosisError;
 use crate::answer::{
     CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, SecondAnswer, Untestable, Verdict,
 };
-use crate::thresholds::joined::{ALL_CLOSED, MOST_OVER_NOISE};
+use crate::thresholds::joined::MOST_OVER_NOISE;
+use crate::thresholds::servo::ALL_CLOSED;
 
 type Answered = Result<Diagnosis, DiagnosisError>;
 

@@ -24,6 +24,7 @@ mod start_values;
 mod statics_tests;
 mod thresholds;
 mod torques_alone;
+mod version;
 
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{

@@ -11,9 +11,7 @@ use crate::engine::Prepared;
 use crate::engine::base::Base;
 use crate::engine::model::{Cause, Refit};
 use crate::thresholds::chance::OUTLIER_SD;
-
-/// Squared standard deviations by which a shape must fit better than those before it: a likelihood ratio of 100.
-const BETTER: f64 = 9.21;
+use crate::thresholds::engine::BETTER_SHAPE;
 
 /// The device with numbers for those of its effects that are to be fitted and have none: base model and effects are fitted
 /// together, a law with a shape from each shape of its grid. An effect of which the recording shows nothing gets none.
@@ -73,7 +71,7 @@ pub fn start_values(
             // the first shape is the plainest: another one must be better beyond chance
             let is_better = best
                 .as_ref()
-                .is_none_or(|best| engine.cost(&fitted) + BETTER < engine.cost(best));
+                .is_none_or(|best| engine.cost(&fitted) + BETTER_SHAPE < engine.cost(best));
             if is_better {
                 best = Some(fitted);
             }

@@ -1,11 +1,9 @@
-//! Every number that decides a verdict, in one file: the seed of a scored batch depends on it (docs/blind-checks.md).
+//! Every number that decides a verdict, in one place: the seed of a scored batch depends on it (docs/blind-checks.md). Those of moving
+//! arms and of servos are in `thresholds` of `haptical-motion` and `haptical-servo`.
 //!
 //! Each says its unit (a pure number where none is given), what it means and how it was set: *Chance* and *Calculated* by the
 //! calculation given, *Choice* by judgement, *Cost* to bound the time; where nothing is said, on development trials and on
 //! the logs of the tests, never on a scored batch. Numbers of a single effect are in its `Spec` (`haptical-effects`).
-
-/// Version of these numbers, printed in every result.
-pub(crate) const VERSION: &str = "1.0";
 
 /// Chance and evidence: what is more than noise, and which names the data tell apart.
 pub(crate) mod chance {
@@ -113,8 +111,6 @@ pub(crate) mod noise {
 
 /// Views of one log, together.
 pub(crate) mod joined {
-    /// Share of a gap from which all of it is accounted for. Choice.
-    pub(crate) const ALL_CLOSED: f64 = 0.95;
     /// Gap over noise beyond which a view's part of the whole is counted no larger: a noiseless channel has one of any size.
     pub(crate) const MOST_OVER_NOISE: f64 = 1e6;
 }
@@ -470,91 +466,22 @@ pub(crate) mod unseen {
 }
 
 /// Torques of the drives and the hand's force (docs/diagnosis-force.md).
-pub(crate) mod torque {
-    /// What an assumed mass may be wrong by, relative. Choice.
-    pub(crate) const MASS_SD: f64 = 0.1;
-    /// What an assumed mass may be wrong by at least \[kg\]. Choice.
-    pub(crate) const LEAST_MASS_SD_KG: f64 = 5e-3;
-    /// What an assumed centre of mass may be wrong by along each axis \[m\].
-    pub(crate) const CENTRE_SD_M: f64 = 2e-3;
-    /// Probability of any name on torques without an effect, and of any link whose file is right. Choice.
-    pub(crate) const FAMILY_WISE_P: f64 = 1e-3;
-    /// Least torque of a link's weight that is another, over a row's noise.
-    pub(crate) const LEAST_WEIGHT: f64 = 0.2;
-    /// Least size of an effect: its mean square over that of a row's noise. Errors of the angles and of the geometry
-    /// that are no effects on torques leave less than this.
-    pub(crate) const LEAST_SHARE_OF_NOISE: f64 = 0.04;
-    /// Least share of its columns that the base model must leave.
-    pub(crate) const LEAST_RETAINED: f64 = 0.05;
-    /// Least part of what is left that a further effect must explain.
-    pub(crate) const SHARE_OF_REST: f64 = 0.1;
-    /// Effects that are named at most.
-    pub(crate) const MOST_NAMES: usize = 3;
-    /// Harmonic errors of angles that are allowed for in addition to the named effects.
-    pub(crate) const MOST_RIPPLES: usize = 4;
-    /// Steps of the search for a transition. Cost.
-    pub(crate) const TRANSITION_STEPS: usize = 8;
-    /// Factor that the search for a transition goes to each side. Choice.
-    pub(crate) const TRANSITION_REACH: f64 = 3.2;
-    /// Part of a hysteresis that neither a bias nor a gain of the sensor explains.
-    pub(crate) const LEAST_LOOP: f64 = 0.5;
-    /// Orders of cogging that one joint may have: more of them would follow any function of its angle.
-    pub(crate) const MOST_ORDERS: usize = 2;
-    /// Delay of the encoders against the torques \[s\].
-    pub(crate) const DELAY_SD_S: f64 = 2e-2;
-    /// Rounds in which the scales' columns settle; each leaves the square of a scale's error.
-    pub(crate) const SCALE_ROUNDS: usize = 2;
-    /// Smallest uncertainty of a torque's scale.
-    pub(crate) const LEAST_SCALE_SD: f64 = 1e-4;
-    /// Slow energy beyond noise, in its standard deviations, that is a gap.
-    pub(crate) const OMNIBUS_DEVIATIONS: f64 = 6.0;
-    /// Least structure that is a gap: its mean square over that of a row's noise, all channels together. Angles and
-    /// lengths that other effects falsify leave less.
-    pub(crate) const LEAST_STRUCTURE: f64 = 0.2;
-    /// Part of the structure that named effects may leave.
-    pub(crate) const UNEXPLAINED_SHARE: f64 = 0.1;
-    /// Standard deviations of slow energy above noise that are noise still.
-    pub(crate) const NOISE_DEVIATIONS: f64 = 4.0;
-    /// A force that does not pass the sensor, and readings of the sensor that are wrong by no law of the catalogue,
-    /// are one equation: neither is likelier.
-    pub(crate) const GRIP_PROBABILITY: f64 = 0.5;
-    /// Probability that an effect on torques is one of the catalogue.
-    pub(crate) const LISTED_PROBABILITY: f64 = 0.97;
-    /// Times the torque that wrong angles cause by which a finding must stand out.
-    pub(crate) const BEYOND_WRONG_ANGLES: f64 = 3.0;
-    /// Deviations of a torque's scale from the drive's stated one that are a gap, whether or not they have a name.
-    pub(crate) const STRAINED: f64 = 5.0;
-    /// Part of the structure that a free force at the handle may leave.
-    pub(crate) const GRIP_LEFT: f64 = 0.1;
-    /// Torques in addition to the force's three directions that the test needs.
-    pub(crate) const SPARE_CHANNELS: usize = 2;
-    /// Residuals of positions over their noise that are a gap.
-    pub(crate) const POSITION_GAP: f64 = 1.5;
-    /// Strain of the geometry, per parameter, that torques alone do not cause.
-    pub(crate) const STRAIN: f64 = 0.5;
-    /// The same where a link's weight is in question, which a falsified geometry changes first.
-    pub(crate) const WEIGHT_STRAIN: f64 = 0.25;
-    /// What a calibrated length may still be wrong by \[m\].
-    pub(crate) const LENGTH_SD_M: f64 = 2e-3;
-    /// What a calibrated angle may still be wrong by \[rad\].
-    pub(crate) const ANGLE_SD_RAD: f64 = 1e-2;
-    /// One over the variance of a force of which nothing is known \[1/N^2\].
-    pub(crate) const FORCE_PRIOR: f64 = 1e-6;
-    /// Time that one block averages \[s\]: short against a motion, long against the sampling.
-    pub(crate) const BLOCK_S: f64 = 0.1;
-    /// Most rows of a block.
-    pub(crate) const LONGEST_BLOCK_ROWS: usize = 400;
-    /// Blocks of a window, within which what is left of a gap hardly changes.
-    pub(crate) const WINDOW_BLOCKS: usize = 4;
-    /// Readings per parameter of the base model that are enough.
-    pub(crate) const READINGS_PER_PARAMETER: usize = 8;
-    /// What the base model itself may be wrong by, over a torque's root mean square: postures are means of half blocks.
-    pub(crate) const MODEL_SD: f64 = 1e-3;
-    /// Standard deviation of the hand's force where nothing is known of it \[N\].
-    pub(crate) const UNKNOWN_FORCE_SD_N: f64 = 30.0;
-    /// Standard deviation of a torque of which nothing is known \[N m\].
-    pub(crate) const UNKNOWN_TORQUE_SD_NM: f64 = 10.0;
-}
+pub(crate) mod torque;
+
+/// Projections, steps and ridges of the fits.
+pub(crate) mod engine;
+
+/// What is written of a gap: its curve, its reduction, its instants.
+pub(crate) mod answer;
+
+/// A moving arm's gap in words.
+pub(crate) mod moving;
+
+/// Causes of a joint that does not follow its command.
+pub(crate) mod servo;
+
+/// The recording that tells candidates apart.
+pub(crate) mod settle;
 
 /// Payloads that change between runs (docs/diagnosis-force.md, "Payload").
 pub(crate) mod payload;

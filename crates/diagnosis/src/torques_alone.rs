@@ -16,10 +16,8 @@ use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
 use crate::judge::verdict;
 use crate::servo_loop::has_commands;
+use crate::thresholds::servo::UNTRUSTED_SCALE;
 use crate::{DiagnosisError, Options};
-
-/// Torque scales that are known no better than this say nothing: the device file's way to call its torques untrusted.
-const UNTRUSTED_SCALE: f64 = 1.0;
 
 /// Whether torques are all that a recording has to say of a device with links. Untrusted ones have nothing to say where there are commands.
 pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
@@ -139,7 +137,7 @@ pub(crate) fn diagnose(
             base_parameters: force.numbers,
             base_identifiable: force.numbers,
             tested: force.tested,
-            thresholds: crate::thresholds::VERSION.to_owned(),
+            thresholds: crate::version::version(),
             last_step: 0.0,
             without: options.without.clone(),
         },

@@ -90,11 +90,14 @@ fn refused(error: &haptical::Error) -> Value {
 }
 
 /// Without what says how a file came about, numbers with as many digits as are compared.
-fn trimmed(value: Value) -> Value {
+pub(crate) fn trimmed(value: Value) -> Value {
     match value {
         Value::Object(fields) => {
             let fields = fields.into_iter();
-            let kept = fields.filter(|(key, _)| !OF_FILES.contains(&key.as_str()));
+            // the thresholds of gap.json are a version, and those of identified.json the numbers themselves
+            let is_version = |key: &str, own: &Value| key == "thresholds" && own.is_string();
+            let kept = fields
+                .filter(|(key, own)| !OF_FILES.contains(&key.as_str()) && !is_version(key, own));
             Value::Object(kept.map(|(key, own)| (key, trimmed(own))).collect())
         }
         Value::Array(items) => Value::Array(items.into_iter().map(trimmed).collect()),

@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use flate2::{Compression, GzBuilder, read::GzDecoder};
 use serde_json::Value;
 
+use crate::answer::trimmed;
 use crate::scene::root;
 
 /// Where the records are, from the root of the project.
@@ -17,7 +18,7 @@ fn path(scene: &str) -> PathBuf {
     root(FOLDER).join(format!("{scene}.json.gz"))
 }
 
-/// The recorded answer of a scene; none where there is none.
+/// The recorded answer of a scene, without what is not compared; none where there is none.
 pub(crate) fn read(scene: &str) -> Result<Option<Value>> {
     let path = path(scene);
     if !path.exists() {
@@ -29,7 +30,8 @@ pub(crate) fn read(scene: &str) -> Result<Option<Value>> {
     GzDecoder::new(bytes.as_slice())
         .read_to_string(&mut text)
         .with_context(place)?;
-    serde_json::from_str(&text).map(Some).with_context(place)
+    let answer = serde_json::from_str(&text).with_context(place)?;
+    Ok(Some(trimmed(answer)))
 }
 
 /// Records an answer.

@@ -326,7 +326,7 @@ fn provenance(findings: &Findings<'_>) -> Provenance {
         base_parameters: engine.base.parameters.len(),
         base_identifiable: engine.base.free.len(),
         tested: findings.selection.selector.tested.len(),
-        thresholds: crate::thresholds::VERSION.to_owned(),
+        thresholds: crate::version::version(),
         last_step: findings.selection.refit.last_step,
         without: findings.inputs.options.without.clone(),
     }

@@ -8,7 +8,7 @@ use haptical_model::{Device, DeviceEffect, Recording};
 use serde::Serialize;
 
 use crate::DiagnosisError;
-use crate::answer::p_spline::{Normal, PARTS, Smooth};
+use crate::answer::p_spline::{Normal, Smooth};
 use crate::answer::place::Located;
 use crate::answer::shrink::{Unseen, device_on_second};
 use crate::answer::{HeldOutAnswer, Verdict};
@@ -17,6 +17,7 @@ use crate::engine::model::{Cause, Model};
 use crate::judge::rivals::warms_with_time;
 use crate::select::Selection;
 use crate::select::generic::Covariate;
+use crate::thresholds::answer::PARTS;
 use crate::thresholds::correction::{CHANCE_SD, COEFFICIENTS, LEAST_SHARE, NEARLY_AS_MUCH};
 
 /// A curve that is added to a joint's angle in the place of a cause that is not known. It is no cause.

@@ -547,7 +547,7 @@ pub struct Provenance {
     pub base_identifiable: usize,
     /// Effects at places that were tested.
     pub tested: usize,
-    /// Version of the thresholds.
+    /// Version of the thresholds: a hash of the texts of their files.
     pub thresholds: String,
     /// Step that the fit of base model and causes still asks for at its end, in standard deviations of the residuals.
     pub last_step: f64,

@@ -3,14 +3,8 @@
 
 use haptical_linalg::{NormalEquations, NormalSolution};
 
-/// Parts that rows are cut into, in order of time.
-pub(crate) const PARTS: usize = 40;
-/// Folds: part k is held out in fold k modulo this.
-const FOLDS: usize = 5;
-/// Penalties that are tried, in what the data say of a coefficient on average: 10^-4 to 10^4.
-const PENALTIES: i32 = 16;
-/// Pull of every coefficient to 0, in the same unit: it decides what neither data nor penalty do.
-const PULL: f64 = 1e-6;
+use crate::thresholds::answer::{FOLDS, PARTS, PENALTIES, PULL};
+
 /// Second differences of the coefficients are penalised.
 const DIFFERENCE: [f64; 3] = [1.0, -2.0, 1.0];
 

@@ -10,8 +10,9 @@ use crate::judge::findings::Findings;
 use crate::noise::without_lines;
 use crate::select::Selection;
 use crate::select::generic::{Covariate, Place, inner_range, score};
-use crate::thresholds::dependence::{ALSO, DEPENDENCE_P, PLACE_BINS, PLACE_KNOTS};
-use crate::thresholds::dependence::{BIN_SHARE, EVIDENCE_PER_RANK};
+use crate::thresholds::dependence::{
+    ALSO, BIN_SHARE, DEPENDENCE_P, EVIDENCE_PER_RANK, PLACE_BINS, PLACE_KNOTS,
+};
 use crate::thresholds::lines::MOST_OF_A_GAP;
 
 /// Where it lies, with the covariate that a picture should show.

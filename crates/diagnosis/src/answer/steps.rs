@@ -5,9 +5,7 @@ use haptical_effects::Effect;
 use crate::answer::StepAnswer;
 use crate::engine::model::Cause;
 use crate::select::Selection;
-
-/// Blocks of rows on each side within which the first row after an event is looked for.
-const REACH_BLOCKS: usize = 2;
+use crate::thresholds::answer::REACH_BLOCKS;
 
 /// Every step of every cause that is an event.
 pub(crate) fn steps(selection: &Selection<'_>) -> Vec<StepAnswer> {

@@ -8,6 +8,7 @@ use haptical_effects::Context;
 
 use crate::engine::layout::Layout;
 use crate::noise::Noise;
+use crate::thresholds::engine::SURVIVING;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
 
@@ -180,7 +181,7 @@ fn longest_of_lines(context: &Context<'_>, channel: Channel) -> Option<usize> {
 }
 
 impl Layout for Blocks {
-    const SURVIVING: f64 = 1e-9;
+    const SURVIVING: f64 = SURVIVING;
 
     fn count(&self) -> usize {
         self.count()

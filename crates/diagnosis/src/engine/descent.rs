@@ -12,6 +12,7 @@ use crate::engine::base_problem::BaseProblem;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, Step, dense, square};
 use crate::engine::with_causes;
+use crate::thresholds::engine::WIDTH_STEP;
 use crate::thresholds::fit::{
     FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER, STILL_SD,
 };
@@ -231,10 +232,6 @@ fn by_differences(
     };
     (0..cause.amplitudes.len()).map(of_amplitude).collect()
 }
-
-/// Step of a width over the width itself: more than what a reversal at a row makes it, so that rows that are crossed together count
-/// together.
-const WIDTH_STEP: f64 = 0.01;
 
 fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
     let mut slope = Signal::default();

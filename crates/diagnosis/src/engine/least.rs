@@ -3,6 +3,8 @@
 use haptical_linalg::{Matrix, NormalEquations, NormalSolution};
 use nalgebra::DMatrix;
 
+use crate::thresholds::engine::{INDEPENDENT, LEAST_SQUARES_RIDGE};
+
 /// Products of columns with each other and with a target.
 #[derive(Debug)]
 pub(crate) struct Columns {
@@ -10,11 +12,6 @@ pub(crate) struct Columns {
     pub(crate) norms: Vec<f64>,
     readings: usize,
 }
-
-/// Share of a column's square that must lie across others for it to be one of its own.
-const INDEPENDENT: f64 = 1e-6;
-/// Share of a column's square that keeps dependent ones solvable.
-const RIDGE: f64 = 1e-11;
 
 impl Columns {
     pub(crate) fn new(columns: &[&[f64]], target: &[f64]) -> Self {
@@ -28,7 +25,7 @@ impl Columns {
     }
 
     fn fit(&self, chosen: &[usize]) -> NormalSolution {
-        let ridge = |column: usize| RIDGE * self.norms[column].powi(2);
+        let ridge = |column: usize| LEAST_SQUARES_RIDGE * self.norms[column].powi(2);
         self.sums.solve(chosen, ridge)
     }
 

@@ -8,9 +8,7 @@ use haptical_model::{Evaluation, Recording};
 use crate::DiagnosisError;
 use crate::engine::base::Base;
 use crate::engine::base_problem::BaseProblem;
-
-/// Share of the mean square of the three directions that is added to each: where the handle cannot move, no joint does.
-const RIDGE: f64 = 1e-3;
+use crate::thresholds::engine::TOUCHES_RIDGE;
 
 /// The recording with each touch's joints moved by the least angles that take the handle to what it touches, by a base
 /// model's fit; none without touches.
@@ -66,7 +64,7 @@ pub(crate) fn onto_touches(
             })
             .collect();
         let square: Matrix3<f64> = twists.iter().map(|twist| twist * twist.transpose()).sum();
-        let square = square + Matrix3::identity() * (RIDGE * square.trace() / 3.0);
+        let square = square + Matrix3::identity() * (TOUCHES_RIDGE * square.trace() / 3.0);
         let Some(inverse) = square.try_inverse() else {
             continue;
         };

@@ -7,10 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::engine::layout::Layout;
 use crate::engine::system::System;
-
-/// Share of a column's length below which it is projected a second time: above it one pass leaves at most ten times the
-/// rounding. A long log has ten thousand blocks, and its base model a hundred columns.
-const AGAIN_BELOW: f64 = 0.1;
+use crate::thresholds::engine::AGAIN_BELOW;
 
 /// Columns, and the system that they leave.
 #[derive(Debug, Clone)]

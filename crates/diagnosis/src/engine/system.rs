@@ -9,12 +9,11 @@ pub(crate) use haptical_linalg::{dot, take_off};
 use crate::engine::base_problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
+use crate::thresholds::engine::ABSENT_DIRECTION;
 use crate::thresholds::fit::WINDOW_S;
 
 /// Two passes of a projection whatever is left.
 pub(crate) const ALWAYS: f64 = f64::INFINITY;
-/// Share of a column that must lie across those before it for a direction of its own.
-const ABSENT: f64 = 1e-7;
 
 /// A signal averaged and whitened, stream by stream.
 #[derive(Debug, Clone, Default)]
@@ -222,7 +221,7 @@ pub(crate) fn across<'d, D: Iterator<Item = &'d Direction>>(
         }
         left = dot(&vector, &vector).sqrt();
     }
-    if left <= ABSENT * length || left == 0.0 {
+    if left <= ABSENT_DIRECTION * length || left == 0.0 {
         return None;
     }
     vector.iter_mut().for_each(|entry| *entry /= left);

@@ -7,10 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 use super::posture::{PER_LINK, Posture, Rows};
 use super::recorded::{Besides, Recorded};
 use super::rows::whitener::Whitener;
-use crate::thresholds::torque::{ANGLE_SD_RAD, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M};
-
-/// Part of the largest inertial column below which one is rounding alone.
-const ROUNDING: f64 = 1e-9;
+use crate::thresholds::torque::{
+    ANGLE_SD_RAD, COLUMN_ROUNDING, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M,
+};
 
 /// Inertial numbers of an arm: ten of each link, and the inertia of each drive's rotor and gears at its joint, which no link's
 /// number takes (Khalil & Dombre, *Modeling, Identification and Control of Robots*, section 9.4).
@@ -193,7 +192,7 @@ impl<'a> Along<'a> {
         let largest = sizes.iter().copied().fold(0.0, f64::max);
         let columns = std::mem::take(&mut self.inertia);
         for (parameter, column) in columns.into_iter().enumerate() {
-            if sizes[parameter] > ROUNDING * ROUNDING * largest {
+            if sizes[parameter] > COLUMN_ROUNDING * COLUMN_ROUNDING * largest {
                 self.parameters.push(parameter);
                 self.inertia.push(column);
             }

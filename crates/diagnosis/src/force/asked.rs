@@ -21,9 +21,7 @@ use crate::DiagnosisError;
 use crate::answer::HeldOutAnswer;
 use crate::select::misfit;
 use crate::select::scan::Score;
-
-/// Part of the rows, the last ones, that a fit does not see whose effects are tried on them.
-const UNSEEN: f64 = 1.0 / 3.0;
+use crate::thresholds::torque::UNSEEN_PART;
 
 /// What the torques say of an effect that was asked for.
 #[derive(Debug, Clone)]
@@ -63,7 +61,7 @@ pub fn ask_torques(
     let recording = attached_at(&mut others, &at, recording)?;
     let rigid = bare(&others);
     let mut answers = fitted(&rigid, &recording, None, &wanted)?;
-    let seen = ((1.0 - UNSEEN) * recording.len() as f64) as usize;
+    let seen = ((1.0 - UNSEEN_PART) * recording.len() as f64) as usize;
     let part = |rows: std::ops::Range<usize>| recording.select(&rows.collect::<Vec<usize>>());
     let (first, second) = (part(0..seen), part(seen..recording.len()));
     // each by itself: what one closes is not the merit of the other

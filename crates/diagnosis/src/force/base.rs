@@ -12,11 +12,7 @@ use super::rows::{FastRows, TorqueRows};
 use crate::engine::regression::Regression;
 use crate::engine::system::{Column, SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
-use crate::thresholds::torque::{DELAY_SD_S, SCALE_ROUNDS};
-
-/// Part of a column's square that every column has as knowledge beforehand: inertial parameters that only sums of
-/// which show have a smallest solution.
-const RIDGE: f64 = 1e-9;
+use crate::thresholds::torque::{DELAY_SD_S, KNOWN_BEFOREHAND, SCALE_ROUNDS};
 
 /// The base model fitted, with effects.
 #[derive(Debug, Clone)]
@@ -41,7 +37,7 @@ impl Base {
         let row = rows.prior(self.regression.len());
         let mut column = rows.whitener.whiten(means);
         let prior = 1.0 / (sd * sd);
-        let square = prior + RIDGE * (dot(&column, &column) + prior);
+        let square = prior + KNOWN_BEFOREHAND * (dot(&column, &column) + prior);
         column.resize(self.regression.reading().len(), 0.0);
         column[row] = if square > 0.0 { square.sqrt() } else { 1.0 };
         self.regression.add(column);

@@ -12,14 +12,9 @@ use super::rows::harmonics::{harmonics, without_harmonics};
 
 use crate::noise::{self, Known, NoiseSource};
 use crate::thresholds::torque::{
-    BLOCK_S, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, UNKNOWN_FORCE_SD_N,
-    UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
+    BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, SLOWEST_S,
+    UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
-
-/// Rows farther apart than this say nothing of speeds \[s\].
-pub(crate) const SLOWEST_S: f64 = 2.0;
-/// Share of the force's square below which its changes are none.
-const CONSTANT: f64 = 1e-6;
 
 /// What may act on the chain in addition to what was recorded, changing as it likes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -254,7 +249,7 @@ impl<'a> Recorded<'a> {
         let mean = known().sum::<Vector3<f64>>() / count;
         let spread: f64 = known().map(|force| (force - mean).norm_squared()).sum();
         let square: f64 = known().map(Vector3::norm_squared).sum();
-        spread > CONSTANT * square
+        spread > CONSTANT_FORCE * square
     }
 
     /// Windows of blocks that follow each other.

@@ -12,11 +12,8 @@ use crate::select::{excess, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{
     FAMILY_WISE_P, LEAST_LOOP, LEAST_RETAINED, LEAST_SHARE_OF_NOISE, MOST_NAMES, MOST_ORDERS,
-    MOST_RIPPLES, SHARE_OF_REST, TRANSITION_REACH, TRANSITION_STEPS,
+    MOST_RIPPLES, SHAPE_STEP, SHARE_OF_REST, TRANSITION_REACH, TRANSITION_STEPS,
 };
-
-/// Step of its derivative, of its logarithm.
-const SHAPE_STEP: f64 = 0.05;
 
 /// A chosen effect.
 #[derive(Debug, Clone)]

@@ -5,8 +5,7 @@ use crate::answer::Verdict;
 use crate::judge::dependence::largest_dependence;
 use crate::select::{Selection, Selector, excess, worst_excess};
 use crate::thresholds::chance::{FAMILY_WISE_P, OMNIBUS_Z};
-use crate::thresholds::rivals::WEAK;
-use crate::thresholds::rivals::{LEAST_DOUBT, MOST_DOUBT, UNKNOWN, WEAK_DOUBT};
+use crate::thresholds::rivals::{LEAST_DOUBT, MOST_DOUBT, UNKNOWN, WEAK, WEAK_DOUBT};
 
 /// Whether the causes account for the gap.
 #[derive(Debug, Clone)]

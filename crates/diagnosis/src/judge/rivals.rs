@@ -9,10 +9,8 @@ use crate::select::scan::Score;
 use crate::select::{Selection, Selector, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::rivals::{
-    BEHIND_NATS, LOOK_ALIKE_NATS, SAME_COURSE, SAME_GAIN, SETTLING_COURSES,
-};
-use crate::thresholds::rivals::{
-    COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, NEAR_NATS, REFITTED,
+    BEHIND_NATS, COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, LOOK_ALIKE_NATS,
+    NEAR_NATS, REFITTED, SAME_COURSE, SAME_GAIN, SETTLING_COURSES,
 };
 
 /// Every cause's rivals, after causes that others have overtaken were exchanged.

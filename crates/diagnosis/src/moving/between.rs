@@ -12,10 +12,8 @@ use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
+use crate::thresholds::moving::STIFFNESS_SD;
 use crate::thresholds::second::ALLOWED;
-
-/// Standard deviation of a stiffness by the torque that a link asks for, as a share: masses are known to a tenth (A157).
-const OF_LINKS: f64 = 0.07;
 
 /// Names of a stiffness, and of a width: of a joint that turns and of one that slides. A law of a device file has the first of
 /// them at either joint.
@@ -257,7 +255,7 @@ impl Links {
                 if (name.starts_with("stiffness") || name.starts_with(SECANT))
                     && self.source == LoadSource::Links
                 {
-                    *own = own.off_by_a_factor(OF_LINKS);
+                    *own = own.off_by_a_factor(STIFFNESS_SD);
                 }
             }
         }

@@ -5,10 +5,7 @@ use haptical_motion::{Dependence, Quantity};
 use super::words::{Words, largest};
 use crate::answer::ChannelGap;
 use crate::force::answer::Followed;
-
-/// A quantity is told where functions of it explain this share of a gap, and that one of what the best does.
-const TOLD: f64 = 0.2;
-const OF_MOST: f64 = 0.6;
+use crate::thresholds::moving::{FOLLOWED_OF_MOST, FOLLOWED_SHARE};
 
 /// What the largest gap depends on, in the log's columns.
 pub(super) fn followed(words: &Words<'_>, channels: &[ChannelGap]) -> Vec<Followed> {
@@ -21,7 +18,9 @@ pub(super) fn followed(words: &Words<'_>, channels: &[ChannelGap]) -> Vec<Follow
     // functions of time follow everything that is slow
     let is_of_time =
         |own: &Dependence| own.quantity == Quantity::Time && first != Some(own.quantity);
-    let is_told = |own: &&Dependence| own.share > TOLD.max(OF_MOST * most) && !is_of_time(own);
+    let is_told = |own: &&Dependence| {
+        own.share > FOLLOWED_SHARE.max(FOLLOWED_OF_MOST * most) && !is_of_time(own)
+    };
     let joint = &device.joints[own.joint];
     let number = own.joint + 1;
     let position = format!("theta{number}_{}", joint.unit());

@@ -5,10 +5,7 @@ use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
 use haptical_model::{Device, JointType};
 use haptical_motion::{Doubt, Examined, Finding};
 
-/// No joint of an arm turns faster \[rad/s\].
-const TOO_FAST: f64 = 25.0;
-/// Outside this a joint's unit is another one than that of a log.
-const WRONG_UNIT: std::ops::Range<f64> = 0.02..30.0;
+use crate::thresholds::moving::{SAME_UNIT, TOO_FAST_RAD_PER_S};
 
 pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     let mut warnings = of_torques(device, examined);
@@ -204,7 +201,10 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
     }
     for (joint, speed) in examined.fastest.iter().enumerate() {
         let own = &device.joints[joint];
-        if own.joint_type == JointType::Revolute && *speed > TOO_FAST && examined.has_gap() {
+        if own.joint_type == JointType::Revolute
+            && *speed > TOO_FAST_RAD_PER_S
+            && examined.has_gap()
+        {
             said.push(format!(
                 "theta{number}_rad turns at {speed:.0} rad/s, which no arm does: is the column in degrees? Multiply it by pi/180",
                 number = joint + 1
@@ -246,7 +246,7 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
         let Some(scale) = own.scale else {
             continue;
         };
-        let is_off = scale.is_known() && !WRONG_UNIT.contains(&scale.slope.abs());
+        let is_off = scale.is_known() && !SAME_UNIT.contains(&scale.slope.abs());
         // what a wrist asks for without its payload is little
         if is_off && !in_doubt(own.joint) && !examined.is_answer() {
             said.push(format!(

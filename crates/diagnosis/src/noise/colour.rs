@@ -2,6 +2,7 @@
 
 use super::segments::{expected_moments, leave_undisturbed, segment_basis};
 use super::{Noise, NoiseSource};
+use crate::thresholds::engine::COLOUR_STEP;
 use crate::thresholds::noise::{LAGS, LEAST_COLOUR, MOST_COLOUR, SEGMENT_ROWS};
 
 /// The colour up to which the correlation of successive rows grows: a cubic takes most of a strongly
@@ -17,9 +18,6 @@ fn most_colour(mixed: &dyn Fn(f64) -> [f64; LAGS]) -> f64 {
     }
     most
 }
-
-/// Step in which the turning point is looked for.
-const COLOUR_STEP: f64 = 0.01;
 
 /// Solves for size and colour by the moments of the segments that nothing disturbs; the share of the
 /// variance that rounding has is white.

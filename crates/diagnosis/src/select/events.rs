@@ -8,9 +8,9 @@ use haptical_linalg::Direction;
 use crate::engine::system::{ALWAYS, System, across, dot, take_off};
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::steps::{
-    APART_S, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE, STEP_SHARE, SWEEPS,
+    APART_S, LEAST_LEFT, MARGIN, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE, STEP_SHARE,
+    SWEEPS,
 };
-use crate::thresholds::steps::{LEAST_LEFT, MARGIN};
 
 /// An event's instants. A step changes its row and all later ones, so sums over what it changes run from the end of each run
 /// backwards; those that no other step changes are made once.

@@ -8,8 +8,7 @@ use crate::engine::system::System;
 use crate::select::events::Instants;
 use crate::select::scan::Score;
 use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
-use crate::thresholds::steps::MORE_STEPS_SHARE;
-use crate::thresholds::steps::{COINCIDENT_S, WORTH_MORE_STEPS};
+use crate::thresholds::steps::{COINCIDENT_S, MORE_STEPS_SHARE, WORTH_MORE_STEPS};
 
 impl Selector<'_> {
     /// Every effect's best score, best first by [`Selector::criterion`].

@@ -13,10 +13,7 @@ use crate::answer::{
     Untestable, Verdict, Whiteness,
 };
 use crate::judge::verdict::on_unseen;
-use crate::thresholds::joined::ALL_CLOSED;
-
-/// Least floor, so that shares of noiseless logs are finite.
-const LEAST_FLOOR: f64 = 1e-7;
+use crate::thresholds::servo::{ALL_CLOSED, LEAST_FLOOR};
 
 /// What is said of joints, and why not of others.
 struct Tested {
@@ -175,7 +172,7 @@ pub(super) fn answer(
             base_parameters: 0,
             base_identifiable: 0,
             tested: joints.iter().map(|joint| joint.answer.tried).sum(),
-            thresholds: crate::thresholds::VERSION.to_owned(),
+            thresholds: crate::version::version(),
             last_step: 0.0,
             without: options.without.clone(),
         },

@@ -6,9 +6,7 @@ use haptical_model::{Device, JointType};
 use haptical_servo::{Finding, Instant, JointAnswer, Number, Verdict as OfJoint};
 
 use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
-
-/// Probability of a class of names that closes most of a gap.
-const SURE: f64 = 0.95;
+use crate::thresholds::servo::SURE_CLASS;
 
 /// Causes of a joint without the effects that are left out: a rival takes the place of one, and without a rival it goes.
 pub(super) fn kept(answer: &JointAnswer, without: &[String]) -> JointAnswer {
@@ -50,9 +48,9 @@ pub(super) fn of_torque(joint: usize, finding: &Finding) -> CauseAnswer {
         .collect();
     parameters.extend(finding.since.map(since));
     CauseAnswer {
-        class_probability: SURE,
+        class_probability: SURE_CLASS,
         parameters,
-        ..CauseAnswer::named(finding.effect, Some(joint), SURE)
+        ..CauseAnswer::named(finding.effect, Some(joint), SURE_CLASS)
     }
 }
 
@@ -64,7 +62,7 @@ pub(super) fn cause(
     weight: f64,
     held_out: HeldOutAnswer,
 ) -> CauseAnswer {
-    let class = SURE * answer.closed.clamp(0.5, 1.0);
+    let class = SURE_CLASS * answer.closed.clamp(0.5, 1.0);
     let own = match finding.confusable_with.len() {
         0 => class,
         rivals => class * (0.5 + 0.5 / (1.0 + rivals as f64)),

@@ -2,11 +2,7 @@
 
 use super::gram::{Gram, Odds};
 use crate::thresholds::chance::NAMED_PROBABILITY;
-
-/// Rounds in which chosen pieces are exchanged for others.
-const EXCHANGE_ROUNDS: usize = 2;
-/// What an exchange must gain \[nats\].
-const LEAST_GAIN: f64 = 1e-6;
+use crate::thresholds::settle::{EXCHANGE_ROUNDS, LEAST_EXCHANGE_NATS};
 
 /// Log-odds from which the first name is given without hedging \[nats\].
 fn named_nats() -> f64 {
@@ -85,7 +81,7 @@ pub(super) fn choose(
         for place in 0..chosen.len() {
             let before = score(&sum(&chosen, None));
             if let Some((piece, after)) = best(&sum(&chosen, Some(place)))
-                && after > before + LEAST_GAIN
+                && after > before + LEAST_EXCHANGE_NATS
             {
                 chosen[place] = piece;
                 is_changed = true;

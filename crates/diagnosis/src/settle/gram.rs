@@ -3,8 +3,7 @@
 use haptical_linalg::{Matrix, NormalEquations};
 use nalgebra::DMatrix;
 
-/// What keeps directions that no row shows from being divided by: a share of a column's squared length.
-const RIDGE: f64 = 1e-9;
+use crate::thresholds::settle::RIDGE;
 
 /// Places of the columns: the base model's and those beside it first, then candidate by candidate its signal and its slopes.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::answer::{Diagnosis, Verdict};
 use crate::thresholds::chance::CONFUSABLE_NATS;
-
-/// Candidates that are told apart at most: each costs as many comparisons as there are others.
-const MOST_CANDIDATES: usize = 5;
+use crate::thresholds::settle::MOST_CANDIDATES;
 
 /// A candidate for a cause, with the size that the diagnosis found.
 #[derive(Debug, Clone, PartialEq)]

@@ -50,3 +50,15 @@ pub(crate) const LEFT_TO_FREE: f64 = 0.3;
 /// Distances of a mass on a link from its joint's axis, over the longest row of the chain: a tail or a bar for a counterweight is longer
 /// than the row. Choice.
 pub(crate) const LEVER: [f64; 2] = [0.1, 1.5];
+
+// `force::changes::hypothesis`
+/// How many kinds of changes of a drive may come with a payload, of offset, friction and gain in this order: a gain resembles its weight.
+pub(crate) const KINDS_WITH_PAYLOAD: usize = 2;
+
+// `force::changes::size`
+/// The half of an interval's width for a standard deviation from as many folds as `FOLDS` (Student's t with nine degrees of freedom).
+pub(crate) const FOLDS_HALF_WIDTH: f64 = 2.26;
+/// What two sessions differ by, over what the parts of one do: assumption A180.
+pub(crate) const SESSION_FACTOR: f64 = 5.0;
+/// An inertia that leaves a mass wider than by this factor's logarithm does not show.
+pub(crate) const KNOWN_INERTIA: f64 = 1.1;

@@ -7,14 +7,12 @@ use crate::answer::floor::Floor;
 use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{HeldOutAnswer, NoReduction};
 use crate::engine::Engine;
+use crate::thresholds::answer::ALL_PERCENT;
 use crate::thresholds::recording::BOOTSTRAP_BLOCK_ROWS;
 use crate::thresholds::second::ALLOWED;
 
 /// Seed of the moving-block bootstrap behind the intervals of a reduction.
 pub const BOOTSTRAP_SEED: u64 = 1;
-
-/// Share of a gap that is all of it \[%\], but for rounding.
-const ALL: f64 = 99.95;
 
 /// Residuals of one channel on unseen rows, without and with the causes.
 #[derive(Debug, Clone)]
@@ -128,7 +126,7 @@ impl Unseen {
         // a floor that may be as large as all that there was leaves no gap to close
         let most = self.floor.rms.powi(2) * (1.0 + self.spread());
         let says_nothing = most >= rms_before.powi(2)
-            || interval.is_some_and(|[low, high]| low <= 0.0 && high >= ALL);
+            || interval.is_some_and(|[low, high]| low <= 0.0 && high >= ALL_PERCENT);
         let no_reduction = match self.floor.why_unknown() {
             None if reduction.is_none() || says_nothing => Some(NoReduction::WithinNoise),
             why_unknown => why_unknown,

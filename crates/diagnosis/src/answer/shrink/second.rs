@@ -18,6 +18,7 @@ use crate::engine::{Engine, Prepared};
 use crate::noise::cleaning::without_readings;
 use crate::select::Selection;
 use crate::select::events::Instants;
+use crate::thresholds::answer::ZERO_SHARE;
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::steps::STEP_SCORE;
 
@@ -237,9 +238,6 @@ fn zeroed(
     }
     (before, after)
 }
-
-/// Share of the squares beyond which a constant is a zero of its own.
-const ZERO_SHARE: f64 = 0.5;
 
 /// Mean and mean square of the usable readings.
 fn moments(residual: &[f64], usable: &[bool]) -> Option<(f64, f64)> {

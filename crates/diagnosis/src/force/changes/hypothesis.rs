@@ -3,7 +3,7 @@
 use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
-use crate::thresholds::payload::FLANGE_REACH_M;
+use crate::thresholds::payload::{FLANGE_REACH_M, KINDS_WITH_PAYLOAD};
 
 /// What a drive may change by on all joints at once.
 pub(super) const KINDS: [fn(&Own) -> Vec<usize>; 3] = [
@@ -11,9 +11,6 @@ pub(super) const KINDS: [fn(&Own) -> Vec<usize>; 3] = [
     |own| own.friction.clone().collect(),
     |own| vec![own.gain],
 ];
-
-/// How many of these kinds, the first ones, may come with a payload: a gain resembles its weight.
-const BESIDE: usize = 2;
 
 /// A place of a mass: the link, its columns beside the common ones, and those of the scales that its torque is read with.
 #[derive(Debug, Clone)]
@@ -65,7 +62,7 @@ impl Hypothesis {
         let carriers: Vec<Carrier> = carriers(columns)
             .map(|carrier| carrier.scaled(folds, &common, &scale_sds))
             .collect();
-        let kinds = KINDS[..BESIDE].iter();
+        let kinds = KINDS[..KINDS_WITH_PAYLOAD].iter();
         let mut kinds: Vec<Vec<usize>> = kinds.map(|kind| columns.every(kind)).collect();
         let mut found = Self::beside(&carriers, folds, &common, every)?;
         loop {

@@ -5,7 +5,9 @@ use haptical_effects::force::PAYLOAD;
 use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
-use crate::thresholds::payload::{CERTAIN, FIXED_MASS, LEVER};
+use crate::thresholds::payload::{
+    CERTAIN, FIXED_MASS, FOLDS_HALF_WIDTH, KNOWN_INERTIA, LEVER, SESSION_FACTOR,
+};
 
 /// A payload's numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,9 +29,6 @@ impl Size {
         self.deviations >= CERTAIN
     }
 }
-
-/// The half of an interval's width for a standard deviation from as many folds (Student's t with nine degrees of freedom).
-const HALF: f64 = 2.26;
 
 /// A mean's standard deviation from the values without each fold (Tukey's jackknife).
 fn jackknife(values: impl Iterator<Item = f64>) -> f64 {
@@ -54,10 +53,10 @@ pub(super) fn size(
     // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
     let sd_of = |value: &dyn Fn(Numbers<'_>) -> f64, sum: &[(usize, f64)]| {
         let each = (0..fitted.without.len()).map(|fold| value(&|column| fitted.nth(fold, column)));
-        jackknife(each).hypot(1.96 / HALF * folds.prior_sd(fitted, sum))
+        jackknife(each).hypot(1.96 / FOLDS_HALF_WIDTH * folds.prior_sd(fitted, sum))
     };
     let known = |value: f64, sd: f64| {
-        let half = (HALF * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
+        let half = (FOLDS_HALF_WIDTH * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
         [value - half, value + half]
     };
     let Some(link) = link else {
@@ -177,7 +176,7 @@ fn by_inertia(
     let beside = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
     let parts =
         (0..found.without.len()).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
-    let of_folds = SESSION * jackknife(parts.collect::<Option<Vec<_>>>()?.into_iter());
+    let of_folds = SESSION_FACTOR * jackknife(parts.collect::<Option<Vec<_>>>()?.into_iter());
     // scales within what is stated of them, offsets and friction as they like
     for (drive, sd) in columns.own.iter().zip(along.scale_sds()) {
         with.knowing(drive.gain, sd);
@@ -192,19 +191,14 @@ fn by_inertia(
         (inertia, -1.0 / changed.number(inertia)),
     ];
     let of_scales = with.prior_sd(&changed, &slopes);
-    let half = (HALF * of_folds)
+    let half = (FOLDS_HALF_WIDTH * of_folds)
         .hypot(1.96 * PAYLOAD.law_error.amplitude)
         .hypot(1.96 * of_drives)
         .hypot(1.96 * of_scales);
     let ends = [mass_kg * (-half).exp(), mass_kg * half.exp()];
     let ci95_kg = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-    (half < KNOWN).then_some((mass_kg, ci95_kg))
+    (half < KNOWN_INERTIA).then_some((mass_kg, ci95_kg))
 }
-
-/// What two sessions differ by, over what the parts of one do: assumption A180.
-const SESSION: f64 = 5.0;
-/// An inertia that leaves a mass wider than by this factor's logarithm does not show.
-const KNOWN: f64 = 1.1;
 
 /// Whether a mass was put on or down: its inertia is above or below zero.
 fn sign(fitted: &Fitted, column: &dyn Fn(usize) -> Option<usize>) -> f64 {

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use self::whitener::Whitener;
 use crate::engine::layout::Layout;
 use crate::engine::system::Column;
+use crate::thresholds::torque::{ABSENT_HARMONIC, SURVIVING};
 
 /// What the rows of a channel say of its harmonics within blocks: as many independent readings.
 #[derive(Debug, Clone)]
@@ -21,16 +22,13 @@ pub(crate) struct FastRows {
     pub(crate) reading: Vec<f64>,
 }
 
-/// Part of the largest variance below which a combination of harmonics is rounding alone.
-const ABSENT: f64 = 1e-12;
-
 impl FastRows {
     /// A square root of the harmonics' normal matrix, with the reading that belongs to its right side.
     pub(crate) fn new(gram: DMatrix<f64>, right: &DVector<f64>) -> Self {
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max().max(0.0);
         let kept: Vec<usize> = (0..right.len())
-            .filter(|&k| eigen.eigenvalues[k] > ABSENT * largest)
+            .filter(|&k| eigen.eigenvalues[k] > ABSENT_HARMONIC * largest)
             .collect();
         let size = |k: usize| eigen.eigenvalues[k].sqrt();
         let direction = |k: usize| eigen.eigenvectors.column(k);
@@ -65,7 +63,7 @@ pub(crate) struct TorqueRows {
 }
 
 impl Layout for TorqueRows {
-    const SURVIVING: f64 = 1e-6;
+    const SURVIVING: f64 = SURVIVING;
 
     fn count(&self) -> usize {
         let fast: usize = self.fast.iter().map(FastRows::len).sum();
