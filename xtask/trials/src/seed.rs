@@ -15,6 +15,8 @@ const THRESHOLDS: [&str; 2] = [
 ];
 /// What is handed a recording: it and every crate that it depends on can change a verdict.
 const JUDGE: &str = "diagnosis";
+/// What says with which dependencies and at which optimisation the judge is built, from the root of the repository.
+const BUILD: [&str; 2] = ["Cargo.lock", "Cargo.toml"];
 /// What makes the recordings.
 const GENERATOR: &str = "xtask/blind/src";
 /// Hexadecimal digits of the commit that make the seed.
@@ -104,7 +106,8 @@ fn of_commit(root: &Path) -> Result<Seed> {
     })
 }
 
-/// Sources that can change a verdict: of the judge and of every crate of ours among its dependencies and theirs.
+/// What can change a verdict: sources and manifests of the judge and of every crate of ours among its dependencies and theirs, and
+/// the versions of all others.
 pub(crate) fn judged(root: &Path) -> Vec<String> {
     let mut names = vec![JUDGE.to_owned()];
     let mut index = 0;
@@ -133,7 +136,8 @@ pub(crate) fn judged(root: &Path) -> Vec<String> {
     }
     names
         .iter()
-        .map(|name| format!("crates/{name}/src"))
+        .flat_map(|name| ["src", "Cargo.toml"].map(|file| format!("crates/{name}/{file}")))
+        .chain(BUILD.map(str::to_owned))
         .collect()
 }
 
