@@ -8,6 +8,7 @@
 
 mod files;
 mod modules;
+mod numbers;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
