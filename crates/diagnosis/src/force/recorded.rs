@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
+use haptical_model::Recording;
 use haptical_motion::torque_nm_without_effects;
 use nalgebra::{DMatrix, Vector3};
 
@@ -15,6 +16,14 @@ use crate::thresholds::torque::{
     BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, SLOWEST_S,
     UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
+
+/// The recorded force of a hand, row by row \[N\]: one of zero throughout is that of no hand, and tests no sensor.
+fn hand_force(recording: &Recording) -> Option<Vec<Vector3<f64>>> {
+    let axes = recording.force_n.as_ref()?;
+    let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
+    let is_zero = axes.iter().flatten().all(|force| *force == 0.0);
+    (!is_zero).then(|| (0..recording.len()).map(at).collect())
+}
 
 /// What may act on the chain in addition to what was recorded, changing as it likes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,13 +91,7 @@ impl<'a> Recorded<'a> {
         }
         let gravity = device.gravity_mps2.map(Vector3::from);
         let gravity_mps2 = gravity.ok_or_else(|| "no [gravity] in the device file".to_owned())?;
-        // a force of zero throughout is that of no hand, and tests no sensor
-        let is_zero = |axes: &[Vec<f64>; 3]| axes.iter().flatten().all(|force| *force == 0.0);
-        let force_n = recording.force_n.as_ref().filter(|axes| !is_zero(axes));
-        let force_n = force_n.map(|axes| {
-            let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
-            (0..context.rows()).map(at).collect::<Vec<_>>()
-        });
+        let force_n = hand_force(recording);
         // where a hand may hold the handle, it also moves it against a gauge: a cable, a tracker, a touched place
         let is_held =
             recording.force_n.is_none() && context.streams.iter().any(Stream::shows_handle);
