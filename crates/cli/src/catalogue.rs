@@ -1,7 +1,6 @@
 //! `haptical diagnose --list`: the effects that can be named, as a table or as JSON.
 
-use haptical::servo::{SPECS, Spec as OfServo};
-use haptical_effects::{Parameter, Spec, Unit, specs};
+use haptical_effects::{Entry, Parameter, entries};
 use haptical_report::Table;
 use serde::Serialize;
 
@@ -10,10 +9,13 @@ use crate::terminal;
 
 /// An effect, as `--json` lists it.
 #[derive(Debug, Serialize)]
-struct Entry {
+struct Listed {
     name: &'static str,
-    enters: &'static str,
-    needs: Vec<&'static str>,
+    /// Where, in words.
+    enters: String,
+    /// What a log must have: all of one of these lists.
+    needs_any: Vec<Vec<&'static str>>,
+    /// Those that an answer may give.
     parameters: Vec<Number>,
     meaning: &'static str,
     inspect: &'static str,
@@ -30,13 +32,13 @@ struct Number {
 /// Prints the catalogue.
 pub(crate) fn print(json: bool) -> Result<(), Failure> {
     if json {
-        let all = specs().map(entry).chain(SPECS.iter().map(of_servo));
-        return terminal::write_json(&all.collect::<Vec<_>>());
+        let all: Vec<Listed> = entries().into_iter().map(listed).collect();
+        return terminal::write_json(&all);
     }
     terminal::write_output(format!("{}\n", table()?.to_terminal()).as_bytes())
 }
 
-fn entry(spec: &'static Spec) -> Entry {
+fn listed(entry: Entry) -> Listed {
     let number = |parameter: &Parameter| Number {
         name: parameter.name,
         unit: parameter.unit.symbol(),
@@ -44,54 +46,26 @@ fn entry(spec: &'static Spec) -> Entry {
             .plausible
             .map(|end| (end < f64::MAX).then_some(end)),
     };
-    Entry {
-        name: spec.name,
-        enters: spec.hook.words(),
-        needs: spec.needs.iter().map(|need| need.words()).collect(),
-        parameters: spec.parameters.iter().map(number).collect(),
-        meaning: spec.meaning,
-        inspect: spec.inspect,
-    }
-}
-
-/// Where a servo's laws enter.
-const ANSWER: &str = "answer to the command";
-
-fn of_servo(spec: &'static OfServo) -> Entry {
-    let number = |name: &&'static str| Number {
-        name,
-        unit: Unit::split(name).1.symbol(),
-        plausible: [None, None],
-    };
-    Entry {
-        name: spec.name,
-        enters: ANSWER,
-        needs: vec!["time", "command"],
-        parameters: spec.parameters.iter().map(number).collect(),
-        meaning: spec.meaning,
-        inspect: spec.inspect,
+    Listed {
+        name: entry.name,
+        enters: entry.enters.join(", "),
+        needs_any: entry.needs_any,
+        parameters: entry.parameters.iter().map(number).collect(),
+        meaning: entry.meaning,
+        inspect: entry.inspect,
     }
 }
 
 fn table() -> Result<Table, Failure> {
-    let rows = specs().map(|spec| {
-        let parameters: Vec<String> = spec.parameters.iter().map(with_unit).collect();
-        let (enters, parameters) = (spec.hook.words(), parameters.join("\n"));
+    let rows = entries().into_iter().map(|entry| {
+        let parameters: Vec<String> = entry.parameters.iter().map(with_unit).collect();
         vec![
-            spec.name.into(),
-            enters.into(),
-            parameters.into(),
-            spec.meaning.into(),
+            entry.name.into(),
+            entry.enters.join(", ").into(),
+            parameters.join("\n").into(),
+            entry.meaning.into(),
         ]
     });
-    let rows = rows.chain(SPECS.iter().map(|spec| {
-        vec![
-            spec.name.into(),
-            ANSWER.into(),
-            spec.parameters.join("\n").into(),
-            spec.meaning.into(),
-        ]
-    }));
     Ok(Table::with_heads("", "effect | enters | parameters | meaning").with_rows(rows)?)
 }
 
@@ -105,12 +79,16 @@ fn with_unit(parameter: &Parameter) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use haptical_effects::{names, specs};
+
     use super::*;
 
     #[test]
     fn every_effect_has_a_row_and_parameters_have_units() {
         let text = table().unwrap().to_terminal();
-        for name in haptical_effects::names() {
+        for name in names() {
             assert!(text.contains(&format!(" {name} ")), "{name}");
         }
         assert!(text.contains("stiffness_nm_per_rad [N m/rad]"), "{text}");
@@ -119,9 +97,35 @@ mod tests {
 
     #[test]
     fn an_open_end_of_a_range_is_null() {
-        let slip = specs().find(|spec| spec.name == "capstan-slip").unwrap();
-        let entry = entry(slip);
+        let all: Vec<Listed> = entries().into_iter().map(listed).collect();
+        let entry = all.iter().find(|own| own.name == "capstan-slip").unwrap();
         assert_eq!(entry.parameters[0].plausible, [Some(0.0), Some(0.1)]);
         assert_eq!(entry.parameters[1].plausible, [Some(0.0), None]);
+    }
+
+    #[test]
+    fn a_name_has_one_row_and_each_of_its_numbers_one_unit() {
+        let entries = entries();
+        let unique: BTreeSet<&str> = entries.iter().map(|entry| entry.name).collect();
+        assert_eq!(unique.len(), entries.len());
+        for entry in &entries {
+            for own in &entry.parameters {
+                let same = specs().filter(|spec| spec.name == entry.name);
+                let mut same = same.flat_map(|spec| spec.parameters);
+                let is_one = |other: &Parameter| other.name != own.name || other.unit == own.unit;
+                assert!(same.all(is_one), "{}: {}", entry.name, own.name);
+            }
+        }
+        // a limit of torque has no speed
+        let saturation = entries.iter().find(|own| own.name == "torque-saturation");
+        let numbers = saturation.unwrap().parameters.iter().map(|own| own.name);
+        assert_eq!(numbers.collect::<Vec<_>>(), ["limit_nm"]);
+    }
+
+    #[test]
+    fn every_name_of_a_servo_is_in_the_catalogue() {
+        for name in haptical::servo::NAMES {
+            assert!(haptical_effects::command::is_on_answer(name), "{name}");
+        }
     }
 }

@@ -462,7 +462,6 @@ fn effects_of(
     let mut effects = catalogue(device);
     effects.extend(options.own_effects.into_iter().flat_map(|own| own(device)));
     let mut names = haptical_effects::names();
-    names.extend(haptical_servo::SPECS.iter().map(|spec| spec.name));
     names.extend(effects.iter().map(|effect| effect.name()));
     let without: Vec<String> = options
         .without

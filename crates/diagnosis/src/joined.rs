@@ -4,7 +4,7 @@
 use std::cmp::Ordering;
 
 use haptical_calibration::CalibrationError;
-use haptical_servo::SPECS;
+use haptical_servo::NAMES;
 
 use crate::DiagnosisError;
 use crate::answer::{
@@ -211,7 +211,7 @@ fn unexplained_gap(gap: &ChannelGap) -> String {
 
 /// What neither view can test: the chain has nothing to say of how a loop follows its commands, nor the loops of the chain.
 fn untestable(of_chain: &Diagnosis, of_loop: &Diagnosis) -> Vec<Untestable> {
-    let is_of_loop = |own: &&Untestable| SPECS.iter().any(|spec| spec.name == own.effect);
+    let is_of_loop = |own: &&Untestable| NAMES.contains(&own.effect.as_str());
     let of_chain = of_chain.untestable.iter().filter(|own| !is_of_loop(own));
     let of_loop = of_loop.untestable.iter().filter(is_of_loop);
     of_chain.chain(of_loop).cloned().collect()

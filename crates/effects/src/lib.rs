@@ -5,6 +5,7 @@
 pub mod base_model;
 pub mod cable;
 mod clock;
+pub mod command;
 mod context;
 pub mod correction;
 pub mod device;
@@ -34,7 +35,7 @@ pub use context::{
 pub use effect::Effect;
 pub use error::ContextError;
 pub use laws::under_load;
-pub use listing::markdown;
+pub use listing::{Entry, entries, markdown};
 pub use need::Need;
 pub use parameter::{Further, Parameter, Role};
 pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range, spec, specs};

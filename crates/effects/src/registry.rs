@@ -8,7 +8,8 @@ use crate::force::in_motion;
 use crate::laws::{Law, Placed};
 use crate::{Effect, Parameter, Spec};
 use crate::{
-    base_model, cable, external_encoder, force, motor_encoder, noise, structure, transmission,
+    base_model, cable, command, external_encoder, force, motor_encoder, noise, structure,
+    transmission,
 };
 
 /// Where an effect can occur, and how it is made there.
@@ -198,6 +199,14 @@ const REGISTRY: &[Line] = &[
     elsewhere(&in_motion::SAMPLING),
     elsewhere(&in_motion::COMMAND_LATENCY),
     elsewhere(&in_motion::CROSS_COUPLING),
+    elsewhere(&command::OFFSET),
+    elsewhere(&command::LATENCY),
+    elsewhere(&command::STIFFNESS),
+    elsewhere(&command::FRICTION),
+    elsewhere(&command::DEAD_ZONE),
+    elsewhere(&command::BACKLASH),
+    elsewhere(&command::GAIN),
+    elsewhere(&command::SPEED_SATURATION),
 ];
 
 impl Line {

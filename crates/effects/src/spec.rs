@@ -28,6 +28,8 @@ pub enum Hook {
     Readings,
     /// A number of the base model, found against an earlier model.
     BaseModel,
+    /// How a joint follows its command: its position alone shows it.
+    Command,
 }
 
 impl Hook {
@@ -45,6 +47,7 @@ impl Hook {
             Self::ForceSensor => "force sensor",
             Self::Readings => "readings",
             Self::BaseModel => "base model",
+            Self::Command => "answer to the command",
         }
     }
 

@@ -56,11 +56,15 @@ fn take_off_hand(device: &Device, recording: &mut Recording) {
         }
         recording.read_joints(row, &mut angles);
         statics.choose_hand(device.hand_at(recording, row));
+        // the sensor turns with the handle
         let mut torques = |hand: Option<Vector3<f64>>| {
-            let load = statics.load(&angles, |_| hand).ok()?;
+            let load = statics.load(&angles, |handle| Some(handle.rotation * hand?));
+            let load = load.ok()?;
             Some(load.torques_nm.to_vec())
         };
+        let is_read = force_n.iter().all(|force| force.is_finite());
         let both = torques(Some(force_n)).zip(torques(None));
+        let both = both.filter(|_| is_read);
         for (joint, column) in recording.torque_nm.iter_mut().enumerate() {
             let of_hand =
                 (both.as_ref()).map_or(f64::NAN, |(with, bare)| with[joint] - bare[joint]);
@@ -84,5 +88,40 @@ impl<'l> Logs<'l> {
             log: without_effects(device, read),
             second: second.map(|second| without_effects(device, second)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bars of 0.4 m and 0.3 m in a plane, the second at a right angle: the handle is at (0.4, 0.3), its x along y. A push of 10 N along
+    /// the handle's x acts along y: at 0.4 m from the first axis, and along the second bar.
+    #[test]
+    fn a_force_in_the_handles_frame_is_taken_off_by_its_levers() {
+        let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\n\
+                    [[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n[[joint]]\n";
+        let device = Device::from_toml(text, "bars.toml").unwrap().device;
+        let right = std::f64::consts::FRAC_PI_2;
+        let push = |along: f64, across: f64| {
+            let mut log = Recording {
+                line: vec![2],
+                joint: vec![vec![0.0], vec![right]],
+                torque_nm: vec![Some(vec![1.0]), Some(vec![1.0])],
+                force_n: Some([vec![along], vec![across], vec![0.0]]),
+                ..Recording::default()
+            };
+            take_off_hand(&device, &mut log);
+            log.torque_nm.into_iter().flatten().map(|own| own[0])
+        };
+        // a drive that resists the push exerts its negative; without the push it would exert that much more
+        for (found, wanted) in push(10.0, 0.0).zip([1.0 + 4.0, 1.0]) {
+            assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        }
+        // along -x: 0.3 m above both axes
+        for (found, wanted) in push(0.0, 10.0).zip([1.0 + 3.0, 1.0 + 3.0]) {
+            assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        }
+        assert!(push(f64::NAN, 0.0).all(f64::is_nan));
     }
 }

@@ -170,18 +170,18 @@ impl Joint<'_> {
                 Law::Offset => self.offset()?,
                 Law::Timing => self.timing(closed),
                 Law::Friction => (
-                    friction::SPEC.name,
+                    friction::NAME,
                     vec![number("width_rad", chosen, |fit| {
                         2.0 * fit.shape.half_width
                     })],
-                    vec![friction::DEAD_ZONE.name, friction::BACKLASH.name],
+                    vec![friction::DEAD_ZONE, friction::BACKLASH],
                 ),
                 Law::Saturation => (
-                    saturation::SPEC.name,
+                    saturation::NAME,
                     vec![number("limit_rad_per_s", chosen, |fit| {
                         1.0 / fit.shape.slowness.max(1e-3)
                     })],
-                    vec![lag::SPEC.name],
+                    vec![lag::NAME],
                 ),
                 Law::Gain => self.gain(),
                 Law::Droop => self.droop(),
@@ -212,9 +212,9 @@ impl Joint<'_> {
         let rivals = match is_wide || self.series.load_nm.is_some() {
             // gravity's torque would have varied, and no droop that follows it is missed
             true => Vec::new(),
-            false => vec![lag::SPEC.name],
+            false => vec![lag::NAME],
         };
-        Some((offset::SPEC.name, vec![own], rivals))
+        Some((offset::NAME, vec![own], rivals))
     }
 
     /// Delay or lag: both where neither alone does, or where the laws leave a part of the gap that the other may be.
@@ -235,24 +235,24 @@ impl Joint<'_> {
             && closed > ALL_CLOSED
         {
             let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
-            return (latency::SPEC.name, vec![delay], Vec::new());
+            return (latency::NAME, vec![delay], Vec::new());
         }
         if let Some(alone) = lag_alone.as_ref().filter(|_| !is_worse(lag_alone))
             && is_surely_worse(delay_alone)
         {
             let lag = number("lag_s", alone, |fit| fit.shape.lag_s);
-            return (lag::SPEC.name, vec![lag], vec![latency::SPEC.name]);
+            return (lag::NAME, vec![lag], vec![latency::NAME]);
         }
-        (latency::SPEC.name, vec![delay, part], vec![lag::SPEC.name])
+        (latency::NAME, vec![delay, part], vec![lag::NAME])
     }
 
     fn gain(&self) -> Named {
         let own = number("factor", &self.selection.chosen, |fit| fit.gain);
         let rivals = match (own.value - 1.0).abs() > DROOP_GAIN {
             true => Vec::new(),
-            false => vec![lag::SPEC.name],
+            false => vec![lag::NAME],
         };
-        (gain::SPEC.name, vec![own], rivals)
+        (gain::NAME, vec![own], rivals)
     }
 
     fn droop(&self) -> Named {
@@ -273,9 +273,9 @@ impl Joint<'_> {
         };
         let rivals = match self.series.load_nm {
             Some(_) => Vec::new(),
-            None => vec![gain::SPEC.name],
+            None => vec![gain::NAME],
         };
-        (lag::SPEC.name, numbers, rivals)
+        (lag::NAME, numbers, rivals)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What to record next.
 
 use crate::answer::{Finding, Verdict};
+use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::thresholds::ALL_CLOSED;
 
 /// Which motion would tell what this one cannot.
@@ -14,21 +15,21 @@ pub(crate) fn next(verdict: Verdict, causes: &[Finding], closed: f64) -> Option<
         Some(_) if first.is_some_and(|cause| cause.since.is_some()) => {
             "look at what was done to the joint then; the same motion once more says whether it lasts"
         }
-        Some("joint-friction") => {
+        Some(friction::NAME) => {
             "hold a command and push the joint by hand: friction leaves it where it was pushed to, a dead zone lets go at its two \
              edges, and play shows on the link while the reading stands"
         }
-        Some("command-latency" | "servo-stiffness") if !rivals.is_empty() => {
+        Some(latency::NAME | lag::NAME) if !rivals.is_empty() => {
             "steps of the command of several sizes, recorded as fast as the bus allows: a delay keeps the joint still and then \
              starts it at full speed, a low gain starts it at once and slowly; then once with a higher gain"
         }
-        Some("joint-offset") if !rivals.is_empty() => {
+        Some(offset::NAME) if !rivals.is_empty() => {
             "rest in postures far apart, with the joint's axis upright and level: an offset stays, a droop follows the weight"
         }
-        Some("servo-gain") if !rivals.is_empty() => {
+        Some(gain::NAME) if !rivals.is_empty() => {
             "move through a wide range with the joint's axis upright: a factor stays, a droop under gravity does not"
         }
-        Some("torque-saturation") => {
+        Some(saturation::NAME) => {
             "the same motion at half the size: a limit of speed is gone then, a lag keeps its time"
         }
         Some(_) if closed > ALL_CLOSED => return None,

@@ -2,7 +2,7 @@
 
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
-use haptical_servo::{Finding, SPECS, Verdict as OfJoint};
+use haptical_servo::{Finding, NAMES, Verdict as OfJoint};
 
 use super::Asked;
 use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
@@ -282,13 +282,13 @@ fn untestable(
         names.any(|said| said == name)
     };
     let mut found: Vec<Untestable> = Vec::new();
-    for spec in SPECS {
+    for name in NAMES {
         for (joint, why) in untested {
-            let same = |entry: &&mut Untestable| entry.effect == spec.name && entry.why == *why;
+            let same = |entry: &&mut Untestable| entry.effect == name && entry.why == *why;
             match found.iter_mut().find(same) {
                 Some(entry) => entry.joints.push(joint + 1),
                 None => found.push(Untestable {
-                    effect: spec.name.to_owned(),
+                    effect: name.to_owned(),
                     joints: vec![joint + 1],
                     why: why.clone(),
                 }),
@@ -297,7 +297,7 @@ fn untestable(
     }
     for effect in effects {
         let name = effect.name();
-        let is_servo = SPECS.iter().any(|spec| spec.name == name);
+        let is_servo = NAMES.contains(&name);
         if !is_servo && !is_said(name) && !found.iter().any(|entry| entry.effect == name) {
             found.push(Untestable {
                 effect: name.to_owned(),

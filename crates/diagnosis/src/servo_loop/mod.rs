@@ -67,9 +67,9 @@ pub(crate) fn diagnose(
         return Err(DiagnosisError::Commands { why: why.clone() });
     }
     if whys.len() == asked.len() && asked.iter().all(|own| own.torque.is_none()) {
-        let is_one = whys.iter().all(|(why, _)| *why == whys[0].0);
+        let is_one = whys.len() > 1 && whys.iter().all(|(why, _)| *why == whys[0].0);
         let why = match is_one {
-            true => whys[0].0.to_string(),
+            true => format!("joint 1 and {} more: {}", whys.len() - 1, whys[0].0),
             false => {
                 let words: Vec<String> = whys.into_iter().map(|(_, words)| words).collect();
                 words.join("; ")

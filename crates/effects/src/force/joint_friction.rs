@@ -17,8 +17,8 @@ const STRIBECK: Parameter = Parameter::size("stribeck_nm", 0.0, f64::MAX);
 /// Coulomb's friction changes sides over a travel.
 pub(crate) const SPEC: Spec = Spec {
     name: "joint-friction",
-    meaning: "a joint's friction is missing in the torque",
-    inspect: "bearings and cable of the joint",
+    meaning: "friction of a joint that the model lacks",
+    inspect: "bearings, gears and cable of the joint, and the gain that works against them",
     adds: "h, omega, h exp(-(omega / 0.1)^2), Dahl's state h",
     source: "E6",
     hook: Hook::Torque,

@@ -67,7 +67,7 @@ fn every_effect_of_the_registry_is_at_some_place() {
     for spec in crate::specs() {
         let is_found = all.iter().any(|effect| effect.spec() == spec);
         // findings of other parts have no law
-        let has_none = matches!(spec.hook, Hook::Readings | Hook::BaseModel)
+        let has_none = matches!(spec.hook, Hook::Readings | Hook::BaseModel | Hook::Command)
             || ["unbalanced-gravity", "grip-force"].contains(&spec.name)
             // the laws of a moving arm are another crate's
             || spec.needs.contains(&Need::Inertia)
@@ -416,7 +416,9 @@ fn reaches(hook: Hook, joint: Option<usize>, channel: Channel) -> bool {
         Hook::CableSensor => channel == Channel::Cable { index: 0 },
         Hook::Tracker => matches!(channel, Channel::Position | Channel::Orientation),
         Hook::Timing => true,
-        Hook::Torque | Hook::ForceSensor | Hook::Readings | Hook::BaseModel => false,
+        Hook::Torque | Hook::ForceSensor | Hook::Readings | Hook::BaseModel | Hook::Command => {
+            false
+        }
     }
 }
 

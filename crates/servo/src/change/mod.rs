@@ -45,9 +45,9 @@ pub(crate) struct Change {
 impl Change {
     fn new(series: &Series, kind: Kind, rows: [usize; 3], sd: f64) -> Self {
         let (name, value) = match kind {
-            Kind::Offset(size) => (offset::SPEC.parameters[0], size),
-            Kind::Gain { factor, .. } => (gain::SPEC.parameters[0], factor),
-            Kind::Delay { rows, .. } => (latency::SPEC.parameters[0], rows * series.step_s),
+            Kind::Offset(size) => ("offset_rad", size),
+            Kind::Gain { factor, .. } => ("factor", factor),
+            Kind::Delay { rows, .. } => ("delay_s", rows * series.step_s),
         };
         Self {
             kind,
@@ -110,15 +110,15 @@ impl Change {
     /// As a cause.
     pub(crate) fn finding(&self, share: f64) -> Finding {
         let effect = match self.kind {
-            Kind::Offset(_) => offset::SPEC.name,
-            Kind::Gain { .. } => gain::SPEC.name,
-            Kind::Delay { .. } => latency::SPEC.name,
+            Kind::Offset(_) => offset::NAME,
+            Kind::Gain { .. } => gain::NAME,
+            Kind::Delay { .. } => latency::NAME,
         };
         let confusable_with = match self.kind {
             Kind::Delay {
                 behind_velocity: true,
                 ..
-            } => vec![latency::OF_READINGS.name],
+            } => vec![latency::OF_READINGS],
             _ => Vec::new(),
         };
         Finding {

@@ -57,9 +57,9 @@ pub fn torque_gain(log: &JointLog<'_>) -> Option<Finding> {
         false => 1.0 / f64::from(factor),
     };
     Some(Finding {
-        effect: torque_gain::SPEC.name,
+        effect: torque_gain::NAME,
         numbers: vec![Number {
-            name: torque_gain::SPEC.parameters[0],
+            name: "factor",
             value: factor,
             ci95: [
                 (1.0 - COUNT_ROUNDING) * factor,

@@ -7,29 +7,12 @@
 
 use std::ops::Range;
 
-use super::Spec;
-
 /// Friction of the gears against a finite gain.
-pub(crate) const SPEC: Spec = Spec {
-    name: "joint-friction",
-    meaning: "friction keeps the joint where it rests until the error is large enough",
-    inspect: "gears and bearings of the joint, and the gain that works against them",
-    parameters: &["width_rad"],
-};
+pub(crate) const NAME: &str = "joint-friction";
 /// The controller's own.
-pub(crate) const DEAD_ZONE: Spec = Spec {
-    name: "dead-zone",
-    meaning: "the controller lets an error stand that is small enough",
-    inspect: "the dead zone (or minimum start force) in the servo's settings",
-    parameters: &["width_rad"],
-};
+pub(crate) const DEAD_ZONE: &str = "dead-zone";
 /// In front of the sensor.
-pub(crate) const BACKLASH: Spec = Spec {
-    name: "backlash",
-    meaning: "play between drive and sensor",
-    inspect: "the gear train and the horn",
-    parameters: &["width_rad"],
-};
+pub(crate) const BACKLASH: &str = "backlash";
 
 /// Lets a piece be followed from `first` on, in place.
 pub(crate) fn followed(piece: Range<usize>, half_width: f64, first: f64, input: &mut [f64]) {

@@ -3,15 +3,8 @@
 
 use std::ops::Range;
 
-use super::Spec;
-
 /// Low gain of the position loop.
-pub(crate) const SPEC: Spec = Spec {
-    name: "servo-stiffness",
-    meaning: "the position loop gives way: a low gain makes it lag, and droop under a load",
-    inspect: "the proportional gain of the position loop, and whether it has an integral one",
-    parameters: &["stiffness_nm_per_rad", "droop_rad", "lag_s"],
-};
+pub(crate) const NAME: &str = "servo-stiffness";
 
 /// Smooths a piece in place, from its first value on; exact for an input that goes from row to row along straight lines: over a step h
 /// from u to v, x <- a x + (r - a) u + (1 - r) v, a = exp(-h/T), r = (1 - a) T / h.

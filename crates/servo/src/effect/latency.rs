@@ -2,23 +2,11 @@
 
 use std::ops::Range;
 
-use super::Spec;
-
 /// Bus, controller and driver.
-pub(crate) const SPEC: Spec = Spec {
-    name: "command-latency",
-    meaning: "the drive follows its command late",
-    inspect: "the bus, its rate, and the filter of the commands",
-    parameters: &["delay_s"],
-};
+pub(crate) const NAME: &str = "command-latency";
 
 /// The readings, of which their velocities know nothing.
-pub(crate) const OF_READINGS: Spec = Spec {
-    name: "encoder-latency",
-    meaning: "the positions are read late",
-    inspect: "the bus, its rate, and the filter of the readings",
-    parameters: &["delay_s"],
-};
+pub(crate) const OF_READINGS: &str = "encoder-latency";
 
 /// The command `delay_s` before each row of a piece, between rows along a straight line; before the first row the first one.
 pub(crate) fn delayed(

@@ -2,15 +2,8 @@
 
 use std::ops::Range;
 
-use super::Spec;
-
 /// Limit of the speed.
-pub(crate) const SPEC: Spec = Spec {
-    name: "torque-saturation",
-    meaning: "the drive is at its limit of torque or speed",
-    inspect: "the limits of torque and speed in the servo's settings, and the voltage of the supply",
-    parameters: &["limit_rad_per_s"],
-};
+pub(crate) const NAME: &str = "speed-saturation";
 
 /// Limits the speed of a piece in place; `slowness` is one over the limit, 0 for none.
 pub(crate) fn limited(time_s: &[f64], piece: Range<usize>, slowness: f64, input: &mut [f64]) {

@@ -419,7 +419,7 @@ def export(
 
 
 def effects() -> list[Record]:
-    """The effects that can be named and be part of a device: `name`, `meaning`, where it `enters`, what it `needs`, its
+    """The effects that can be named and be part of a device: `name`, `meaning`, where it `enters`, what it needs (one list of `needs_any`), its
     `parameters` with units and plausible ranges."""
     return [Record(entry) for entry in _haptical.effects()]
 

@@ -215,10 +215,7 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 
 /// What an effect is, and what to look at.
 fn said_of(name: &str) -> Option<(&'static str, &'static str)> {
-    let of_servo = haptical_servo::SPECS.iter().find(|spec| spec.name == name);
-    let of_servo = of_servo.map(|spec| (spec.meaning, spec.inspect));
-    let own = haptical_effects::spec(name).map(|spec| (spec.meaning, spec.inspect));
-    own.or(of_servo)
+    haptical_effects::spec(name).map(|spec| (spec.meaning, spec.inspect))
 }
 
 /// How far the data tell the candidates for the first cause apart.
