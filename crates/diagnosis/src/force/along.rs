@@ -313,8 +313,8 @@ impl<'a> Along<'a> {
 
     /// What each row parameter of the chain may be wrong by.
     pub(super) fn geometry_sds(&self) -> Vec<f64> {
-        let sd = |parameter| match parameter {
-            Parameter::A | Parameter::D => LENGTH_SD_M,
+        let sd = |parameter: Parameter| match parameter.unit() {
+            "m" => LENGTH_SD_M,
             _ => ANGLE_SD_RAD,
         };
         self.rows.parameters().map(sd).collect()

@@ -6,6 +6,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::along::{Along, numbers};
+use super::gravity::with_assumed;
 use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::rows::{FastRows, TorqueRows};
@@ -24,6 +25,8 @@ pub(super) struct Base {
     pub(super) geometry: Range<usize>,
     /// Inertial parameters of all links.
     pub(super) inertia: Vec<f64>,
+    /// Those at which the columns of the geometry and of the delay are taken.
+    pub(super) linearised_at: Vec<f64>,
     /// Torques of the drives by the base model, channel after channel.
     pub(super) torque_nm: Vec<f64>,
     /// Force of the hand, per half block: as recorded, or as the torques have it.
@@ -118,24 +121,28 @@ impl Along<'_> {
             scales,
             geometry,
             inertia: Vec::new(),
+            linearised_at: Vec::new(),
             torque_nm: Vec::new(),
             force_n: self.force_n.clone(),
         };
         for column in &self.inertia {
             base.add_known(column, f64::INFINITY);
         }
-        base.inertia = self.all_parameters(&base.regression.solution());
+        base.linearised_at = with_assumed(self, &base);
         if matches!(besides, Besides::Hand(_)) || self.recorded.hand_is_unknown() {
             for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
                 base.force_n[2 * block] -= unseen;
                 base.force_n[2 * block + 1] -= unseen;
             }
         }
-        let columns = self.geometry(&base.inertia, &base.force_n);
+        let columns = self.geometry(&base.linearised_at, &base.force_n);
         for (column, sd) in columns.iter().zip(self.geometry_sds()) {
             base.add_known(column, sd);
         }
-        base.add_known(&self.delayed(&base.inertia, &base.force_n), DELAY_SD_S);
+        base.add_known(
+            &self.delayed(&base.linearised_at, &base.force_n),
+            DELAY_SD_S,
+        );
         self.settle(&mut base);
         base
     }
@@ -144,10 +151,8 @@ impl Along<'_> {
     pub(super) fn settle(&self, base: &mut Base) {
         let scale_sds = self.scale_sds();
         let blocks = self.recorded.blocks.len();
-        for round in 0..=SCALE_ROUNDS {
-            if round > 0 {
-                base.inertia = self.all_parameters(&base.regression.solution());
-            }
+        for _ in 0..=SCALE_ROUNDS {
+            base.inertia = self.all_parameters(&base.regression.solution());
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
             let behind = base.regression.truncate(base.scales);
             for (channel, &sd) in scale_sds.iter().enumerate() {
@@ -166,12 +171,12 @@ impl Along<'_> {
             let pairs = torque.iter_mut().zip(column);
             pairs.for_each(|(sum, value)| *sum += factor * value);
         };
-        let geometry = self.geometry(&base.inertia, &self.force_n);
+        let geometry = self.geometry(&base.linearised_at, &self.force_n);
         for (column, factor) in geometry.iter().zip(&solution[base.geometry.clone()]) {
             add(column, *factor);
         }
         add(
-            &self.delayed(&base.inertia, &self.force_n),
+            &self.delayed(&base.linearised_at, &self.force_n),
             solution[base.geometry.end],
         );
         let drives = self.drive_torques(&base.inertia, &self.force_n);
@@ -192,7 +197,7 @@ impl Along<'_> {
         pairs.map(|(read, rest)| read - rest).collect()
     }
 
-    fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
+    pub(super) fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; numbers(self.recorded.context.device.joints.len())];
         for (&parameter, &value) in self.parameters.iter().zip(solution) {
             all[parameter] = value;

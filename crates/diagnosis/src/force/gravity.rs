@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use haptical_metrics::chi_square_p_value;
+use haptical_model::{RowBody, Segments};
 
 use super::along::{Along, numbers};
 use super::base::Base;
@@ -15,7 +16,7 @@ use crate::engine::system::Column;
 use crate::select::scan::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{
-    CENTRE_SD_M, FAMILY_WISE_P, LEAST_MASS_SD_KG, LEAST_WEIGHT, MASS_SD,
+    CENTRE_SD_M, FAMILY_WISE_P, LEAST_MASS_SD_KG, LEAST_WEIGHT, MASS_SD, ROD_SD,
 };
 
 /// A link whose weight is not the assumed one.
@@ -37,16 +38,70 @@ pub(super) struct Unbalanced {
     pub(super) torque_nm: Vec<f64>,
 }
 
-/// Links whose masses the file gives.
-pub(super) fn assumed(along: &Along<'_>) -> Vec<Option<[f64; 4]>> {
+/// What is known beforehand of a link's mass and first moments.
+pub(super) struct Assumed {
+    joint: usize,
+    /// Whether the device file gives the mass; else it is that of a plausible rod (A150).
+    pub(super) is_in_file: bool,
+    /// Inertial numbers, each by its place with value and standard deviation.
+    numbers: [(usize, f64, f64); 4],
+}
+
+/// Mass and first moments of every link.
+pub(super) fn assumed(along: &Along<'_>) -> Vec<Assumed> {
     let device = along.recorded.context.device;
-    (0..device.joints.len())
-        .map(|joint| {
-            let body = device.bodies.get(joint + 1).copied().flatten()?;
-            let [x, y, z] = body.centre_of_mass_m.map(|place| place * body.mass_kg);
-            Some([body.mass_kg, x, y, z])
-        })
-        .collect()
+    // a device without links has no rows here
+    let segments = Segments::of_device(device).ok();
+    let rows = segments.map_or_else(Vec::new, |segments| RowBody::of_rows(device, &segments));
+    let of_link = |(joint, body): (usize, &RowBody)| {
+        let is_in_file = device.bodies.get(joint + 1).is_some_and(Option::is_some);
+        let share = if is_in_file { MASS_SD } else { ROD_SD };
+        let moment = body.centre_m * body.mass_kg;
+        let values = [body.mass_kg, moment.x, moment.y, moment.z];
+        let number = |place: usize| {
+            let value = values[place];
+            let sd = match place {
+                0 => (share * value).max(LEAST_MASS_SD_KG),
+                _ => (CENTRE_SD_M * body.mass_kg).hypot(share * value).max(1e-6),
+            };
+            (PER_LINK * joint + place, value, sd)
+        };
+        Assumed {
+            joint,
+            is_in_file,
+            numbers: [0, 1, 2, 3].map(number),
+        }
+    };
+    rows.iter().enumerate().map(of_link).collect()
+}
+
+/// Those that the torques show, by their columns.
+fn shown(along: &Along<'_>, numbers: &[(usize, f64, f64)]) -> Vec<(usize, f64, f64)> {
+    let shown = |&(number, value, sd): &(usize, f64, f64)| {
+        let column = along.parameters.iter().position(|&own| own == number)?;
+        Some((column, value, sd))
+    };
+    numbers.iter().filter_map(shown).collect()
+}
+
+/// Inertial numbers by a model of the links alone, with what is assumed of those that the torques do not show.
+pub(super) fn with_assumed(along: &Along<'_>, links: &Base) -> Vec<f64> {
+    let assumed: Vec<_> = assumed(along)
+        .iter()
+        .flat_map(|link| link.numbers)
+        .collect();
+    let solution = match with_knowledge(links, &shown(along, &assumed)) {
+        Ok(knowing) => knowing.solution(),
+        // squares that overflow are none of a number that follows
+        Err(_) => links.regression.solution(),
+    };
+    let mut inertia = along.all_parameters(&solution);
+    for (number, value, _) in assumed {
+        if !along.parameters.contains(&number) {
+            inertia[number] = value;
+        }
+    }
+    inertia
 }
 
 /// Tests each link's assumed mass and centre against what the torques imply.
@@ -55,35 +110,22 @@ pub(super) fn unbalanced(
     base: &Base,
     row_sd: &[f64],
 ) -> Result<Option<Unbalanced>, DiagnosisError> {
-    let assumed = assumed(along);
     let mut known = Vec::new();
     let mut groups = Vec::new();
     let mut links = Vec::new();
-    for (joint, values) in assumed.iter().enumerate() {
-        let Some(values) = values else {
-            continue;
-        };
-        let start = known.len();
-        for (place, &value) in values.iter().enumerate() {
-            let parameter = PER_LINK * joint + place;
-            let Some(column) = along.parameters.iter().position(|&own| own == parameter) else {
-                continue;
-            };
-            let sd = if place == 0 {
-                (MASS_SD * values[0]).max(LEAST_MASS_SD_KG)
-            } else {
-                (CENTRE_SD_M * values[0]).hypot(MASS_SD * value).max(1e-6)
-            };
-            known.push((column, value, sd));
-        }
-        if known.len() > start {
+    for link in assumed(along) {
+        let shown = shown(along, &link.numbers);
+        if link.is_in_file && !shown.is_empty() {
+            let start = known.len();
+            known.extend(shown);
             groups.push(start..known.len());
-            links.push(joint);
+            links.push(link.joint);
         }
     }
     if groups.is_empty() {
         return Ok(None);
     }
+    let joints = along.recorded.context.device.joints.len();
     let assuming = with_knowledge(base, &known)?;
     let releases: Vec<Vec<Column>> = groups
         .iter()
@@ -112,7 +154,7 @@ pub(super) fn unbalanced(
     }
     let solution = released.solution();
     let p = chi_square_p_value(score, groups[best].len() as f64)?;
-    let mut change = vec![0.0; numbers(assumed.len())];
+    let mut change = vec![0.0; numbers(joints)];
     for &(column, value, _) in &known[groups[best].clone()] {
         change[along.parameters[column]] = solution[column] - value;
     }
@@ -139,7 +181,7 @@ pub(super) fn unbalanced(
             (solution[column] - value, variance.sqrt())
         });
     let mass = mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
-    let last = links.iter().position(|&joint| joint + 1 == assumed.len());
+    let last = links.iter().position(|&joint| joint + 1 == joints);
     let may_be_payload = last.is_some_and(|last| behind(last) < CONFUSABLE_NATS)
         && mass.is_none_or(|(mass, _)| mass > 0.0);
     let others = (0..saved.len()).filter(|&index| index != best);

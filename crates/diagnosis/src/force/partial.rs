@@ -117,11 +117,11 @@ impl Effects<'_, '_> {
         for column in &along.inertia {
             columns.add(dense(column, blocks), f64::INFINITY);
         }
-        let geometry = along.geometry(&base.inertia, &along.force_n);
+        let geometry = along.geometry(&base.linearised_at, &along.force_n);
         for (column, sd) in geometry.iter().zip(along.geometry_sds()) {
             columns.add(dense(column, blocks), sd);
         }
-        let delayed = along.delayed(&base.inertia, &along.force_n);
+        let delayed = along.delayed(&base.linearised_at, &along.force_n);
         columns.add(dense(&delayed, blocks), DELAY_SD_S);
         for channel in 0..channels {
             columns.add(only(channels, channel, vec![1.0; blocks]), f64::INFINITY);

@@ -94,7 +94,10 @@ pub(super) fn untestable(
             }
         }
     }
-    if gravity::assumed(effects.along).iter().all(Option::is_none) {
+    if !gravity::assumed(effects.along)
+        .iter()
+        .any(|link| link.is_in_file)
+    {
         let why = "no mass_kg and centre_of_mass_m in the device file";
         because(UNBALANCED_GRAVITY.name, why);
     }

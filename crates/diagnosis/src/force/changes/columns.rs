@@ -75,12 +75,12 @@ impl Columns {
         for column in &along.inertia {
             self.add(dense(column), f64::INFINITY);
         }
-        let geometry = along.geometry(&base.inertia, &along.force_n);
+        let geometry = along.geometry(&base.linearised_at, &along.force_n);
         for (column, sd) in geometry.iter().zip(along.geometry_sds()) {
             self.add(dense(column), sd);
         }
         self.add(
-            dense(&along.delayed(&base.inertia, &along.force_n)),
+            dense(&along.delayed(&base.linearised_at, &along.force_n)),
             DELAY_SD_S,
         );
         let ranges = along.ranges();

@@ -259,16 +259,21 @@ impl Scene {
 
     /// The same with another time between rows.
     pub(super) fn sampled(seed: u64, rows: usize, step_s: f64) -> Self {
-        Self::held(seed, rows, step_s, 1.0)
+        Self::held(seed, rows, step_s, [1.0, 1.0, 0.0])
     }
 
     /// An arm that moves by itself.
     pub(super) fn alone(seed: u64, rows: usize) -> Self {
-        Self::held(seed, rows, STEP_S, 0.0)
+        Self::held(seed, rows, STEP_S, [0.0, 1.0, 0.0])
     }
 
-    /// `hand`: the hand's force over its usual one.
-    fn held(seed: u64, rows: usize, step_s: f64, hand: f64) -> Self {
+    /// A tenth as fast, on a base that is tilted against the file's.
+    pub(super) fn tilted(seed: u64, rows: usize, tilt_rad: f64) -> Self {
+        Self::held(seed, rows, STEP_S, [1.0, 0.1, tilt_rad])
+    }
+
+    /// `hand` and `pace`: the hand's force and the joints' rates over their usual ones.
+    fn held(seed: u64, rows: usize, step_s: f64, [hand, pace, tilt_rad]: [f64; 3]) -> Self {
         let mut noise = Noise(seed);
         let mut device = arm();
         for link in &mut device.links {
@@ -277,8 +282,15 @@ impl Scene {
             link.theta_rad += 6e-4 * noise.normal();
             link.alpha_rad += 6e-4 * noise.normal();
         }
+        device.links[0].theta_rad += tilt_rad;
         let mut waves = |sizes: [f64; 3]| -> Vec<[f64; 3]> {
-            let place = |size: f64| [size, 0.5 + 3.5 * noise.uniform(), 6.3 * noise.uniform()];
+            let place = |size: f64| {
+                [
+                    size,
+                    pace * (0.5 + 3.5 * noise.uniform()),
+                    6.3 * noise.uniform(),
+                ]
+            };
             sizes.map(place).to_vec()
         };
         let angles: Vec<Vec<[f64; 3]>> = device

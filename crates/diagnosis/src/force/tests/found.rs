@@ -59,6 +59,23 @@ fn clean_torques_are_silent() {
     }
 }
 
+/// A tilt of the base shows moments about a level axis that no torque showed before: what they are is assumed.
+#[test]
+fn a_tilted_base_is_no_gap() {
+    let mut unweighed = arm();
+    unweighed.bodies.fill(None);
+    for seed in 1..=4 {
+        let recording = Scene::tilted(seed, ROWS, 0.04).record();
+        for device in [&arm(), &unweighed] {
+            let answer = examined_as(device, &recording);
+            assert!(
+                !answer.significant && answer.findings.is_empty(),
+                "{seed}: {answer:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn friction_is_found_with_its_size() {
     let mut scene = Scene::new(11, ROWS);

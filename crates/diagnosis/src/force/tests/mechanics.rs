@@ -16,6 +16,7 @@ use crate::force::rows::fast::within;
 use crate::force::rows::whitener::Whitener;
 use crate::select::excess;
 use crate::select::scan::Candidate;
+use crate::thresholds::torque::{ANGLE_SD_RAD, LENGTH_SD_M};
 
 /// Finite differences of second order over steps of 1e-3 s.
 const DIFFERENCES: f64 = 2e-5;
@@ -236,6 +237,24 @@ fn slow_energy_of_noise_is_its_freedom() {
     // eight of unit variance, and the noise of each column is known to a few percent
     let mean = sum / seeds.count() as f64;
     assert!(mean.abs() < 1.5, "{mean}");
+}
+
+/// About an upright first axis no torque depends on the first moment of the link behind it; on a tilted base one does.
+#[test]
+fn what_no_torque_shows_is_as_assumed() {
+    let (device, recording) = (arm(), Scene::new(39, 3000).record());
+    let context = Context::new(&device, &recording, &[]).unwrap();
+    let recorded = Recorded::new(&context).unwrap();
+    let along = Along::new(&recorded);
+    let whitener = along.whitener(Besides::Nothing).unwrap();
+    let base = along.fit(&whitener, Besides::Nothing);
+    // 0.3 kg at 0.02 m
+    let [x, y] = [1, 2].map(|number| base.linearised_at[number]);
+    assert!(x == 0.0 && (y - 0.006).abs() < 1e-15, "{x} {y}");
+    // theta, a, b, d, alpha, beta
+    let [length, angle] = [LENGTH_SD_M, ANGLE_SD_RAD];
+    let sds = [angle, length, length, length, angle, angle];
+    assert_eq!(along.geometry_sds()[..6], sds);
 }
 
 #[test]
