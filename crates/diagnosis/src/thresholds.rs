@@ -35,6 +35,11 @@ pub(crate) mod recording {
     pub(crate) const MOST_ROWS: usize = 25_000;
     /// Share of the rows that is held back without a second recording. Choice, as in `identify`.
     pub(crate) const HELD_BACK: f64 = 0.2;
+    /// Leverage up to which a reading that the fit did not see is predicted. Calculated (A245): the error of the fit scatters the
+    /// prediction as widely as noise the reading.
+    pub(crate) const MOST_LEVERAGE: f64 = 1.0;
+    /// The same by the channel's gap: the variance of the fit's error over the square of the gap. Choice (A276).
+    pub(crate) const ERROR_OF_GAP: f64 = 0.01;
     /// Rows in a block of the moving-block bootstrap of a reduction's interval. Choice.
     pub(crate) const BOOTSTRAP_BLOCK_ROWS: usize = 50;
 }

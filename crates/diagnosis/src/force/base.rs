@@ -6,7 +6,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::along::{Along, numbers};
-use super::gravity::with_assumed;
+use super::assumed::with_assumed;
 use super::recorded::Besides;
 use super::rows::whitener::Whitener;
 use super::rows::{FastRows, TorqueRows};
@@ -128,7 +128,7 @@ impl Along<'_> {
         for column in &self.inertia {
             base.add_known(column, f64::INFINITY);
         }
-        base.linearised_at = with_assumed(self, &base);
+        base.linearised_at = with_assumed(self, &base.regression);
         if matches!(besides, Besides::Hand(_)) || self.recorded.hand_is_unknown() {
             for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
                 base.force_n[2 * block] -= unseen;

@@ -8,6 +8,7 @@
 mod along;
 pub(crate) mod answer;
 pub(crate) mod asked;
+mod assumed;
 mod base;
 mod changes;
 mod effects;

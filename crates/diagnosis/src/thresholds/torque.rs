@@ -6,6 +6,8 @@ pub(crate) const MASS_SD: f64 = 0.1;
 pub(crate) const LEAST_MASS_SD_KG: f64 = 5e-3;
 /// What an assumed centre of mass may be wrong by along each axis \[m\].
 pub(crate) const CENTRE_SD_M: f64 = 2e-3;
+/// What the mass and the first moments of a plausible rod may be wrong by, relative, where the file has no mass. Choice.
+pub(crate) const ROD_SD: f64 = 1.0;
 /// Probability of any name on torques without an effect, and of any link whose file is right. Choice.
 pub(crate) const FAMILY_WISE_P: f64 = 1e-3;
 /// Least torque of a link's weight that is another, over a row's noise.

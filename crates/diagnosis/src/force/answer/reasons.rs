@@ -4,11 +4,12 @@ use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 use haptical_effects::{Follows, Hook};
 
 use super::names::names;
+use crate::force::assumed::assumed;
 use crate::force::base::Base;
 use crate::force::changes::carried::Carried;
 use crate::force::effects::Effects;
+use crate::force::grip;
 use crate::force::recorded::Recorded;
-use crate::force::{gravity, grip};
 
 /// Why torques say nothing while positions show an effect that is not in the model.
 pub(super) const FALSIFIED: &str =
@@ -94,10 +95,7 @@ pub(super) fn untestable(
             }
         }
     }
-    if !gravity::assumed(effects.along)
-        .iter()
-        .any(|link| link.is_in_file)
-    {
+    if !assumed(effects.along).iter().any(|link| link.is_in_file) {
         let why = "no mass_kg and centre_of_mass_m in the device file";
         because(UNBALANCED_GRAVITY.name, why);
     }
