@@ -85,6 +85,26 @@ fn held_out_rows_beyond_the_angles_of_the_fit_are_left_out() {
     assert!(warnings.iter().any(is_said), "{warnings:?}");
 }
 
+/// The error of the fit is small against a strong cause's gap, and not against the noise: the readings where the cause acts most count.
+#[test]
+fn readings_of_a_strong_cause_in_a_second_recording_are_all_predicted() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "init . --example gap");
+    run(
+        folder.path(),
+        "diagnose --device device.toml --log log.csv --validate second.csv --out gap",
+    );
+    let text = std::fs::read_to_string(folder.path().join("gap/gap.json")).unwrap();
+    let gap: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(gap["verdict"], "named", "{gap}");
+    assert_eq!(
+        gap["warnings"].as_array().map(Vec::len),
+        Some(0),
+        "{}",
+        gap["warnings"]
+    );
+}
+
 #[test]
 fn a_folder_is_followed_to_its_end() {
     let folder = tempfile::tempdir().unwrap();

@@ -8,6 +8,7 @@ use haptical_model::{Device, Recording};
 use crate::engine::Engine;
 use crate::engine::model::Cause;
 use crate::engine::part::{Part, dense};
+use crate::thresholds::recording::{ERROR_OF_GAP, MOST_LEVERAGE};
 
 /// A fit: its engine, the rows that it saw, and its causes.
 pub(crate) struct Fit<'f, 'a> {
@@ -20,7 +21,7 @@ pub(crate) struct Fit<'f, 'a> {
 
 impl Fit<'_, '_> {
     /// Whether the rows of the fit determine the prediction of a reading of `there`, the same engine or one of another recording, by
-    /// stream and row, of those that are `asked` (A245).
+    /// stream and row, of those that are `asked` (A245, A276).
     pub(crate) fn determines(
         &self,
         there: &Engine<'_>,
@@ -59,9 +60,11 @@ impl Fit<'_, '_> {
                 slopes.push(own.map_or_else(Vec::new, |(_, values)| values.clone()));
             }
             let noise = here.floor[stream].max(1e-300);
+            let most = MOST_LEVERAGE.max(ERROR_OF_GAP * here.gap_over_noise(stream));
             let is_determined = |row: usize| {
                 let entry = |column: usize| slopes[column].get(row).map_or(0.0, |own| own / noise);
-                !asked(stream, row) || information.determines(entry)
+                // not so of what is no number
+                !asked(stream, row) || information.leverage(entry) <= most
             };
             rows.clone().map(is_determined).collect()
         };

@@ -152,6 +152,15 @@ impl Engine<'_> {
         known.map(|(residual, sd)| (residual / sd).powi(2)).sum()
     }
 
+    /// What the base model leaves of a stream beyond noise, squares over the noise's.
+    pub(crate) fn gap_over_noise(&self, stream: usize) -> f64 {
+        let known = self.start.residual[stream]
+            .iter()
+            .filter(|own| own.is_finite());
+        let squares: f64 = known.clone().map(|own| own * own).sum();
+        squares / (known.count().max(1) as f64 * self.floor[stream].max(1e-300).powi(2)) - 1.0
+    }
+
     /// Residuals of a model of another recording at every row of this one.
     pub(crate) fn residual_of(
         &self,
