@@ -8,10 +8,10 @@ use crate::error::MonitorError;
 
 /// Fewest blocks that a reference rests on.
 pub(crate) const LEAST_BLOCKS: usize = 64;
-/// Most that blocks may share with the next one, as a part of the variance that is judged, its own uncertainty added.
-const MOST_WITH_NEXT: f64 = 0.2;
-/// The same with all later ones. What they share makes the variance of a long mean larger, at most three times, and counts in it.
-const MOST_SHARED: f64 = 1.0;
+/// Most that the variance of a long mean may be, in that of the mean of independent blocks. It counts, so that blocks may share a part.
+const MOST_LONG: f64 = 2.0;
+/// The same where neighbours are alike and nothing is known of farther blocks: two times the correlation of neighbours, 1, and 1.
+const ALL_LONG: f64 = 3.0;
 /// Fewest readings of a block, on average: the mean of fewer is not normal enough.
 const LEAST_READINGS: f64 = 0.5 * BASE_ROWS as f64;
 /// Least standard deviation of a block's mean, as a share of that of white noise: a sensor that stood on one count has none.
@@ -25,8 +25,6 @@ pub struct Feature {
     /// Standard deviation of a block, memory beyond the block included: of `k` blocks the mean has it over the root of `k`. At least
     /// what the mean may be off without counting.
     pub sd: f64,
-    /// What a block shares with later ones: the sum of the correlations over all lags.
-    pub shared: f64,
     /// What the true mean may be off, in `sd`: what is no larger than this does not count.
     pub margin: f64,
     /// What the true standard deviation may be, over `sd`.
@@ -55,8 +53,8 @@ struct Wanted<'a> {
 }
 
 impl Reference {
-    /// The shortest blocks whose features are as good as independent, and by which the reference itself is no alarm; none where the
-    /// rows so far are too few for that.
+    /// The shortest blocks whose variance holds what they share with later ones, and by which the reference itself is no alarm; where the
+    /// rows so far are too few for that, how many times as many are needed, about.
     ///
     /// `miss` is the probability that any of the margins is too small, `tolerance` what a mean may be off besides, one number a
     /// component in its scale.
@@ -65,37 +63,39 @@ impl Reference {
         components: usize,
         miss: f64,
         tolerance: &[f64],
-    ) -> Result<Option<Self>, MonitorError> {
+    ) -> Result<Result<Self, f64>, MonitorError> {
         let level = 1.0 - miss / (2 * components) as f64;
         let wanted = Wanted { level, tolerance };
         let mut factor = 1;
+        let mut longer = 2.0;
         while blocks.len() / factor >= LEAST_BLOCKS {
             let series: Vec<Vec<Sums>> = (0..components)
                 .map(|component| blocks.merged(component, factor).collect())
                 .collect();
-            let found = Self::of_blocks(&series, blocks.rows * factor, &wanted)?;
-            if let Some(found) = found
-                && !found.is_alarmed_by(&series)
-            {
-                return Ok(Some(found));
-            }
+            longer = match Self::of_blocks(&series, blocks.rows * factor, &wanted)? {
+                Ok(found) if !found.is_alarmed_by(&series) => return Ok(Ok(found)),
+                Ok(_) => 2.0,
+                // the length of a block doubles from one to the next
+                Err(longer) => longer * (2 * LEAST_BLOCKS * factor) as f64 / blocks.len() as f64,
+            };
             factor *= 2;
         }
-        Ok(None)
+        Ok(Err(longer))
     }
 
-    /// The reference of blocks of so many rows; none where they are not independent.
+    /// The reference of blocks of so many rows; how many times as long they must be where they share too much or are read too seldom.
     fn of_blocks(
         series: &[Vec<Sums>],
         rows: usize,
         wanted: &Wanted<'_>,
-    ) -> Result<Option<Self>, MonitorError> {
+    ) -> Result<Result<Self, f64>, MonitorError> {
         let mut found = Self {
             block_rows: rows,
             blocks: series.first().map_or(0, Vec::len),
             features: Vec::with_capacity(series.len()),
             readings: Vec::with_capacity(series.len()),
         };
+        let mut longer = 1.0_f64;
         for (sums, tolerance) in series.iter().zip(wanted.tolerance) {
             let read = sums.iter().filter(|own| own.count > 0);
             let all: f64 = read.clone().map(|own| f64::from(own.count)).sum();
@@ -106,26 +106,26 @@ impl Reference {
                 found.features.push(None);
                 continue;
             }
-            if readings < LEAST_READINGS {
-                return Ok(None);
-            }
+            longer = longer.max(LEAST_READINGS / readings);
             let own: Vec<[f64; 2]> = sums
                 .iter()
                 .filter_map(|sums| sums.features(readings))
                 .collect();
             let pair = feature_pair(&own, readings, wanted.level, *tolerance)?;
-            if pair
-                .iter()
-                .flatten()
-                .any(|(_, is_independent)| !is_independent)
-            {
-                return Ok(None);
+            for (_, long) in pair.iter().flatten() {
+                // as blocks get longer the correlation of neighbours falls from 1, in proportion at first
+                longer = longer.max((ALL_LONG - MOST_LONG) / (ALL_LONG - long).max(0.1));
             }
             found
                 .features
                 .push(pair.map(|pair| pair.map(|(feature, _)| feature)));
         }
-        Ok(found.features.iter().any(Option::is_some).then_some(found))
+        if longer > 1.0 {
+            return Ok(Err(longer));
+        }
+        // no channel has readings enough
+        let is_read = found.features.iter().any(Option::is_some);
+        Ok(if is_read { Ok(found) } else { Err(2.0) })
     }
 
     /// Whether the test that is to judge with this reference takes the reference itself for an alarm, at the rate of one false alarm in
@@ -157,13 +157,13 @@ impl Reference {
     }
 }
 
-/// Both features of a component, and whether blocks are as good as independent in them; none with too few blocks.
+/// Both features of a component, each with the variance of a long mean in that of the mean of independent blocks; none with too few blocks.
 fn feature_pair(
     own: &[[f64; 2]],
     readings: f64,
     level: f64,
     tolerance: f64,
-) -> Result<Option<[(Feature, bool); 2]>, MonitorError> {
+) -> Result<Option<[(Feature, f64); 2]>, MonitorError> {
     if own.len() < LEAST_BLOCKS {
         return Ok(None);
     }
@@ -178,58 +178,55 @@ fn feature_pair(
     Ok(Some([means, feature(&sizes, least, level, grown)?]))
 }
 
+/// The feature of blocks with these values, and the variance of a long mean in that of the mean of independent blocks.
 fn feature(
     values: &[f64],
     least: f64,
     level: f64,
     tolerance: f64,
-) -> Result<(Feature, bool), MonitorError> {
+) -> Result<(Feature, f64), MonitorError> {
     let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let left: Vec<f64> = values.iter().map(|value| value - mean).collect();
-    let variance = left.iter().map(|own| own * own).sum::<f64>() / (count - 1.0);
-    let judged = variance.max(tolerance * tolerance);
-    let (with_next, shared) = shared(&left, MOST_SHARED * judged / variance);
-    // the estimate of a correlation is off by 1 / sqrt(count)
-    let uncertain = 1.0 / count.sqrt();
-    let most = shared + uncertain;
-    // what blocks share adds to the variance of long means, and what is within the tolerance does not count
-    let sd = (variance * (1.0 + 2.0 * most.max(0.0))).sqrt();
-    let sd = sd.max(tolerance).max(least);
+    let [mean, variance, _] = moments(values);
+    let long = long_variance(values);
+    // what is within the tolerance does not count
+    let sd = long.sqrt().max(tolerance).max(least);
     let low = chi_square_quantile(0.5 * (1.0 - level), count - 1.0)?;
     let found = Feature {
         mean,
         sd,
-        shared,
         margin: student_t_quantile(level, count - 1.0)? / count.sqrt() + tolerance / sd,
         widened: (low / (count - 1.0)).sqrt().recip(),
     };
-    let part = variance / judged;
-    let is_independent =
-        (with_next + uncertain) * part <= MOST_WITH_NEXT && most * part <= MOST_SHARED;
-    Ok((found, is_independent))
+    let judged = variance.max(tolerance * tolerance);
+    Ok((found, long / judged.max(f64::MIN_POSITIVE)))
 }
 
-/// Correlation with the next value, and the sum of the correlations over all lags from 1 on, of values about their mean: pairs of
-/// neighbouring lags are added as long as they are above 0, as those of a chain that can run backwards are (Geyer 1992). The sum
-/// ends where it is above `enough`.
-fn shared(left: &[f64], enough: f64) -> (f64, f64) {
-    let square: f64 = left.iter().map(|own| own * own).sum();
-    if square <= 0.0 {
-        return (0.0, 0.0);
+/// Variance of the mean of many values, times their number: the largest that means of 1, 2, 4, ... values show, each with what neighbours
+/// may share, one standard error added.
+fn long_variance(values: &[f64]) -> f64 {
+    let mut means = values.to_vec();
+    let (mut length, mut largest) = (1.0, 0.0_f64);
+    while means.len() >= LEAST_BLOCKS {
+        let [_, variance, next] = moments(&means);
+        let shared = next + (means.len() as f64).sqrt().recip();
+        largest = largest.max(length * variance * (1.0 + 2.0 * shared.max(0.0)));
+        means = means
+            .chunks_exact(2)
+            .map(|pair| 0.5 * (pair[0] + pair[1]))
+            .collect();
+        length *= 2.0;
     }
-    let about = |lag: usize| {
-        let pairs = left.iter().zip(&left[lag..]);
-        pairs.map(|(a, b)| a * b).sum::<f64>() / square
-    };
-    let next = about(1);
-    let mut sum = next;
-    for pair in 1..left.len() / 4 {
-        let both = about(2 * pair) + about(2 * pair + 1);
-        if both <= 0.0 || sum > enough {
-            break;
-        }
-        sum += both;
-    }
-    (next, sum)
+    largest
+}
+
+/// Mean, variance, and correlation with the next value.
+fn moments(values: &[f64]) -> [f64; 3] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let pairs = values
+        .windows(2)
+        .map(|pair| (pair[0] - mean) * (pair[1] - mean));
+    let next = pairs.sum::<f64>() / square.max(f64::MIN_POSITIVE);
+    [mean, square / (count - 1.0), next]
 }

@@ -29,17 +29,17 @@ def features(scaled, length):
     return blocks.mean(1), np.cbrt((blocks**2).mean(1))
 
 
-def shared(off):
-    """Sum of the correlations over all lags from 1 on, by Geyer's initial positive sequence."""
-    count = len(off)
-    about = lambda lag: (off[lag:] * off[: count - lag]).sum() / (off**2).sum()
-    total = about(1)
-    for pair in range(1, count // 4):
-        both = about(2 * pair) + about(2 * pair + 1)
-        if both <= 0 or total > 0.2:
-            break
-        total += both
-    return total
+def long_variance(values):
+    """Variance of a mean of many values, times their number: the largest that means of 1, 2, 4, ... values show."""
+    largest, length = 0, 1
+    while len(values) >= 64:
+        off = values - values.mean()
+        square = (off**2).sum()
+        common = (off[1:] * off[:-1]).sum() / square + len(values) ** -0.5
+        largest = max(largest, length * square / (len(values) - 1) * (1 + 2 * max(common, 0)))
+        values = values[: len(values) // 2 * 2].reshape(-1, 2).mean(1)
+        length *= 2
+    return largest
 
 
 def largest(both, own):
@@ -60,7 +60,7 @@ def reference(noise, least):
     scaled = np.clip((noise[settle:] - centre) / scale, -8, 8)
     tried = 0
     for base in range(64, len(scaled) // 8):
-        if base * 8 < least or base < tried + tried // 20:
+        if settle + base * 8 < least or base < tried + tried // 20:
             continue
         tried = base
         # more than 4095 blocks are merged in pairs
@@ -73,17 +73,14 @@ def reference(noise, least):
             for values in features(part, length):
                 count = len(values)
                 mean = values.mean()
-                off = values - mean
-                square = (off**2).sum()
-                common = shared(off)
-                memory = 1 + 2 * max(common + count**-0.5, 0)
-                sd = max(np.sqrt(square / (count - 1) * memory), 0.1 / np.sqrt(length))
+                long = long_variance(values)
+                sd = max(np.sqrt(long), 0.1 / np.sqrt(length))
                 level = 1 - 0.05 / 2
                 margin = stats.t.ppf(0.5 * (1 + level), count - 1) / np.sqrt(count)
                 low = stats.chi2.ppf(0.5 * (1 - level), count - 1) / (count - 1)
-                own.append((mean, sd, common, margin, low**-0.5))
+                own.append((mean, sd, long / values.var(ddof=1), margin, low**-0.5))
             worst = max(one[2] for one in own)
-            if worst + count**-0.5 <= 0.2 and largest(features(part, length), own) < count:
+            if worst <= 2 and largest(features(part, length), own) < count:
                 return centre, scale, length, own, settle + base * 8
             length *= 2
     return None

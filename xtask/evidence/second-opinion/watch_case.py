@@ -75,7 +75,7 @@ def main():
     print(json.dumps({
         "rows": ROWS, "change_row": CHANGE, "shift": SHIFT * 20, "reference_rows": 2000, "reference_ends": end,
         "centre": centre, "scale": scale, "block_rows": length,
-        "features": [dict(zip(["mean", "sd", "shared", "margin", "widened"], map(float, one))) for one in own],
+        "features": [dict(zip(["mean", "sd", "long", "margin", "widened"], map(float, one))) for one in own],
         "evidence_until_change": evidence[: (CHANGE - end) // length],
         "judged_blocks": blocks, "since": first, "step_probability": steps,
     }, indent=1))

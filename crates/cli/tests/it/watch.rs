@@ -450,6 +450,61 @@ fn counts_of_a_joint_that_creeps_are_no_alarm() {
     }
 }
 
+/// Ten minutes at 100 Hz of a calibrated arm are a reference, a further minute is true, and a joint whose zero has moved by 1 mrad is named.
+/// What the calibration leaves follows the posture, so that blocks of a second still share a part of it.
+#[test]
+fn a_calibrated_arm_is_watched_at_100_rows_a_second() {
+    let folder = tempfile::tempdir().unwrap();
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/devices");
+    let nominal = fixtures.join("haptic7.toml").display().to_string();
+    let run = |words: &str| {
+        let output = haptical()
+            .current_dir(folder.path())
+            .args(words.split(' '))
+            .args([
+                "--device",
+                if words.starts_with("watch") {
+                    "id/identified.toml"
+                } else {
+                    &nominal
+                },
+            ])
+            .output()
+            .unwrap();
+        (
+            output.status.code(),
+            text(&output.stdout) + &text(&output.stderr),
+        )
+    };
+    let truth = std::fs::read_to_string(fixtures.join("haptic7-deviating.toml")).unwrap();
+    let moved = truth.replace("theta_offset_rad = 0.0017", "theta_offset_rad = 0.0027");
+    assert_ne!(truth, moved);
+    std::fs::write(folder.path().join("truth.toml"), truth).unwrap();
+    std::fs::write(folder.path().join("moved.toml"), moved).unwrap();
+    for (truth, seconds, seed, name) in [
+        ("truth", 120, 2, "base"),
+        ("truth", 600, 3, "good"),
+        ("truth", 60, 11, "clean"),
+        ("moved", 60, 12, "off"),
+    ] {
+        let words = format!(
+            "simulate --truth {truth}.toml --seconds {seconds} --rate-hz 100 --seed {seed} --out {name}.csv"
+        );
+        assert_eq!(run(&words).0, Some(0));
+    }
+    assert_eq!(run("identify --log base.csv --out id").0, Some(0));
+    let watched = |log: &str| {
+        run(&format!(
+            "watch --reference good.csv --once --lines text {log}"
+        ))
+    };
+    let (status, said) = watched("clean.csv");
+    assert_eq!(status, Some(0), "{said}");
+    let (status, said) = watched("off.csv");
+    assert_eq!(status, Some(4), "{said}");
+    assert!(said.contains("joint-offset at joint 2"), "{said}");
+}
+
 /// Noise that has grown to what the device file states is an alarm, as it was less in the reference, and no gap: both are said.
 #[test]
 fn an_alarm_without_a_gap_says_what_both_mean() {

@@ -374,10 +374,12 @@ impl Watch {
             events.push(WatchEvent::Note { text });
         }
         let least = self.options.reference_s / 3600.0 * hours;
+        // the first rows of a fast log are no longer kept, and count
+        let forgotten = self.setup_rows.saturating_sub(recording.len());
         let settings = Settings {
             floors,
             tolerances,
-            reference_rows: least.max(LEAST_REFERENCE_ROWS) as usize,
+            reference_rows: (least.max(LEAST_REFERENCE_ROWS) as usize).saturating_sub(forgotten),
             miss: MISS,
         };
         let mut monitor = Monitor::new(settings).map_err(Error::internal)?;
@@ -535,7 +537,7 @@ impl Watch {
     /// The rows so far are the reference.
     ///
     /// # Errors
-    /// They are too few, or do not show that their noise has no memory as long as they last.
+    /// They are too few: fewer than were asked for, or than their noise remembers.
     pub fn end_reference(&mut self) -> Result<Vec<WatchEvent>, Error> {
         let mut events = Vec::new();
         if self.model.is_none() && self.setup_rows > 0 {

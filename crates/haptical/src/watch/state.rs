@@ -1,6 +1,7 @@
 //! Where a watch stands, as numbers for programs and as lines for people.
 
 use chrono::DateTime;
+use haptical_monitor::Monitor;
 use serde::Serialize;
 
 use super::intake::LeftOut;
@@ -155,11 +156,9 @@ impl Watch {
             device: self.device.source().label.clone(),
             rows: self.rows,
             last_s: self.last_s.is_finite().then_some(self.last_s),
-            evidence: monitor
-                .map_or(0.0, haptical_monitor::Monitor::evidence)
-                .min(1e6),
-            blocks: monitor.map_or(0, haptical_monitor::Monitor::blocks_judged),
-            wild_readings: monitor.map_or(0, haptical_monitor::Monitor::clipped),
+            evidence: monitor.map_or(0.0, Monitor::evidence).min(1e6),
+            blocks: monitor.map_or(0, Monitor::blocks_judged),
+            wild_readings: monitor.map_or(0, Monitor::clipped),
             left_out: self.intake.left_out.clone(),
             ceased: self.ceased(),
             channels: present.collect(),
@@ -194,20 +193,17 @@ impl Watch {
     /// Why there is no answer yet; nothing where there is one.
     pub(super) fn not_judged(&self) -> Option<String> {
         let monitor = self.monitor.as_ref();
-        let least = monitor.map_or(
-            LEAST_REFERENCE_ROWS as u64,
-            haptical_monitor::Monitor::least_reference_rows,
-        );
+        let wanted = monitor.map_or(LEAST_REFERENCE_ROWS as u64, Monitor::wanted_reference_rows);
         let Some(judging) = monitor.filter(|own| own.reference().is_some()) else {
-            return Some(match self.rows < least {
+            let too_few = format!(
+                "nothing was judged: {} rows are too few for a reference, which needs {wanted}",
+                self.rows
+            );
+            return Some(match monitor.is_some_and(Monitor::is_refused) {
+                false => too_few,
                 true => format!(
-                    "nothing was judged: {} rows are too few for a reference, which needs {least}",
-                    self.rows
-                ),
-                false => format!(
-                    "nothing was judged: {} rows do not show that their noise has no memory as long as they last, so they are no \
-                     reference: record longer, or say with --tolerance what a channel may be off",
-                    self.rows
+                    "{too_few} or so, {:.0} s: their noise remembers long; or say with --tolerance what a channel may be off",
+                    wanted as f64 / self.rows_per_hour * 3600.0
                 ),
             });
         };

@@ -287,6 +287,52 @@ fn json_lines_of_a_pipe_are_rows() {
     assert_eq!(watch.verdict(), WatchVerdict::True);
 }
 
+/// Rows of a joint at 1 kHz whose encoder's error follows the posture, beyond the tolerance.
+fn fast(rows: &mut Rows, count: usize, shift_rad: f64) -> String {
+    let mut text = HEADER.to_owned();
+    for _ in 0..count {
+        let time_s = rows.row as f64 / 1000.0;
+        let angle_rad = (0.7 * time_s).sin() + 0.6 * (1.9 * time_s).sin();
+        let out_rad = angle_rad + shift_rad + rows.noise() + 2e-5 * (4.0 * angle_rad + 0.5).sin();
+        writeln!(text, "{time_s},{angle_rad},{out_rad}").unwrap();
+        rows.row += 1;
+    }
+    text
+}
+
+/// A log as long as the reference that is asked for is one, though a watch keeps no more than the last rows of those it is set up by.
+#[test]
+fn a_log_at_1_khz_is_a_reference() {
+    let device = "[[joint]]\nname = \"one\"\nexternal_encoder_sd_rad = 1e-4\n";
+    let device = Device::from_toml(device, "one.toml").unwrap();
+    let options = WatchOptions {
+        reference_s: 200.0,
+        keep_rows: 5000,
+        ..WatchOptions::default()
+    };
+    let mut watch = Watch::new(device, options).unwrap();
+    let mut rows = Rows::new();
+    watch.begin_reference();
+    watch.begin("good.csv");
+    // pieces as a file is read in
+    for _ in 0..100 {
+        watch.text(&fast(&mut rows, 2000, 0.0)).unwrap();
+    }
+    let events = watch.end_reference().unwrap();
+    assert!(
+        matches!(events[..], [WatchEvent::Reference(_)]),
+        "{events:?}"
+    );
+    watch.begin("new.csv");
+    for _ in 0..30 {
+        let events = watch.text(&fast(&mut rows, 2000, 0.0)).unwrap();
+        assert_eq!(alarms(&events), 0);
+    }
+    assert_eq!(watch.verdict(), WatchVerdict::True);
+    let events = watch.text(&fast(&mut rows, 10_000, 1e-3)).unwrap();
+    assert_eq!(alarms(&events), 1);
+}
+
 fn refusal(device: &str, text: &str) -> Error {
     let device = Device::from_toml(device, "one.toml").unwrap();
     let mut watch = Watch::new(device, WatchOptions::default()).unwrap();

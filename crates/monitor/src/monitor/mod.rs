@@ -109,6 +109,8 @@ pub struct Monitor {
     tolerances: Vec<f64>,
     blocks: Blocks,
     tried: usize,
+    /// Rows that a reference needs, as far as the rows so far show it.
+    wanted_rows: u64,
     reference: Option<Reference>,
     reference_end: u64,
     detector: Option<Detector>,
@@ -165,6 +167,7 @@ impl Monitor {
             tolerances: Vec::new(),
             blocks: Blocks::new(components),
             tried: 0,
+            wanted_rows: settings.reference_rows as u64,
             reference: None,
             reference_end: 0,
             detector: None,
@@ -292,16 +295,24 @@ impl Monitor {
 
     fn try_reference(&mut self) -> Result<Option<Event>, MonitorError> {
         let count = self.blocks.len() * self.blocks.rows / BASE_ROWS;
-        let is_early = count * BASE_ROWS < self.settings.reference_rows || count < LEAST_BLOCKS;
+        let lacking = LEAST_BLOCKS.saturating_sub(count) * BASE_ROWS;
+        if lacking > 0 {
+            self.wanted_rows = self.wanted_rows.max(self.rows + lacking as u64);
+        }
+        let is_early = self.rows < self.settings.reference_rows as u64 || lacking > 0;
         // every twentieth part more is soon enough
         if is_early || count < self.tried + self.tried / 20 {
             return Ok(None);
         }
         self.tried = count;
         let width = self.scales.len();
-        let Some(found) = Reference::of(&self.blocks, width, self.settings.miss, &self.tolerances)?
-        else {
-            return Ok(None);
+        let found = Reference::of(&self.blocks, width, self.settings.miss, &self.tolerances)?;
+        let found = match found {
+            Ok(found) => found,
+            Err(longer) => {
+                self.wanted_rows = (self.rows as f64 * longer).ceil() as u64;
+                return Ok(None);
+            }
         };
         self.detector = Some(Detector::new(&found));
         self.unclipped.reserve(found.block_rows);
@@ -413,9 +424,14 @@ impl Monitor {
         self.reference_end
     }
 
-    /// Rows that a reference needs at least.
-    pub fn least_reference_rows(&self) -> u64 {
-        self.settings.reference_rows as u64
+    /// Rows that a reference needs: at least those asked for, and about as many as its noise remembers once that has shown.
+    pub fn wanted_reference_rows(&self) -> u64 {
+        self.wanted_rows.max(self.rows + 1)
+    }
+
+    /// Whether the rows so far were tried as a reference and are none.
+    pub fn is_refused(&self) -> bool {
+        self.tried > 0 && self.reference.is_none()
     }
 
     /// Rows taken.

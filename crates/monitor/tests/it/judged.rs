@@ -287,6 +287,88 @@ fn an_error_that_follows_the_posture_is_no_alarm_at_any_rate_of_rows() {
     assert_eq!(alarms, 0);
 }
 
+/// Rows of five components, each with an error that follows the posture for about `memory` rows, as large as the noise of blocks that long.
+fn five_following(seed: u64, memory: f64) -> impl FnMut(f64) -> Vec<f64> {
+    let each = |k: u64| {
+        let posture = Noise::new(5 * seed + k + 1000, 1.0 - memory.recip());
+        (Noise::new(5 * seed + k, 0.0), posture)
+    };
+    let mut streams: Vec<(Noise, Noise)> = (0..5).map(each).collect();
+    let size = memory.sqrt().recip();
+    move |shift| {
+        let own = streams.iter_mut();
+        let mut row: Vec<f64> = own
+            .map(|(noise, posture)| noise.next() + size * posture.next())
+            .collect();
+        row[3] += shift;
+        row
+    }
+}
+
+/// Ten minutes at 10 Hz, 100 Hz and 1 kHz of an arm whose postures stay alike for two thirds of a second: no block is as good as independent
+/// of its neighbours in all ten features, and each is a reference, to the row that was asked for.
+#[test]
+fn ten_minutes_are_a_reference_at_any_rate_of_rows() {
+    for (rate_hz, seeds) in [(10_u32, 0..6), (100, 0..6), (1000, 0..2)] {
+        let (rows, memory) = (600 * rate_hz, f64::from(rate_hz) / 1.5);
+        for seed in seeds {
+            let mut next = five_following(seed, memory);
+            let mut monitor = Monitor::new(Settings {
+                reference_rows: rows as usize,
+                ..settings(5)
+            })
+            .unwrap();
+            monitor.hold_reference();
+            monitor
+                .set_rows_between_false_alarms(3.6e6 * f64::from(rate_hz))
+                .unwrap();
+            for row in 0..rows {
+                monitor.push(f64::from(row), &next(0.0)).unwrap();
+            }
+            let found = monitor.end_reference().unwrap();
+            assert_eq!(found, Some(Event::Referenced), "{rate_hz} Hz, {seed}");
+            let block_s = monitor.reference().unwrap().block_rows as f64 / f64::from(rate_hz);
+            assert!(block_s < 10.0, "{rate_hz} Hz, {seed}: {block_s} s");
+            for row in 0..rows {
+                let event = monitor.push(f64::from(row), &next(0.0)).unwrap();
+                assert_ne!(event, Some(Event::Alarm), "{rate_hz} Hz, {seed}");
+            }
+            // three times as large as the error that follows the posture
+            let shift = 3.0 / memory.sqrt();
+            let seen =
+                (0..rows).find(|_| monitor.push(0.0, &next(shift)).unwrap() == Some(Event::Alarm));
+            assert!(seen.is_some_and(|row| row < 60 * rate_hz), "{seen:?}");
+            assert_eq!(monitor.shifts(0)[0].component, 3);
+        }
+    }
+}
+
+/// What is refused says how many rows are needed, about: who records as many as are said has a reference soon, and not a longer one than
+/// ten times what the noise takes.
+#[test]
+fn a_refused_reference_says_how_long_it_must_be() {
+    for seed in 0..12 {
+        let mut rows = 2000;
+        let mut refusals = 0;
+        loop {
+            let mut noise = Noise::new(seed + 100 * refusals, 0.98);
+            let mut monitor = Monitor::new(settings(1)).unwrap();
+            monitor.hold_reference();
+            for row in 0..rows {
+                monitor.push(row as f64, &[noise.next()]).unwrap();
+            }
+            if monitor.end_reference().unwrap().is_some() {
+                break;
+            }
+            refusals += 1;
+            assert!(refusals < 4, "{seed}: {rows}");
+            assert!(monitor.is_refused() && monitor.wanted_reference_rows() > rows);
+            rows = monitor.wanted_reference_rows();
+        }
+        assert!(refusals > 0 && rows < 10 * 8192, "{seed}: {rows}");
+    }
+}
+
 /// A joint that turns back shows one error of rounding for many rows: most blocks know nothing of it, a few are all of it. Blocks
 /// must be so long that the reference itself is no alarm.
 #[test]
