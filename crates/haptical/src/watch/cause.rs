@@ -16,6 +16,9 @@ use crate::log::Log;
 /// Name of the rows that a cause was sought in, and of what says who wrote them.
 const ROWS: [&str; 2] = ["alarm.csv", "alarm.csv.provenance.json"];
 
+/// Least motion that a cause is sought in \[s\]: at 1 kHz 2000 rows are two seconds, in which an arm does not go through its range.
+const DIAGNOSED_S: f64 = 10.0;
+
 /// What the diagnosis says of the rows since a change.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct WatchCause {
@@ -79,6 +82,13 @@ fn write_rows(
     Ok(written.into_iter().take(1).collect())
 }
 
+/// Rows since a change after which its cause is sought.
+pub(super) fn rows_for_cause(options: &WatchOptions, rows_per_hour: f64) -> u64 {
+    let motion = DIAGNOSED_S * rows_per_hour / 3600.0;
+    let kept = 0.5 * options.keep_rows as f64;
+    (options.diagnosed_rows as u64).max(motion.min(kept) as u64)
+}
+
 /// Diagnoses a log against the device that is watched; with a folder writes the rows and gap.json, gap.html there.
 pub(super) fn cause(
     device: &Device,
@@ -135,4 +145,24 @@ pub(super) fn cause(
         effect,
         written,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_sought_in_ten_seconds_of_motion() {
+        let rows = |rate_hz: f64, keep_rows| {
+            let options = WatchOptions {
+                keep_rows,
+                ..WatchOptions::default()
+            };
+            rows_for_cause(&options, 3600.0 * rate_hz)
+        };
+        assert_eq!(rows(10.0, 20_000), 2000);
+        assert_eq!(rows(1000.0, 20_000), 10_000);
+        // as many as are kept, and not all of them: the first are forgotten
+        assert_eq!(rows(1000.0, 5000), 2500);
+    }
 }

@@ -27,7 +27,7 @@ pub use self::state::{
     ReferenceChannel, WatchAlarm, WatchChannel, WatchReference, WatchState, WatchVerdict,
 };
 
-use self::cause::cause;
+use self::cause::{cause, rows_for_cause};
 use self::intake::{Intake, Rows, nothing_to_watch};
 use self::kept::Kept;
 use self::lines::Lines;
@@ -70,7 +70,7 @@ pub struct WatchOptions {
     pub tolerances: Vec<(String, f64)>,
     /// Rows that are kept for a diagnosis.
     pub keep_rows: usize,
-    /// Rows since a change after which its cause is sought.
+    /// Least rows since a change after which its cause is sought; more where they are few seconds.
     pub diagnosed_rows: usize,
     /// Folder for the rows of an alarm and their diagnosis.
     pub out: Option<PathBuf>,
@@ -486,7 +486,7 @@ impl Watch {
                 _ => {}
             }
         }
-        if self.rows_since_change() >= self.options.diagnosed_rows as u64 {
+        if self.rows_since_change() >= rows_for_cause(&self.options, self.rows_per_hour) {
             events.extend(self.seek_cause()?.map(WatchEvent::Cause));
         }
         Ok(())
