@@ -144,7 +144,7 @@ pub(super) fn answer(
         closed_unseen_share: Some(1.0 - left).filter(|closed| is_explained && *closed < ALL_CLOSED),
         own_effects_leave: None,
         second,
-        not_in_file: Vec::new(),
+        not_in_file: not_in_file(verdict, &causes),
         fit_rows: FitRows::default(),
         steps: Vec::new(),
         correction: None,
@@ -184,6 +184,21 @@ pub(super) fn answer(
         place,
         causes,
     }
+}
+
+/// What a device file does not hold: how a joint follows its command is no part of a device.
+fn not_in_file(verdict: Verdict, causes: &[CauseAnswer]) -> Vec<String> {
+    let is_named = matches!(verdict, Verdict::Named | Verdict::Ambiguous);
+    let is_on_answer = |cause: &&CauseAnswer| NAMES.contains(&cause.effect.as_str());
+    let named = causes.iter().filter(|_| is_named).filter(is_on_answer);
+    let words = |cause: &CauseAnswer| {
+        let place = cause.place();
+        format!(
+            "{} at {place}: a device file says nothing of commands",
+            cause.effect
+        )
+    };
+    named.map(words).collect()
 }
 
 /// Changes first, then what holds all along, by share of the gap; and the changes in words.
