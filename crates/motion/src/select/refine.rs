@@ -3,7 +3,7 @@
 use super::scored::{Scored, score};
 use super::{Fitted, Frame};
 use crate::effect::{Candidate, Finer, MadeAbout};
-use crate::thresholds::select::{LINEARISATIONS, SEARCH_STEPS};
+use crate::thresholds::select::{LINEARISATIONS, SEARCH_STEPS, UNMOVED_NATS};
 
 /// The candidate with the shape that explains most.
 pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>) -> Scored<'c> {
@@ -11,15 +11,19 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
         // a correction is tried in the whole fit
         Finer::Settled | Finer::Correction(_) => start,
         Finer::About(about) => {
-            let mut best = start;
+            let mut here = start;
             for _ in 0..LINEARISATIONS {
-                let nearer = about_of(&best, &about).and_then(|own| score(frame, fitted, &own));
-                match nearer {
-                    Some(nearer) if nearer.nats > best.nats - 1.0 => best = nearer,
-                    _ => break,
+                let nearer = about_of(&here, &about).and_then(|own| score(frame, fitted, &own));
+                let Some(nearer) = nearer.filter(|own| own.nats > here.nats - 1.0) else {
+                    break;
+                };
+                let gain = (nearer.nats - here.nats).abs();
+                here = nearer;
+                if gain < UNMOVED_NATS {
+                    break;
                 }
             }
-            best
+            here
         }
         Finer::Shape { ratio, at } => {
             let centre = start.candidate.shape[0].1;

@@ -27,6 +27,8 @@ pub(super) fn settled<'c>(
     let others = frame.fitted(&columns_of(&state.taken, Some(index)), state.early_s);
     let mut sd = alone(frame, &others, own, misfit);
     let mut best = state;
+    // how far the number would still go, where the search ends before it stands still
+    let mut further = 0.0;
     for _ in 0..PARABOLAS {
         let step = PARABOLA_SDS * sd;
         let value = best.taken[index].shape[0].1;
@@ -42,14 +44,17 @@ pub(super) fn settled<'c>(
         sd = width * misfit.sqrt();
         let nearer = moved(by).filter(|own| own.fitted.excess < excess[1]);
         let Some(nearer) = nearer else {
+            further = 0.0;
             break;
         };
         best = nearer;
-        if by.abs() < UNMOVED_SDS * sd {
+        further = by.abs();
+        if further < UNMOVED_SDS * sd {
+            further = 0.0;
             break;
         }
     }
-    (best, sd)
+    (best, f64::hypot(sd, further))
 }
 
 /// Where the parabola through three sizes at -step, 0 and step is lowest, no farther than a step, and how far from there it rises by a half;

@@ -33,14 +33,17 @@ pub(crate) const LIMIT_ROUNDS: usize = 6;
 // `select::refine`
 /// Steps of a search for a number of a shape, each 0.62 of the one before.
 pub(crate) const SEARCH_STEPS: usize = 8;
-/// Times that a candidate is made linear about its coefficients.
-pub(crate) const LINEARISATIONS: usize = 6;
+/// Times that a candidate is made linear about its coefficients at most. Cost: it ends where what it explains moves no more.
+pub(crate) const LINEARISATIONS: usize = 40;
+/// Change of what a candidate explains below which it has converged \[nats\]: its numbers are within 0.15 of their standard deviations.
+pub(crate) const UNMOVED_NATS: f64 = 0.01;
 
 // `select::shape`
 /// Steps of the logarithm of a shape's number within which what is explained has to fall for a standard deviation to be known.
 pub(crate) const SHAPE_STEPS: [f64; 6] = [1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
-/// Parabolas through three numbers, the ends so many standard deviations from the middle; the middle moves by no more at once.
-pub(crate) const PARABOLAS: usize = 3;
+/// Parabolas through three numbers, the ends so many standard deviations from the middle; the middle moves by no more at once. Cost: the
+/// search ends where the middle moves no more, and what it would still move is counted in its interval.
+pub(crate) const PARABOLAS: usize = 20;
 pub(crate) const PARABOLA_SDS: f64 = 2.0;
 /// A move of so many standard deviations is none.
 pub(crate) const UNMOVED_SDS: f64 = 0.1;
