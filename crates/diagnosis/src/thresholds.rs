@@ -272,6 +272,9 @@ pub(crate) mod steps {
     /// Part of a run, as one over this number, at either end of which a step is one with the zero that the base model adjusts.
     /// Choice.
     pub(crate) const MARGIN: usize = 30;
+    /// Fall of the squares, in variances of the noise, within which an instant is as good as the best. Calculated: -2 ln(1 - sqrt(0.95)),
+    /// of 95 % of small steps (Hansen 2000).
+    pub(crate) const INSTANT_COST: f64 = 7.352_276_694;
     /// Squared share of a step that must survive the base model. Choice.
     pub(crate) const LEAST_LEFT: f64 = 1e-6;
 }

@@ -9,13 +9,13 @@ use nalgebra::DMatrix;
 
 use crate::answer::shrink::{Shrink, Unseen};
 use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
-use crate::engine::Engine;
 use crate::engine::model::Cause;
 use crate::judge::earlier_model::BaseTerm;
 use crate::judge::findings::Findings;
 use crate::judge::rivals::warms_with_time;
 use crate::judge::verdict::is_reported;
 use crate::noise::NoiseSource;
+use crate::select::events::Place;
 use crate::select::rival::Rival;
 use crate::select::{Selection, Selector, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
@@ -279,11 +279,12 @@ fn parameters(selection: &Selection<'_>, index: usize) -> BTreeMap<String, Param
             true => effect.scale_uncertainty(context).hypot(law),
             false => 0.0,
         };
-        let mut sd = variance.max(0.0).sqrt();
-        if spec.role == Role::Instant {
-            sd = sd.max(instant_uncertainty_s(selection.engine(), shape) / 1.96);
-        }
-        let answer = ParameterAnswer::normal(value, sd).off_by_a_factor(relative);
+        let answer = match spec.role {
+            Role::Instant => instant(selection, cause, value),
+            _ => None,
+        };
+        let normal = ParameterAnswer::normal(value, variance.max(0.0).sqrt());
+        let answer = answer.unwrap_or_else(|| normal.off_by_a_factor(relative));
         answers.insert(spec.name.to_owned(), answer);
     }
     answers
@@ -302,19 +303,15 @@ fn kept(selection: &Selection<'_>, cause: &Cause, effect: &dyn Effect) -> f64 {
     score.map_or(1.0, |score| score.retained.clamp(0.01, 1.0))
 }
 
-/// An instant is known to a few blocks of rows.
-fn instant_uncertainty_s(engine: &Engine<'_>, row: f64) -> f64 {
-    let context = &engine.context;
-    let Some(times) = &context.recording.time_s else {
-        return 0.0;
-    };
-    let row = (row as usize).min(times.len() - 1);
-    let reach = 2 * engine.system.layout.size;
-    let (first, last) = (
-        row.saturating_sub(reach),
-        (row + reach).min(times.len() - 1),
-    );
-    (times[last] - times[first]).abs() / 2.0
+/// When the step of an event that is reported happened: between the row before the first that it may have changed, and the last.
+fn instant(selection: &Selection<'_>, cause: &Cause, value: f64) -> Option<ParameterAnswer> {
+    let engine = selection.engine();
+    let time_s = engine.context.recording.time_s.as_ref()?;
+    let step = (&selection.refit, cause, largest_step(cause));
+    let effect = selection.effect(cause);
+    let [first, last] = Place::new(engine, effect, step, misfit(&selection.after)).rows;
+    let ci95 = [time_s[first.saturating_sub(1)], time_s[last]];
+    Some(ParameterAnswer { value, ci95 })
 }
 
 #[cfg(test)]

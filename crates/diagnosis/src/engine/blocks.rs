@@ -44,8 +44,6 @@ struct StreamBlocks {
 pub(crate) struct Blocks {
     streams: Vec<StreamBlocks>,
     count: usize,
-    /// Rows in a block of a stream without spectral lines.
-    pub(crate) size: usize,
 }
 
 impl Blocks {
@@ -121,11 +119,7 @@ impl Blocks {
             count += blocks.entries.len();
             streams.push(blocks);
         }
-        Self {
-            streams,
-            count,
-            size,
-        }
+        Self { streams, count }
     }
 
     /// Whitened blocks of all streams.
@@ -147,6 +141,12 @@ impl Blocks {
     /// Middle row of a stream's block.
     pub(crate) fn row(&self, stream: usize, block: usize) -> usize {
         self.streams[stream].entries[block].row
+    }
+
+    /// First row of a stream's block.
+    pub(crate) fn first_row(&self, stream: usize, block: usize) -> usize {
+        let blocks = &self.streams[stream];
+        blocks.rows[blocks.entries[block].first]
     }
 
     /// Whether a stream's block is the first of an uninterrupted series.

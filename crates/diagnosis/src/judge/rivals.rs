@@ -47,19 +47,15 @@ pub(crate) fn rivals(
 ) -> Result<Vec<Rival>, DiagnosisError> {
     let selector = &mut selection.selector;
     let causes = &selection.refit.model.causes;
-    let (without, system, scan) = if causes.len() == 1 {
-        (
-            selector.engine.start.clone(),
-            selector.engine.system.clone(),
-            selection.first_scan.clone(),
-        )
+    let (without, scan) = if causes.len() == 1 {
+        (selector.engine.start.clone(), selection.first_scan.clone())
     } else {
         let mut model = selection.refit.model.clone();
         model.causes.remove(cause);
         let refit = selector.engine.refit(selector.effects, &model)?;
         let system = selector.system_of(&refit);
         let scan = selector.scan(&system, &refit.model);
-        (refit, system, scan)
+        (refit, scan)
     };
     let misfit = misfit(&selection.after);
     let empty = selector.cost(&without);
@@ -97,7 +93,7 @@ pub(crate) fn rivals(
         .filter(|score| is_near(score))
         .collect();
     let refits = haptical_parallel::map(near.into_iter().take(REFITTED), |score| {
-        let (fitted, cost) = selector.refit_with(&without.model, &system, score)?;
+        let (fitted, cost) = selector.refit_with(&without.model, score)?;
         Ok((score.effect, fitted, cost))
     });
     let refits: Vec<(usize, Refit, f64)> =

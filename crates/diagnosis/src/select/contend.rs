@@ -4,8 +4,6 @@ use haptical_effects::Shape;
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Model, Refit};
-use crate::engine::system::System;
-use crate::select::events::sharpen;
 use crate::select::scan::Score;
 use crate::select::{Grown, Refused, Selector};
 use crate::thresholds::selection::{CONTENDERS, CONTENDING};
@@ -59,7 +57,7 @@ impl Selector<'_> {
             if let Some(before) = before {
                 return Ok(before.clone());
             }
-            let (refit, cost) = self.refit_with(&grown.refit.model, &grown.system, score)?;
+            let (refit, cost) = self.refit_with(&grown.refit.model, score)?;
             let effect = score.effect;
             Ok(Tried {
                 effect,
@@ -114,11 +112,10 @@ impl Selector<'_> {
     pub(crate) fn refit_with(
         &self,
         model: &Model,
-        system: &System,
         score: &Score,
     ) -> Result<(Refit, f64), DiagnosisError> {
         self.engine.base.interrupt.check()?;
-        let cause = Cause::from(&self.sharpened(system, score));
+        let cause = Cause::from(score);
         let effect = self.effects[score.effect].as_ref();
         let shapes = if effect.spec().shape == Shape::Sides {
             effect.shapes(&self.engine.context)
@@ -131,7 +128,7 @@ impl Selector<'_> {
                 shape,
                 ..cause.clone()
             });
-            let fitted = self.engine.refit(self.effects, &with)?;
+            let fitted = self.with_steps_at_rows(self.engine.refit(self.effects, &with)?)?;
             let cost = self.cost(&fitted);
             Ok((fitted, cost))
         });
@@ -144,15 +141,6 @@ impl Selector<'_> {
         best.ok_or(DiagnosisError::NoShape {
             effect: effect.name(),
         })
-    }
-
-    /// An event with its instants at rows instead of blocks.
-    pub(crate) fn sharpened(&self, system: &System, score: &Score) -> Score {
-        if score.times.is_empty() {
-            return score.clone();
-        }
-        let effect = self.effects[score.effect].as_ref();
-        sharpen(system, &self.engine.context, effect, score.clone())
     }
 
     pub(crate) fn is_possible(&self, model: &Model) -> bool {

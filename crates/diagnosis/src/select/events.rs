@@ -1,15 +1,21 @@
 //! Steps: the instants at which they explain most (docs/diagnosis.md, "Events").
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use haptical_effects::{Context, Effect, Signal};
 use haptical_linalg::Direction;
 
+use crate::DiagnosisError;
+use crate::engine::Engine;
+use crate::engine::model::{Cause, Refit};
 use crate::engine::system::{ALWAYS, System, across, dot, take_off};
+use crate::select::Selector;
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::steps::{
-    APART_S, LEAST_LEFT, MARGIN, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE, STEP_SHARE,
-    SWEEPS,
+    APART_S, INSTANT_COST, LEAST_LEFT, MARGIN, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE,
+    STEP_SHARE, SWEEPS,
 };
 
 /// An event's instants. A step changes its row and all later ones, so sums over what it changes run from the end of each run
@@ -50,7 +56,7 @@ impl<'s> Instants<'s> {
             for (stream, values) in &column.parts {
                 let first = system.layout.range(*stream).start;
                 for (block, &value) in values.iter().enumerate() {
-                    let row = system.layout.row(*stream, block);
+                    let row = system.layout.first_row(*stream, block);
                     if run.contains(&row) {
                         entries.push(Entry {
                             row,
@@ -64,7 +70,7 @@ impl<'s> Instants<'s> {
                 }
             }
             entries.sort_unstable_by(|a, b| b.row.cmp(&a.row).then(a.place.cmp(&b.place)));
-            let margin = margin_rows(context, run);
+            let inside = inside(context, run);
             let mut taken = vec![0.0; system.basis.len()];
             let mut own = 0.0;
             for position in 0..entries.len() {
@@ -76,8 +82,7 @@ impl<'s> Instants<'s> {
                 for (sum, direction) in taken.iter_mut().zip(&system.basis) {
                     *sum += value * direction.entry(place);
                 }
-                let is_inside = row >= run.start + margin && row + margin < run.end;
-                entries[position].is_instant = is_inside && next != Some(row);
+                entries[position].is_instant = inside.contains(&row) && next != Some(row);
                 if entries[position].is_instant {
                     entries[position].own = own;
                     entries[position].explained = dot(&taken, &taken);
@@ -100,7 +105,7 @@ impl<'s> Instants<'s> {
     }
 
     /// The instant at which a step explains most of what is left.
-    fn best(&self, rest: &Rest<'_>) -> Option<Score> {
+    fn best(&self, rest: &Rest) -> Option<Score> {
         let mut best: Option<Score> = None;
         let mut taken = vec![0.0; rest.further.len()];
         for entries in &self.runs {
@@ -177,49 +182,116 @@ impl<'s> Instants<'s> {
     }
 }
 
-/// Rows at either end of a run within which a step is one with the zero that the base model
-/// adjusts: a part of the run, and at the start as long as the device rests.
-fn margin_rows(context: &Context<'_>, run: &std::ops::Range<usize>) -> usize {
+/// Rows of a run at which a step may be: not within a part of it at its end, nor where it is one with the zero that the base model
+/// adjusts. That is the first row of one of several runs; of one run such a part too, and as long as the device rests at first.
+fn inside(context: &Context<'_>, run: &Range<usize>) -> Range<usize> {
+    let part = run.len().div_ceil(MARGIN);
+    let end = run.end - part;
+    if context.runs.len() > 1 {
+        return run.start + 1..end;
+    }
     let columns = &context.recording.joint;
     let moves = |row: &usize| {
-        columns
-            .iter()
-            .filter(|column| (column[*row] - column[run.start]).abs() > RESTING_RAD)
-            .count()
-            > 0
+        let mut columns = columns.iter();
+        columns.any(|column| (column[*row] - column[run.start]).abs() > RESTING_RAD)
     };
-    let rest = run.clone().find(moves).map_or(0, |row| row - run.start);
-    rest + run.len().div_ceil(MARGIN)
+    let rest = run.clone().find(moves).unwrap_or(run.start);
+    rest + part..end
 }
 
-/// Moves each instant of an event to the row, within a block's reach, that explains most.
-pub(crate) fn sharpen(
-    system: &System,
-    context: &Context<'_>,
-    effect: &dyn Effect,
-    mut event: Score,
-) -> Score {
-    let reach = (system.layout.size + 1).min(12);
-    let mut steps = Steps::new(system, context, effect);
-    for index in 0..event.times.len() {
-        let rest = steps.taken(&event.times, index);
-        let row = event.times[index] as usize;
-        let mut best: Option<(f64, f64, f64)> = None;
-        for row in row.saturating_sub(reach)..(row + reach + 1).min(context.rows()) {
-            let at = row as f64;
-            for signal in effect.derivative(context, &[0.0], at) {
-                let (score, amplitude) = rest.score(&signal);
-                if best.is_none_or(|(most, ..)| score > most) {
-                    best = Some((score, amplitude, at));
-                }
+/// Where a step of an event may be: the row from which on it leaves least, and the rows that chance alone may keep apart from it.
+pub(crate) struct Place {
+    pub(crate) row: usize,
+    /// First and last row that leave hardly more.
+    pub(crate) rows: [usize; 2],
+}
+
+impl Place {
+    /// Of one step of a cause, between its others, by the squares that a refit leaves row by row. `misfit` counts as more noise.
+    pub(crate) fn new(
+        engine: &Engine<'_>,
+        effect: &dyn Effect,
+        (refit, cause, index): (&Refit, &Cause, usize),
+        misfit: f64,
+    ) -> Self {
+        let context = &engine.context;
+        let found = cause.times[index] as usize;
+        let run = context.runs.iter().find(|run| run.contains(&found));
+        let run = run.cloned().unwrap_or(found..found + 1);
+        let Range { mut start, mut end } = inside(context, &run);
+        for other in cause.times.iter().map(|time| *time as usize) {
+            match other.cmp(&found) {
+                Ordering::Less => start = start.max(other + 1),
+                Ordering::Greater => end = end.min(other),
+                Ordering::Equal => {}
             }
         }
-        if let Some((_, amplitude, at)) = best {
-            event.times[index] = at;
-            event.amplitudes[index] = amplitude;
+        // what the squares of a row are less without the step than with it
+        let mut costs = vec![0.0; end.saturating_sub(start)];
+        let whole = effect.signal(context, &[cause.amplitudes[index]], run.start as f64);
+        for (stream, step) in &whole.parts {
+            let noise = &engine.noise[*stream];
+            let variance = (engine.floor[*stream] / noise.ratio).powi(2) * noise.level();
+            for row in (start..end).filter(|&row| engine.usable[*stream][row]) {
+                let left = refit.residual[*stream][row];
+                let without = if row >= found { left + step[row] } else { left };
+                let with = without - step[row];
+                costs[row - start] += (with.powi(2) - without.powi(2)) / variance.max(1e-300);
+            }
+        }
+        // a step at a row costs the sum from there on
+        for row in (1..costs.len()).rev() {
+            costs[row - 1] += costs[row];
+        }
+        let best = (0..costs.len()).reduce(|a, b| if costs[b] < costs[a] { b } else { a });
+        let Some(best) = best else {
+            return Self {
+                row: found,
+                rows: [found; 2],
+            };
+        };
+        let least = costs[best] + INSTANT_COST * misfit;
+        let near = |row: &usize| costs[*row] <= least;
+        let mut rows = (0..costs.len()).filter(near);
+        let low = rows.next().unwrap_or(best);
+        Self {
+            row: start + best,
+            rows: [start + low, start + rows.next_back().unwrap_or(low)],
         }
     }
-    event
+}
+
+impl Selector<'_> {
+    /// A refit with each step of its events at the row that leaves least: blocks, by which they are found, leave it open.
+    /// Two steps that come to be one are one.
+    pub(crate) fn with_steps_at_rows(&self, mut refit: Refit) -> Result<Refit, DiagnosisError> {
+        for _ in 0..SWEEPS {
+            let mut model = refit.model.clone();
+            for (moved, cause) in model.causes.iter_mut().zip(&refit.model.causes) {
+                let effect = self.effects[cause.effect].as_ref();
+                let mut steps: Vec<(f64, f64)> = Vec::new();
+                for (index, (_, amplitude)) in cause.times.iter().zip(&cause.amplitudes).enumerate()
+                {
+                    let place = Place::new(self.engine, effect, (&refit, cause, index), 1.0);
+                    let same = |step: &&mut (f64, f64)| {
+                        are_one(&self.engine.context, step.0 as usize, place.row)
+                    };
+                    match steps.iter_mut().find(same) {
+                        Some(step) => step.1 += amplitude,
+                        None => steps.push((place.row as f64, *amplitude)),
+                    }
+                }
+                if !steps.is_empty() {
+                    (moved.times, moved.amplitudes) = steps.into_iter().unzip();
+                }
+            }
+            if model == refit.model {
+                break;
+            }
+            refit = self.engine.refit(self.effects, &model)?;
+        }
+        Ok(refit)
+    }
 }
 
 /// The steps of an event, each across the system's directions: computed once, however often the others move.
@@ -241,7 +313,7 @@ impl<'s> Steps<'s> {
     }
 
     /// What is left of the system with all steps but one projected out.
-    fn taken(&mut self, times: &[f64], but: usize) -> Rest<'s> {
+    fn taken(&mut self, times: &[f64], but: usize) -> Rest {
         let mut rest = Rest::new(self.system);
         for (index, &time) in times.iter().enumerate() {
             if index != but {
@@ -271,18 +343,16 @@ impl<'s> Steps<'s> {
 }
 
 /// Residual of a system with further directions projected out.
-struct Rest<'s> {
-    system: &'s System,
+struct Rest {
     further: Vec<Direction>,
     residual: Vec<f64>,
     /// Rows of the other steps.
     steps: Vec<usize>,
 }
 
-impl<'s> Rest<'s> {
-    fn new(system: &'s System) -> Self {
+impl Rest {
+    fn new(system: &System) -> Self {
         Self {
-            system,
             further: Vec::new(),
             residual: system.residual.clone(),
             steps: Vec::new(),
@@ -291,15 +361,7 @@ impl<'s> Rest<'s> {
 
     /// Whether another step is so near that the two would be one, or take each other back.
     fn is_taken(&self, context: &Context<'_>, row: usize) -> bool {
-        let Some(time_s) = &context.recording.time_s else {
-            return self.steps.contains(&row);
-        };
-        let near = |step: &usize| (time_s[row] - time_s[*step]).abs() < APART_S;
-        self.steps.iter().any(near)
-    }
-
-    fn directions(&self) -> impl Iterator<Item = &Direction> {
-        self.system.basis.iter().chain(&self.further)
+        self.steps.iter().any(|step| are_one(context, row, *step))
     }
 
     /// Projects out a vector that lies across the system's directions already.
@@ -309,14 +371,10 @@ impl<'s> Rest<'s> {
             self.further.push(Direction::new(across.direction));
         }
     }
+}
 
-    /// What one signal explains, and its amplitude.
-    fn score(&self, signal: &Signal) -> (f64, f64) {
-        let dense = self.system.dense(&self.system.column(signal));
-        let across = across(dense.clone(), ALWAYS, || self.directions());
-        across.map_or((0.0, 0.0), |across| {
-            let along = dot(&across.direction, &self.residual);
-            (along * along, along / dot(&across.direction, &dense))
-        })
-    }
+/// Whether steps at two rows are so near that they would be one, or take each other back.
+fn are_one(context: &Context<'_>, a: usize, b: usize) -> bool {
+    let time_s = context.recording.time_s.as_ref();
+    time_s.map_or(a == b, |time_s| (time_s[a] - time_s[b]).abs() < APART_S)
 }

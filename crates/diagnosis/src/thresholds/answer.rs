@@ -17,7 +17,3 @@ pub(crate) const ALL_PERCENT: f64 = 99.95;
 // `answer::shrink::second`
 /// Share of the squares beyond which a constant is a zero of its own.
 pub(crate) const ZERO_SHARE: f64 = 0.5;
-
-// `answer::steps`
-/// Blocks of rows on each side within which the first row after an event is looked for.
-pub(crate) const REACH_BLOCKS: usize = 2;

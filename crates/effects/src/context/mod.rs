@@ -50,6 +50,8 @@ pub struct Context<'a> {
     pub streams: Vec<Stream>,
     /// Output angles by the base model, per joint.
     pub output: Vec<Vec<f64>>,
+    /// d output / d reading by the base model, per joint.
+    pub(crate) slope: Vec<Vec<f64>>,
     /// Motor-side readings with derivatives in time, per joint; none without a time column.
     pub motion: Option<Vec<LocalMotion>>,
     /// Pose derivative per joint and row; empty without links.
@@ -134,6 +136,7 @@ impl<'a> Context<'a> {
         );
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
+        let mut slope = output.clone();
         let has_links = device.has_links();
         let mut twist = vec![Vec::with_capacity(rows); if has_links { joints } else { 0 }];
         let (mut position, mut rotation, mut tracked) = (Vec::new(), Vec::new(), Vec::new());
@@ -151,8 +154,9 @@ impl<'a> Context<'a> {
                     line: recording.line.get(row).copied().unwrap_or(0),
                     source,
                 })?;
-            for (joint, column) in output.iter_mut().enumerate() {
-                column.push(evaluation.output_rad(joint));
+            for (joint, (output, slope)) in output.iter_mut().zip(&mut slope).enumerate() {
+                output.push(evaluation.output_rad(joint));
+                slope.push(evaluation.output_slope(joint));
             }
             if has_links && let Ok(pose) = evaluation.pose() {
                 position.push(pose.position_m);
@@ -204,6 +208,7 @@ impl<'a> Context<'a> {
             ordered,
             streams,
             output,
+            slope,
             motion,
             twist,
             position,

@@ -18,7 +18,10 @@ pub(crate) const SPEC: Spec = Spec {
     ..Step::SPEC
 };
 
-pub(crate) const LAW: Step = Step { unit };
+pub(crate) const LAW: Step = Step {
+    unit,
+    is_of_reading: false,
+};
 
 /// Size of one count; three standard deviations (the paper's rule) where the device file has no counts.
 fn unit(input: Input<'_, '_>) -> f64 {

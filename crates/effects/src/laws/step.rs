@@ -34,6 +34,8 @@ pub(crate) fn row_at(context: &Context<'_>, instant_s: f64) -> f64 {
 pub(crate) struct Step {
     /// Size of one unit.
     pub(crate) unit: fn(Input<'_, '_>) -> f64,
+    /// Whether it is one of the motor's reading: the output steps by the drive's slope times it.
+    pub(crate) is_of_reading: bool,
 }
 
 impl Step {
@@ -49,7 +51,13 @@ impl Step {
 
 impl Law for Step {
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
-        Some(vec![step(input.context, shape)])
+        let mut column = step(input.context, shape);
+        if let Some(joint) = input.joint.filter(|_| self.is_of_reading) {
+            for (entry, slope) in column.iter_mut().zip(&input.context.slope[joint]) {
+                *entry *= slope;
+            }
+        }
+        Some(vec![column])
     }
 
     fn values(&self, input: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {

@@ -18,7 +18,10 @@ pub(crate) const SPEC: Spec = Spec {
     ..Step::SPEC
 };
 
-pub(crate) const LAW: Step = Step { unit };
+pub(crate) const LAW: Step = Step {
+    unit,
+    is_of_reading: true,
+};
 
 /// Size of one count \[rad\], or \[m\] of a slide; 1 where the device file has none. Counts too many turn the joint back.
 fn unit(input: Input<'_, '_>) -> f64 {

@@ -17,4 +17,7 @@ pub(crate) const SPEC: Spec = Spec {
     ..Step::SPEC
 };
 
-pub(crate) const LAW: Step = Step { unit: |_| 1.0 };
+pub(crate) const LAW: Step = Step {
+    unit: |_| 1.0,
+    is_of_reading: false,
+};

@@ -24,6 +24,7 @@ mod fleet;
 mod forward;
 mod forward_drives;
 mod late_encoders;
+mod lost_counts;
 mod moved;
 mod moving_sets;
 #[path = "../../examples/next_poses.rs"]
