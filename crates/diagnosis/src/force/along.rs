@@ -1,12 +1,14 @@
 //! The chain along a recording, block by block: columns of the inertial parameters, of forces at
 //! the handle, of the geometry and of a delay.
 
+use haptical_model::DeviceChain;
 use haptical_model::kinematics::Parameter;
 use nalgebra::{Matrix3, Vector3};
 
-use super::posture::{PER_LINK, Posture, Rows};
+use super::posture::{PER_LINK, Posture};
 use super::recorded::{Besides, Recorded};
 use super::rows::whitener::Whitener;
+use crate::DiagnosisError;
 use crate::thresholds::torque::{
     ANGLE_SD_RAD, COLUMN_ROUNDING, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M,
 };
@@ -28,13 +30,13 @@ struct Half {
     joints: [Vec<f64>; 3],
     /// Transposed Jacobian, per channel, in the handle's frame.
     hand: Vec<Vector3<f64>>,
+    posture: Posture,
 }
 
 /// The chain along a recording, block by block.
 #[derive(Debug)]
 pub(super) struct Along<'a> {
     pub(super) recorded: &'a Recorded<'a>,
-    rows: Rows,
     /// Two per block.
     halves: Vec<Half>,
     /// Mean recorded force of the hand, per half block.
@@ -49,14 +51,15 @@ pub(super) struct Along<'a> {
 }
 
 impl<'a> Along<'a> {
-    pub(super) fn new(recorded: &'a Recorded<'a>) -> Self {
+    /// # Errors
+    /// [`DiagnosisError::Row`] where the arm has no torques.
+    pub(super) fn new(recorded: &'a Recorded<'a>) -> Result<Self, DiagnosisError> {
         let context = recorded.context;
-        let rows = Rows::new(context.device, recorded.gravity_mps2);
+        let chain = DeviceChain::of_hand(context.device, 0);
         let joints = context.device.joints.len();
         let blocks = recorded.blocks.len();
         let mut along = Self {
             recorded,
-            rows,
             halves: Vec::with_capacity(2 * blocks),
             force_n: Vec::with_capacity(2 * blocks),
             hand: Vec::with_capacity(blocks),
@@ -67,8 +70,8 @@ impl<'a> Along<'a> {
         for values in &recorded.torque_nm {
             along.reading.extend(recorded.means(|row| values[row]));
         }
-        let place = along.places();
-        let mut posture = Posture::default();
+        let mut work = recorded.bodies.work();
+        let mut torques = vec![0.0; PER_LINK * joints * joints];
         for block in 0..blocks {
             let rows = recorded.blocks[block].rows.clone();
             let middle = rows.start + rows.len() / 2;
@@ -79,18 +82,23 @@ impl<'a> Along<'a> {
             };
             for half in halves {
                 let moved = along.mean_joints(&half);
-                along
-                    .rows
-                    .place([&moved[0], &moved[1], &moved[2]], &mut posture);
-                let (inertia, gravity) = (&mut along.inertia, &along.rows.gravity_mps2);
-                posture.regressor(gravity, |joint, parameter, torque| {
-                    if let Some(channel) = place[joint] {
-                        inertia[parameter][channel * blocks + block] += 0.5 * torque;
-                    }
-                });
+                let [position, rate, acceleration] = &moved;
+                let posture = recorded
+                    .bodies
+                    .regressor(position, rate, acceleration, &mut work, &mut torques)
+                    .and_then(|()| Posture::new(&chain, position, &work))
+                    .map_err(|source| DiagnosisError::Row {
+                        line: context.recording.line.get(half.start).copied().unwrap_or(0),
+                        source,
+                    })?;
                 for (channel, &joint) in recorded.channels.iter().enumerate() {
-                    along.inertia[rotor(joints, joint)][channel * blocks + block] +=
-                        0.5 * moved[2][joint];
+                    let cell = channel * blocks + block;
+                    let links = torques[PER_LINK * joints * joint..].iter();
+                    for (column, torque) in along.inertia[..PER_LINK * joints].iter_mut().zip(links)
+                    {
+                        column[cell] += 0.5 * torque;
+                    }
+                    along.inertia[rotor(joints, joint)][cell] += 0.5 * acceleration[joint];
                 }
                 let hand = recorded
                     .channels
@@ -101,6 +109,7 @@ impl<'a> Along<'a> {
                 along.halves.push(Half {
                     joints: moved,
                     hand,
+                    posture,
                 });
             }
             let [.., first, second] = along.halves.as_slice() else {
@@ -110,14 +119,7 @@ impl<'a> Along<'a> {
             along.hand.push(both.map(|(a, b)| (a + b) * 0.5).collect());
         }
         along.drop_empty();
-        along
-    }
-
-    /// Channel of each joint.
-    fn places(&self) -> Vec<Option<usize>> {
-        (0..self.recorded.context.device.joints.len())
-            .map(|joint| self.recorded.channels.iter().position(|&own| own == joint))
-            .collect()
+        Ok(along)
     }
 
     /// Takes a torque off the readings.
@@ -172,14 +174,8 @@ impl<'a> Along<'a> {
 
     /// The handle in the frame of the last link \[m\], which moves with it.
     pub(super) fn flange_m(&self) -> Vector3<f64> {
-        let mut posture = Posture::default();
-        let Some(half) = self.halves.first() else {
-            return Vector3::zeros();
-        };
-        let [position, rate, acceleration] = &half.joints;
-        self.rows
-            .place([position, rate, acceleration], &mut posture);
-        posture.handle_in_last_link()
+        let flange = self.recorded.bodies.flange(0);
+        flange.map_or_else(Vector3::zeros, |flange| flange.pose.position_m)
     }
 
     /// Parameters that no torque depends on but for rounding have no column.
@@ -317,30 +313,24 @@ impl<'a> Along<'a> {
             "m" => LENGTH_SD_M,
             _ => ANGLE_SD_RAD,
         };
-        self.rows.parameters().map(sd).collect()
+        let device = self.recorded.context.device;
+        let order = device.convention.order();
+        let rows = device.links.iter().flat_map(|_| order);
+        rows.map(sd).collect()
     }
 
     /// One column for each row parameter of the chain.
     pub(super) fn geometry(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<Vec<f64>> {
-        let place = self.places();
         let blocks = self.recorded.blocks.len();
-        let mut columns = vec![vec![0.0; self.recorded.len()]; self.rows.parameters().count()];
-        let mut posture = Posture::default();
-        let mut torque = vec![0.0; place.len()];
-        for (index, half) in self.halves.iter().enumerate() {
-            let joints = &half.joints;
-            self.rows
-                .place([&joints[0], &joints[1], &joints[2]], &mut posture);
-            let carried = posture.carried(inertia);
-            for (number, step) in posture.steps.iter().enumerate() {
-                let gravity = &self.rows.gravity_mps2;
-                posture.geometry(step, &carried, gravity, &force_n[index], &mut torque);
-                for (torque, place) in torque.iter().zip(&place) {
-                    if let Some(channel) = place {
-                        columns[number][channel * blocks + index / 2] += 0.5 * torque;
-                    }
+        let gravity = self.recorded.bodies.gravity_mps2();
+        let mut columns = vec![vec![0.0; self.recorded.len()]; self.geometry_sds().len()];
+        for (index, (half, force)) in self.halves.iter().zip(force_n).enumerate() {
+            let posture = &half.posture;
+            posture.geometry(inertia, gravity, force, |number, joint, change| {
+                if let Some(channel) = self.recorded.channel(joint) {
+                    columns[number][channel * blocks + index / 2] += 0.5 * change;
                 }
-            }
+            });
         }
         columns
     }
@@ -378,30 +368,13 @@ impl<'a> Along<'a> {
     /// Torques of the drives for a unit acceleration of one joint, half block by half block: the
     /// joint's column of the mass matrix.
     pub(super) fn mass_column(&self, joint: usize, inertia: &[f64]) -> Vec<Vec<f64>> {
-        let place = self.places();
-        let count = place.len();
-        let own = place[joint].map(|channel| (channel, inertia[rotor(count, joint)]));
-        let still = vec![0.0; count];
-        let mut unit = still.clone();
-        unit[joint] = 1.0;
-        let mut posture = Posture::default();
-        self.halves
-            .iter()
-            .map(|half| {
-                self.rows
-                    .place([&half.joints[0], &still, &unit], &mut posture);
-                let mut torque = vec![0.0; self.recorded.channels.len()];
-                posture.regressor(&Vector3::zeros(), |joint, parameter, value| {
-                    if let Some(channel) = place[joint] {
-                        torque[channel] += value * inertia[parameter];
-                    }
-                });
-                if let Some((channel, rotor)) = own {
-                    torque[channel] += rotor;
-                }
-                torque
-            })
-            .collect()
+        let column = |half: &Half| {
+            let mut torque = half.posture.mass_column(joint, inertia);
+            torque[joint] += inertia[rotor(torque.len(), joint)];
+            let channels = self.recorded.channels.iter();
+            channels.map(|&channel| torque[channel]).collect()
+        };
+        self.halves.iter().map(column).collect()
     }
 }
 

@@ -92,7 +92,7 @@ fn fitted(
         Ok(recorded) => recorded,
         Err(why) => return all(&why),
     };
-    let mut along = Along::new(&recorded);
+    let mut along = Along::new(&recorded)?;
     let Some((mut base, carried)) = base_of(&mut along, &[]) else {
         return all("the torques have no noise at all");
     };
@@ -161,7 +161,7 @@ fn closed_on(
         selection: &selection,
         carried,
     };
-    let seen = model.predicted(&Along::new(&recorded), alone);
+    let seen = model.predicted(&Along::new(&recorded)?, alone);
     let gap = |own: &HeldOutAnswer| own.rms_before / own.noise_floor.max(f64::MIN_POSITIVE);
     let channels = seen.held_out.into_iter();
     Ok(channels.max_by(|a, b| gap(a).total_cmp(&gap(b))))

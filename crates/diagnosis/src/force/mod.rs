@@ -66,7 +66,7 @@ pub(crate) fn examine_both(
         Ok(recorded) => recorded,
         Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };
-    let mut along = Along::new(&recorded);
+    let mut along = Along::new(&recorded)?;
     let Some((mut base, carried)) = base_of(&mut along, without) else {
         let why = "the torques have no noise at all";
         return none(ForceAnswer::untestable(why, has_torques));

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
-use haptical_model::Recording;
+use haptical_model::{Recording, RigidBodies};
 use haptical_motion::torque_nm_without_effects;
 use nalgebra::{DMatrix, Vector3};
 
@@ -53,7 +53,8 @@ pub(super) struct Recorded<'a> {
     /// Joints whose torque is recorded.
     pub(super) channels: Vec<usize>,
     pub(super) blocks: Vec<Block>,
-    pub(super) gravity_mps2: Vector3<f64>,
+    /// The arm's links, with plausible numbers where the file has none; gravity is the file's.
+    pub(super) bodies: RigidBodies,
     /// Time of a row \[s\].
     pub(super) step_s: f64,
     /// Force of the hand in the handle's frame, row by row; none where it is not recorded.
@@ -89,8 +90,10 @@ impl<'a> Recorded<'a> {
         if channels.is_empty() {
             return Err("no column torque1_nm, torque2_nm, ...".to_owned());
         }
-        let gravity = device.gravity_mps2.map(Vector3::from);
-        let gravity_mps2 = gravity.ok_or_else(|| "no [gravity] in the device file".to_owned())?;
+        if device.gravity_mps2.is_none() {
+            return Err("no [gravity] in the device file".to_owned());
+        }
+        let bodies = RigidBodies::plausible(device).map_err(|error| error.to_string())?;
         let force_n = hand_force(recording);
         // where a hand may hold the handle, it also moves it against a gauge: a cable, a tracker, a touched place
         let is_held =
@@ -161,7 +164,7 @@ impl<'a> Recorded<'a> {
             motion,
             channels,
             blocks,
-            gravity_mps2,
+            bodies,
             step_s,
             force_n,
             is_held,

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use haptical_model::dynamics::Inertia;
+use haptical_model::kinematics::Pose;
 use nalgebra::Vector3;
 
 use super::blocks::Pair;
@@ -173,40 +175,17 @@ pub(super) fn of_last_link(along: &Along<'_>, numbers: &[f64; PER_LINK]) -> Vec<
 /// Inertial numbers of what hangs at a place of the last link: one kilogram there, a unit of its first moments about
 /// there along each axis, and its inertia.
 pub(super) fn flange(place_m: &Vector3<f64>) -> [[f64; PER_LINK]; PER_LINK] {
-    let (x, y, z) = (place_m.x, place_m.y, place_m.z);
-    let mut all = [[0.0; PER_LINK]; PER_LINK];
-    all[0] = point_mass(place_m);
-    // what a shift of the mass does to its inertia about the link's origin
-    let shifts = [
-        [0.0, 2.0 * x, 2.0 * x, -y, -z, 0.0],
-        [2.0 * y, 0.0, 2.0 * y, -x, 0.0, -z],
-        [2.0 * z, 2.0 * z, 0.0, 0.0, -x, -y],
-    ];
-    for (axis, shift) in shifts.iter().enumerate() {
-        all[1 + axis][1 + axis] = 1.0;
-        all[1 + axis][4..].copy_from_slice(shift);
-    }
-    for (number, own) in all.iter_mut().enumerate().skip(4) {
-        own[number] = 1.0;
-    }
-    all
-}
-
-/// The ten inertial numbers of one kilogram at a place: mass, first moments, then xx yy zz xy xz yz.
-pub(super) fn point_mass(place_m: &Vector3<f64>) -> [f64; PER_LINK] {
-    let (x, y, z) = (place_m.x, place_m.y, place_m.z);
-    [
-        1.0,
-        x,
-        y,
-        z,
-        y * y + z * z,
-        x * x + z * z,
-        x * x + y * y,
-        -x * y,
-        -x * z,
-        -y * z,
-    ]
+    let place = Pose {
+        position_m: *place_m,
+        ..Pose::default()
+    };
+    std::array::from_fn(|number| {
+        let mut unit = [0.0; PER_LINK];
+        unit[number] = 1.0;
+        Inertia::from_parameters(unit)
+            .seen_from(&place)
+            .parameters()
+    })
 }
 
 /// Nothing but one channel.

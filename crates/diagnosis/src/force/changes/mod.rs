@@ -92,5 +92,5 @@ fn runs_of_blocks(along: &Along<'_>) -> Vec<Range<usize>> {
 /// One kilogram at the flange in all blocks, by the links' columns.
 #[cfg(test)]
 pub(super) fn at_flange(along: &Along<'_>) -> Vec<f64> {
-    columns::of_last_link(along, &columns::point_mass(&along.flange_m()))
+    columns::of_last_link(along, &columns::flange(&along.flange_m())[0])
 }

@@ -70,7 +70,7 @@ impl Model<'_, '_, '_> {
         let device = first.context.device;
         let context = Context::new(device, second, &[])?;
         let mut seen = match Recorded::new(&context) {
-            Ok(recorded) => self.predicted(&Along::new(&recorded), &self.without_effects()),
+            Ok(recorded) => self.predicted(&Along::new(&recorded)?, &self.without_effects()),
             Err(why) => OnSecond {
                 not_predicted: vec![not_predicted(&why)],
                 ..OnSecond::default()
@@ -215,7 +215,7 @@ impl Both {
         let Ok(recorded) = Recorded::new(&context) else {
             return Ok(Self::default());
         };
-        let along = Along::new(&recorded);
+        let along = Along::new(&recorded)?;
         let Some(whitener) = along.whitener(Besides::Nothing) else {
             return Ok(Self::default());
         };

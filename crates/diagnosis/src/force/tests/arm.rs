@@ -178,15 +178,14 @@ fn placed(
     let mut links = device.chain_links();
     let last = joint.map_or(links.len() - 1, |joint| joint + 1);
     links.truncate(last + 1);
-    if let Some(joint) = joint {
-        // a link's frame comes right after its joint's motion
+    if joint.is_some() {
+        // a link's frame comes right after its joint's motion: home is before it, the row's d_m behind it
         let own = &mut links[last];
-        let slides = device.joints[joint].joint_type == JointType::Prismatic;
-        if device.convention == Convention::Modified {
-            own.d_m = if slides { own.d_m } else { 0.0 };
-        } else {
+        own.d_m -= device.links[last].d_m;
+        if device.convention == Convention::Standard {
             *own = Link {
                 theta_rad: own.theta_rad,
+                d_m: own.d_m,
                 ..Link::default()
             };
         }

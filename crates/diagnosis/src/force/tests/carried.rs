@@ -272,7 +272,7 @@ fn the_law_is_that_of_the_links_columns() {
         let recording = recorded(Scene::alone(90, 2 * RUN), 2);
         let context = Context::new(&device, &recording, &[]).unwrap();
         let recorded = Recorded::new(&context).unwrap();
-        let along = Along::new(&recorded);
+        let along = Along::new(&recorded).unwrap();
         let catalogue = drive_catalogue(&device);
         let law = catalogue
             .iter()

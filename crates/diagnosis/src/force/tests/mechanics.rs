@@ -2,14 +2,13 @@
 //! a projection.
 
 use haptical_effects::Context;
-use haptical_model::Device;
-use haptical_model::kinematics::Parameter;
+use haptical_model::{Device, DeviceChain, JointType, RigidBodies};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
 use crate::engine::regression::Regression;
 use crate::force::along::Along;
-use crate::force::posture::{PER_LINK, Posture, Rows};
+use crate::force::posture::{PER_LINK, Posture};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::rows::TorqueRows;
 use crate::force::rows::fast::within;
@@ -32,22 +31,41 @@ fn torques(
     inertia: &[f64],
     force: &Vector3<f64>,
 ) -> Vec<f64> {
-    let gravity = Vector3::from(device.gravity_mps2.unwrap());
-    let mut posture = Posture::default();
-    Rows::new(device, gravity).place([&joints[0], &joints[1], &joints[2]], &mut posture);
-    let mut torque: Vec<f64> = (0..5)
-        .map(|joint| -posture.hand(joint).dot(force))
-        .collect();
-    posture.regressor(&gravity, |joint, parameter, value| {
-        torque[joint] += value * inertia[parameter];
-    });
-    torque
+    let (posture, columns) = placed(device, joints);
+    let torque = |joint: usize| {
+        let links = columns[inertia.len() * joint..].iter().zip(inertia);
+        links.map(|(column, number)| column * number).sum::<f64>() - posture.hand(joint).dot(force)
+    };
+    (0..5).map(torque).collect()
+}
+
+/// The arm at one instant, with the columns of its links.
+fn placed(device: &Device, joints: &[Vec<f64>; 3]) -> (Posture, Vec<f64>) {
+    let bodies = RigidBodies::plausible(device).unwrap();
+    let (mut work, mut columns) = (bodies.work(), vec![0.0; 5 * 5 * PER_LINK]);
+    let [position, rate, acceleration] = joints;
+    bodies
+        .regressor(position, rate, acceleration, &mut work, &mut columns)
+        .unwrap();
+    let chain = DeviceChain::of_hand(device, 0);
+    let posture = Posture::new(&chain, position, &work).unwrap();
+    (posture, columns)
+}
+
+/// Both conventions, without and with a sliding joint whose row has a length behind it.
+fn arms() -> [Device; 3] {
+    let mut arms = [arm(), arm(), other_arm()];
+    for device in &mut arms[1..] {
+        device.joints[2].joint_type = JointType::Prismatic;
+        device.links[3].d_m = 0.2;
+    }
+    arms
 }
 
 #[test]
 fn the_regressor_agrees_with_virtual_work() {
     let mut noise = Noise(5);
-    for device in [arm(), other_arm()] {
+    for device in arms() {
         let masses = masses(&device);
         let inertia = parameters(&masses);
         for _ in 0..10 {
@@ -77,21 +95,21 @@ fn the_regressor_agrees_with_virtual_work() {
 #[test]
 fn wrong_rows_change_torques_as_differences_do() {
     let mut noise = Noise(6);
-    for device in [arm(), other_arm()] {
+    for device in arms() {
         let inertia = parameters(&masses(&device));
         let gravity = Vector3::from(device.gravity_mps2.unwrap());
         let mut joints = moving(&mut noise);
         joints[1].fill(0.0);
         joints[2].fill(0.0);
         let force = Vector3::new(0.7, -0.4, 1.1);
-        let mut posture = Posture::default();
-        Rows::new(&device, gravity).place([&joints[0], &joints[1], &joints[2]], &mut posture);
-        let carried = posture.carried(&inertia);
+        let (posture, _) = placed(&device, &joints);
         let order = device.convention.order();
-        for (number, step) in posture.steps.iter().enumerate() {
+        let mut changes = vec![[0.0; 5]; order.len() * device.links.len()];
+        posture.geometry(&inertia, &gravity, &force, |number, joint, change| {
+            changes[number][joint] = change;
+        });
+        for (number, change) in changes.iter().enumerate() {
             let (row, parameter) = (number / order.len(), order[number % order.len()]);
-            let mut change = vec![0.0; 5];
-            posture.geometry(step, &carried, &gravity, &force, &mut change);
             let with = |by: f64| {
                 let mut other = device.clone();
                 let value = other.links[row].get(parameter);
@@ -109,12 +127,28 @@ fn wrong_rows_change_torques_as_differences_do() {
                 );
             }
         }
-        assert!(
-            posture
-                .steps
-                .iter()
-                .any(|step| step.parameter == Parameter::Beta)
-        );
+    }
+}
+
+#[test]
+fn a_column_of_the_mass_matrix_is_that_of_the_links() {
+    let mut noise = Noise(8);
+    for device in arms() {
+        let inertia = parameters(&masses(&device));
+        let mut joints = moving(&mut noise);
+        joints[1].fill(0.0);
+        for joint in 0..5 {
+            let mut with = |acceleration: f64| {
+                joints[2].fill(0.0);
+                joints[2][joint] = acceleration;
+                torques(&device, &joints, &inertia, &Vector3::zeros())
+            };
+            let (still, moved) = (with(0.0), with(1.0));
+            let (posture, _) = placed(&device, &joints);
+            for (other, torque) in posture.mass_column(joint, &inertia).iter().enumerate() {
+                assert!((torque - (moved[other] - still[other])).abs() < 1e-13);
+            }
+        }
     }
 }
 
@@ -228,7 +262,7 @@ fn slow_energy_of_noise_is_its_freedom() {
         let (device, recording) = (arm(), Scene::new(seed, 3000).record());
         let context = Context::new(&device, &recording, &[]).unwrap();
         let recorded = Recorded::new(&context).unwrap();
-        let along = Along::new(&recorded);
+        let along = Along::new(&recorded).unwrap();
         let whitener = along.whitener(Besides::Nothing).unwrap();
         let base = along.fit(&whitener, Besides::Nothing);
         let (energy, sd) = excess(&base.energy(0));
@@ -245,7 +279,7 @@ fn what_no_torque_shows_is_as_assumed() {
     let (device, recording) = (arm(), Scene::new(39, 3000).record());
     let context = Context::new(&device, &recording, &[]).unwrap();
     let recorded = Recorded::new(&context).unwrap();
-    let along = Along::new(&recorded);
+    let along = Along::new(&recorded).unwrap();
     let whitener = along.whitener(Besides::Nothing).unwrap();
     let base = along.fit(&whitener, Besides::Nothing);
     // 0.3 kg at 0.02 m
