@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::Matrix;
 use crate::lanes::product as dot;
+use crate::{Information, Matrix};
 
 /// Products of columns with each other and with a target, summed over rows.
 ///
@@ -35,10 +35,7 @@ pub struct NormalEquations {
 #[derive(Debug, Clone)]
 pub struct NormalSolution {
     columns: Vec<usize>,
-    /// Lengths by which the factor's columns were divided.
-    scale: Vec<f64>,
-    /// Lower Cholesky factor of the scaled products, row by row; a column that adds nothing has a zero on the diagonal.
-    factor: Vec<f64>,
+    information: Information,
     coefficients: Vec<f64>,
     explained: f64,
     rest_square: f64,
@@ -170,47 +167,30 @@ impl NormalEquations {
     /// Least squares for some columns. `known(column)` is added to its square: one over the variance that is known of its
     /// coefficient beforehand, or a ridge. A column that adds nothing to those before it has the coefficient 0.
     pub fn solve(&self, columns: &[usize], known: impl Fn(usize) -> f64) -> NormalSolution {
-        let count = columns.len();
-        let square = |column: usize| self.product(column, column) + known(column);
-        let length = |&column: &usize| square(column).max(1e-300).sqrt();
-        let scale: Vec<f64> = columns.iter().map(length).collect();
-        let mut factor = vec![0.0; count * count];
-        for a in 0..count {
-            let (above, row) = factor.split_at_mut(a * count);
-            for b in 0..a {
-                let other = &above[b * count..b * count + b + 1];
-                if other[b] != 0.0 {
-                    let entry = self.product(columns[a], columns[b]) / (scale[a] * scale[b]);
-                    row[b] = (entry - dot(&row[..b], &other[..b])) / other[b];
-                }
-            }
-            let whole = square(columns[a]) / (scale[a] * scale[a]);
-            let left = whole - dot(&row[..a], &row[..a]);
-            // rounding: what is left of a column that depends on those before it
-            match left > f64::EPSILON {
-                true => row[a] = left.sqrt(),
-                false => row[..a].fill(0.0),
-            }
-        }
-        let mut solution = NormalSolution {
-            columns: columns.to_vec(),
-            scale,
-            factor,
-            coefficients: Vec::new(),
-            explained: 0.0,
-            rest_square: 0.0,
+        let entry = |a: usize, b: usize| {
+            let known = if a == b { known(columns[a]) } else { 0.0 };
+            self.product(columns[a], columns[b]) + known
         };
-        let along = solution.forward(|a| self.product(columns[a], self.size - 1));
-        solution.explained = dot(&along, &along);
-        solution.rest_square = (self.target_square() - solution.explained).max(0.0);
-        solution.coefficients = solution.backward(along);
-        solution
+        // a column that depends on those before it leaves rounding
+        let information = Information::scaled(columns.len(), f64::EPSILON, entry, dot);
+        let along = information.along_by(dot, |a| self.product(columns[a], self.size - 1));
+        let explained = dot(&along, &along);
+        NormalSolution {
+            columns: columns.to_vec(),
+            rest_square: (self.target_square() - explained).max(0.0),
+            explained,
+            coefficients: information.coefficients(along),
+            information,
+        }
     }
 
     /// Products of `others` with each other in what a fit's columns leave of them (a Schur complement).
     pub fn across(&self, fit: &NormalSolution, others: &[usize]) -> Matrix {
         let along: Vec<Vec<f64>> = (others.iter())
-            .map(|&other| fit.forward(|a| self.product(fit.columns[a], other)))
+            .map(|&other| {
+                fit.information
+                    .along_by(dot, |a| self.product(fit.columns[a], other))
+            })
             .collect();
         Matrix::from_fn(others.len(), others.len(), |a, b| {
             self.product(others[a], others[b]) - dot(&along[a], &along[b])
@@ -236,7 +216,8 @@ impl NormalSolution {
 
     /// Inverse of the products times a vector, in the order of the columns.
     pub fn inverse_times(&self, right: &[f64]) -> Vec<f64> {
-        self.backward(self.forward(|a| right[a]))
+        let along = self.information.along_by(dot, |a| right[a]);
+        self.information.coefficients(along)
     }
 
     /// Inverse of the products: the coefficients' covariance for noise of unit size. Zero of a column that adds nothing.
@@ -244,7 +225,7 @@ impl NormalSolution {
         let count = self.columns.len();
         let mut inverse = Matrix::zeros(count, count);
         let mut unit = vec![0.0; count];
-        for column in (0..count).filter(|&k| self.factor[k * count + k] != 0.0) {
+        for column in 0..count {
             unit[column] = 1.0;
             inverse
                 .column_mut(column)
@@ -252,34 +233,5 @@ impl NormalSolution {
             unit[column] = 0.0;
         }
         inverse
-    }
-
-    /// Forward substitution with the scaled factor.
-    fn forward(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
-        let count = self.columns.len();
-        let mut solved = vec![0.0; count];
-        for a in 0..count {
-            let row = &self.factor[a * count..a * count + a + 1];
-            if row[a] != 0.0 {
-                solved[a] = (right(a) / self.scale[a] - dot(&row[..a], &solved[..a])) / row[a];
-            }
-        }
-        solved
-    }
-
-    fn backward(&self, mut solved: Vec<f64>) -> Vec<f64> {
-        let count = self.columns.len();
-        for a in (0..count).rev() {
-            let row = &self.factor[a * count..a * count + a + 1];
-            if row[a] == 0.0 {
-                solved[a] = 0.0;
-                continue;
-            }
-            let value = solved[a] / row[a];
-            solved[a] = value / self.scale[a];
-            let before = solved[..a].iter_mut().zip(row);
-            before.for_each(|(other, entry)| *other -= value * entry);
-        }
-        solved
     }
 }

@@ -210,10 +210,9 @@ impl Predicted<'_> {
             .iter()
             .map(here);
         let with: Vec<_> = base.iter().cloned().chain(effects).collect();
-        let by_base = bare.system.determines(&bare.solved, &base);
-        let by_all = fitted.system.determines(&fitted.solved, &with);
-        let rows = 0..self.before.len();
-        rows.map(|row| by_base(row) && by_all(row)).collect()
+        let is_determined =
+            |row| bare.solved.determines(&base, row) && fitted.solved.determines(&with, row);
+        (0..self.before.len()).map(is_determined).collect()
     }
 
     /// Effects and joints of the picks without which this recording is predicted better: without each, the others and the base model

@@ -83,7 +83,6 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
             let columns: Vec<Option<Rc<Column>>> = (all.iter().enumerate())
                 .map(|(index, own)| (!is_own(index)).then(|| own.clone()))
                 .collect();
-            let is_determined = system.determines(&solved, &columns);
             let mut left = recorded.clone();
             for (column, value) in columns.iter().zip(&solved.solution) {
                 if let Some(column) = column {
@@ -101,7 +100,7 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
                 .filter(|(k, _)| is_held(k % rows))
             {
                 rest[k] = value;
-                is_predicted[k] &= is_determined(k);
+                is_predicted[k] &= solved.determines(&columns, k);
             }
         }
     }

@@ -10,7 +10,6 @@ use haptical_linalg::{Information, dot};
 use nalgebra::DMatrix;
 
 use crate::fit::column::Column;
-use crate::thresholds::fit::DEPENDENT;
 
 /// Columns and their products.
 #[derive(Debug, Clone)]
@@ -26,10 +25,7 @@ pub(crate) struct System {
 pub(crate) struct Solved {
     /// Columns that are free, in the order of the factor.
     free: Vec<usize>,
-    /// Their lengths, by which the factor is scaled.
-    scale: Vec<f64>,
-    /// Rows of the lower factor of their scaled products; a zero on its diagonal is a column that adds nothing.
-    factor: Vec<Vec<f64>>,
+    information: Information,
     /// Coefficients of all columns.
     pub(crate) solution: Vec<f64>,
     /// What is left of the target.
@@ -103,7 +99,7 @@ impl System {
         columns: &[usize],
         (noise, times): (f64, f64),
     ) -> DMatrix<f64> {
-        let rows: Vec<Vec<f64>> = columns.iter().map(|own| solved.of_inverse(*own)).collect();
+        let rows = solved.inverse(columns);
         let covariance = solved.covariance(columns);
         DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
             let known = (solved.free.iter().zip(rows[a].iter().zip(&rows[b])))
@@ -134,57 +130,19 @@ impl System {
             let known = if a == b { self.known[free[a]] } else { 0.0 };
             self.products[(free[a], free[b])] + known
         };
-        let scale: Vec<f64> = (0..free.len())
-            .map(|k| entry(k, k).sqrt().max(1e-150))
-            .collect();
-        let factor = factor(free.len(), |a, b| entry(a, b) / (scale[a] * scale[b]));
-        let mut own = Solved {
-            free,
-            scale,
-            factor,
-            solution: Vec::new(),
-            rest: Vec::new(),
-            energy: 0.0,
-        };
-        let right: Vec<f64> = own
-            .free
-            .iter()
-            .map(|index| self.columns[*index].dot(&rest))
-            .collect();
-        for (index, value) in own.free.iter().zip(own.coefficients(&right)) {
+        let information = Information::new(free.len(), entry);
+        let along = information.along(|a| self.columns[free[a]].dot(&rest));
+        for (index, value) in free.iter().zip(information.coefficients(along)) {
             solution[*index] = value;
             self.columns[*index].add_to(&mut rest, -value);
         }
-        let known: f64 = own
-            .free
-            .iter()
-            .map(|index| self.known[*index] * solution[*index].powi(2))
-            .sum();
-        own.energy = 0.5 * (dot(&rest, &rest) + known);
-        own.solution = solution;
-        own.rest = rest;
-        own
-    }
-
-    /// Whether a solution determines predictions at rows of `columns`, which are those of the system in other rows; none of those that
-    /// are nothing there (A245). Columns that are fixed are known.
-    pub(crate) fn determines<'c>(
-        &self,
-        solved: &Solved,
-        columns: &'c [Option<Rc<Column>>],
-    ) -> impl Fn(usize) -> bool + use<'c> {
-        let free = solved.free.clone();
-        let information = Information::new(free.len(), |a, b| {
-            let known = if a == b { self.known[free[a]] } else { 0.0 };
-            self.products[(free[a], free[b])] + known
-        });
-        move |row| {
-            let entry = |own: usize| {
-                columns[free[own]]
-                    .as_ref()
-                    .map_or(0.0, |own| own.at_row(row))
-            };
-            information.determines(entry)
+        let known = (free.iter()).map(|index| self.known[*index] * solution[*index].powi(2));
+        Solved {
+            energy: 0.5 * (dot(&rest, &rest) + known.sum::<f64>()),
+            free,
+            information,
+            solution,
+            rest,
         }
     }
 
@@ -197,142 +155,58 @@ impl System {
 }
 
 impl Solved {
-    /// The scaled factor's forward substitution.
-    fn forward(&self, right: impl Fn(usize) -> f64) -> Vec<f64> {
-        let count = self.free.len();
-        let mut found = vec![0.0; count];
-        for a in 0..count {
-            let row = &self.factor[a];
-            let pivot = row[a];
-            if pivot == 0.0 {
-                continue;
-            }
-            let value = right(a) / self.scale[a] - dot(&row[..a], &found[..a]);
-            found[a] = value / pivot;
-        }
-        found
-    }
-
-    fn backward(&self, mut found: Vec<f64>) -> Vec<f64> {
-        for a in (0..self.free.len()).rev() {
-            let row = &self.factor[a];
-            let pivot = row[a];
-            if pivot == 0.0 {
-                found[a] = 0.0;
-                continue;
-            }
-            found[a] /= pivot;
-            let (before, own) = found.split_at_mut(a);
-            (before.iter_mut().zip(row)).for_each(|(value, entry)| *value -= entry * own[0]);
-        }
-        (found.iter_mut().zip(&self.scale)).for_each(|(value, scale)| *value /= scale);
-        found
-    }
-
-    fn coefficients(&self, right: &[f64]) -> Vec<f64> {
-        self.backward(self.forward(|a| right[a]))
-    }
-
-    /// A row of the inverse of the free columns' products with what is known; zero of a column that is fixed or adds nothing.
-    fn of_inverse(&self, column: usize) -> Vec<f64> {
-        let at = self.free.iter().position(|own| *own == column);
-        let Some(at) = at.filter(|at| self.factor[*at][*at] != 0.0) else {
-            return vec![0.0; self.free.len()];
+    /// Whether it determines the prediction at a row of `columns`, which are those of its system in other rows; none of those that
+    /// are nothing there (A245). Columns that are fixed are known.
+    pub(crate) fn determines(&self, columns: &[Option<Rc<Column>>], row: usize) -> bool {
+        let entry = |at: usize| {
+            columns[self.free[at]]
+                .as_ref()
+                .map(|column| column.at_row(row))
         };
-        self.coefficients(&unit(self.free.len(), at))
+        self.information.determines(|at| entry(at).unwrap_or(0.0))
+    }
+
+    /// Rows of the inverse of the free columns' products with what is known; zero of a column that is fixed or adds nothing.
+    fn inverse(&self, columns: &[usize]) -> Vec<Vec<f64>> {
+        let row = |column: &usize| match self.free.binary_search(column) {
+            Ok(at) => self.information.inverse(at),
+            Err(_) => vec![0.0; self.free.len()],
+        };
+        columns.iter().map(row).collect()
     }
 
     /// Covariance of some columns' coefficients, one row each; zero of those that are fixed or add nothing.
     pub(crate) fn covariance(&self, columns: &[usize]) -> DMatrix<f64> {
-        let halves: Vec<Vec<f64>> = columns
-            .iter()
-            .map(|column| {
-                let at = self.free.iter().position(|own| own == column);
-                let is_kept = at.is_some_and(|at| self.factor[at][at] != 0.0);
-                // row of the inverse factor: M^-1 = (L^-1 e)' (L^-1 e)
-                let unit = |a: usize| {
-                    if Some(a) == at && is_kept {
-                        self.scale[a]
-                    } else {
-                        0.0
-                    }
-                };
-                let mut half = self.forward(unit);
-                if let Some(at) = at {
-                    half.iter_mut().for_each(|value| *value /= self.scale[at]);
-                }
-                half
-            })
-            .collect();
+        let rows = self.inverse(columns);
         DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
-            dot(&halves[a], &halves[b])
+            let at = self.free.binary_search(&columns[b]);
+            at.map_or(0.0, |at| rows[a][at])
         })
     }
 
     /// What columns would explain, `across` their products with the system's.
     pub(crate) fn gain(&self, columns: &[Rc<Column>], across: &[Vec<f64>]) -> Gain {
-        let count = columns.len();
         let along: Vec<Vec<f64>> = (across.iter())
-            .map(|own| self.forward(|a| own[self.free[a]]))
+            .map(|products| self.information.along(|a| products[self.free[a]]))
             .collect();
-        let mut factor = vec![vec![0.0; count]; count];
-        let mut values = vec![0.0; count];
-        let mut found = Gain {
-            coefficients: vec![0.0; count],
-            ..Gain::default()
-        };
-        for i in 0..count {
-            let whole = columns[i].times(&columns[i]);
-            for j in 0..i {
-                if factor[j][j] != 0.0 {
-                    let product = columns[i].times(&columns[j]) - dot(&along[i], &along[j]);
-                    factor[i][j] = (product - dot(&factor[i][..j], &factor[j][..j])) / factor[j][j];
-                }
-            }
-            let left = whole - dot(&along[i], &along[i]) - dot(&factor[i][..i], &factor[i][..i]);
-            if left.is_nan() || left <= DEPENDENT * whole {
-                continue;
-            }
-            factor[i][i] = left.sqrt();
-            values[i] =
-                (columns[i].dot(&self.rest) - dot(&factor[i][..i], &values[..i])) / factor[i][i];
-            found.last_nats = 0.5 * values[i] * values[i];
-            found.nats += found.last_nats;
-            found.rank += 1;
+        let squares: Vec<f64> = columns.iter().map(|column| column.times(column)).collect();
+        let rests = Information::of_rests(&squares, |a, b| {
+            let whole = if a == b {
+                squares[a]
+            } else {
+                columns[a].times(&columns[b])
+            };
+            whole - dot(&along[a], &along[b])
+        });
+        let values = rests.along(|a| columns[a].dot(&self.rest));
+        let kept = || (0..columns.len()).filter(|column| rests.is_independent(*column));
+        Gain {
+            nats: 0.5 * dot(&values, &values),
+            rank: kept().count(),
+            last_nats: kept().last().map_or(0.0, |last| 0.5 * values[last].powi(2)),
+            coefficients: rests.coefficients(values),
         }
-        for i in (0..count).rev().filter(|i| factor[*i][*i] != 0.0) {
-            let later = (i + 1..count)
-                .map(|j| factor[j][i] * found.coefficients[j])
-                .sum::<f64>();
-            found.coefficients[i] = (values[i] - later) / factor[i][i];
-        }
-        found
     }
-}
-
-fn unit(count: usize, at: usize) -> Vec<f64> {
-    (0..count).map(|k| f64::from(u8::from(k == at))).collect()
-}
-
-/// Rows of the lower factor of a symmetric matrix of unit diagonal; a column that adds nothing is left out by a zero on the diagonal.
-fn factor(count: usize, entry: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
-    let mut lower: Vec<Vec<f64>> = Vec::with_capacity(count);
-    for a in 0..count {
-        let mut row = vec![0.0; a + 1];
-        for (b, other) in lower.iter().enumerate() {
-            if other[b] != 0.0 {
-                row[b] = (entry(a, b) - dot(&row[..b], &other[..b])) / other[b];
-            }
-        }
-        let left = entry(a, a) - dot(&row[..a], &row[..a]);
-        if left > DEPENDENT {
-            row[a] = left.sqrt();
-        } else {
-            row.fill(0.0);
-        }
-        lower.push(row);
-    }
-    lower
 }
 
 #[cfg(test)]

@@ -41,7 +41,3 @@ pub(crate) const CONCENTRATION_STEPS: usize = 8;
 pub(crate) const OUTSIDE_SDS: f64 = 6.0;
 /// Mean square of what agrees, at most, in squares of noise.
 pub(crate) const AGREEING_SQUARE: f64 = 2.0;
-
-// `fit::system`
-/// A column of which no more than this share of the square is beside those before it adds nothing.
-pub(crate) const DEPENDENT: f64 = 1e-8;
