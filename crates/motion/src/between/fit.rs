@@ -1,11 +1,10 @@
 //! One joint's rows fitted with terms, beside a noise with a memory.
 
-use haptical_linalg::MOST_LEVERAGE;
-use nalgebra::{DMatrix, DVector};
+use haptical_linalg::{MOST_LEVERAGE, Matrix, NormalEquations, dot};
 
 use super::rows::JointRows;
 use super::terms::Term;
-use crate::thresholds::between::{FIT_ROUNDS, MOST_CORRELATED};
+use crate::thresholds::between::{FIT_ROUNDS, LEAST_SQUARE, MOST_CORRELATED, RIDGE};
 
 /// A fit of one joint.
 #[derive(Debug, Clone)]
@@ -13,7 +12,7 @@ pub(super) struct Fitted {
     pub(super) terms: Vec<Term>,
     /// Coefficients of the terms, one after the other, and of the pieces' offsets behind them.
     pub(super) coefficients: Vec<f64>,
-    pub(super) covariance: DMatrix<f64>,
+    pub(super) covariance: Matrix,
     /// Logarithm of the likelihood, up to a constant of the rows.
     pub(super) log_likelihood: f64,
     /// Readings less the fit \[rad\].
@@ -103,7 +102,7 @@ pub(super) fn determined(fitted: &Fitted, rows: &JointRows, with_offsets: bool) 
         false => columns.iter_mut().for_each(|own| about_means(rows, own)),
     }
     // a fit that had no solution determines nothing
-    let has_solution = fitted.covariance.ncols() >= columns.len();
+    let has_solution = fitted.covariance.columns() >= columns.len();
     let leverage = |row: usize| {
         let entry = |a: usize| columns[a][row];
         let along = |a: usize| -> f64 {
@@ -152,7 +151,7 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
     let probe = Fitted {
         terms: terms.to_vec(),
         coefficients: Vec::new(),
-        covariance: DMatrix::zeros(0, 0),
+        covariance: Matrix::zeros(0, 0),
         log_likelihood: f64::NEG_INFINITY,
         rest: Vec::new(),
         weights: Vec::new(),
@@ -176,28 +175,23 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
         let target = |k: usize| rows.beside[k] - second * rows.acceleration[k];
         // whitened rows
         let fresh = (1.0 - correlation * correlation).sqrt();
-        let whitened = |own: &dyn Fn(usize) -> f64| -> DVector<f64> {
+        let whitened = |own: &dyn Fn(usize) -> f64| -> Vec<f64> {
             let values = kept.iter().enumerate().map(|(at, &k)| match starts[at] {
                 true => own(k) / sds[k],
                 false => (own(k) / sds[k] - correlation * own(k - 1) / sds[k - 1]) / fresh,
             });
-            DVector::from_iterator(kept.len(), values)
+            values.collect()
         };
-        let wide: Vec<DVector<f64>> = columns.iter().map(|own| whitened(&|k| own[k])).collect();
-        let scales: Vec<f64> = wide.iter().map(|own| own.norm().max(1e-300)).collect();
-        let y = whitened(&target);
-        let gram = DMatrix::from_fn(wide.len(), wide.len(), |a, b| {
-            // a column of nothing keeps its place
-            wide[a].dot(&wide[b]) / (scales[a] * scales[b]) + if a == b { 1e-10 } else { 0.0 }
-        });
-        let right = DVector::from_fn(wide.len(), |a, _| wide[a].dot(&y) / scales[a]);
-        let Some(inverse) = gram.cholesky().map(|own| own.inverse()) else {
+        let wide: Vec<Vec<f64>> = columns.iter().map(|own| whitened(&|k| own[k])).collect();
+        let wide: Vec<&[f64]> = wide.iter().map(Vec::as_slice).collect();
+        let sums = NormalEquations::from_columns(&wide, &whitened(&target));
+        let all: Vec<usize> = (0..wide.len()).collect();
+        if !all.iter().all(|&a| sums.product(a, a).is_finite()) {
             return found;
-        };
-        let scaled = &inverse * right;
-        coefficients = (scaled.iter().zip(&scales))
-            .map(|(own, scale)| own / scale)
-            .collect();
+        }
+        // of a column of nothing the variance is large
+        let solved = sums.solve(&all, |a| RIDGE * sums.product(a, a).max(LEAST_SQUARE));
+        coefficients = solved.coefficients().to_vec();
         let rest = |k: usize| {
             let fitted: f64 = (columns.iter().zip(&coefficients))
                 .map(|(own, c)| c * own[k])
@@ -207,13 +201,11 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
         let z: Vec<f64> = kept.iter().map(|&k| rest(k) / sds[k]).collect();
         let u = whitened(&rest);
         let freedom = (kept.len() as f64 - columns.len() as f64).max(1.0);
-        let square = u.norm_squared();
+        let square = dot(&u, &u);
         let logs: f64 = kept.iter().map(|&k| sds[k].ln()).sum();
         let chained = starts.iter().filter(|own| !**own).count() as f64;
         found.log_likelihood = -logs - chained * fresh.ln() - 0.5 * square;
-        found.covariance = DMatrix::from_fn(wide.len(), wide.len(), |a, b| {
-            inverse[(a, b)] / (scales[a] * scales[b])
-        });
+        found.covariance = solved.inverse();
         found.rest = (0..rows.count()).map(rest).collect();
         found.weights = sds.iter().map(|own| (sd / own).powi(2)).collect();
         found.coefficients.clone_from(&coefficients);

@@ -41,6 +41,9 @@ pub(crate) const FINER_STEP: f64 = 1.1;
 pub(crate) const FIT_ROUNDS: usize = 12;
 /// Largest correlation of neighbouring rows that is looked for.
 pub(crate) const MOST_CORRELATED: f64 = 0.95;
+/// What is added to the square of each column, over it, and the least square that counts there.
+pub(crate) const RIDGE: f64 = 1e-10;
+pub(crate) const LEAST_SQUARE: f64 = 1e-200;
 
 // `between::answer`
 /// What yields beyond a play is told from this many standard deviations on.
