@@ -1,12 +1,14 @@
 //! One joint from its log to an answer.
 
+use haptical_linalg::jackknife_sd;
+
 use crate::answer::{Course, Finding, JointAnswer, Number, Verdict};
 use crate::change::{self, Change};
 use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::next::next;
 use crate::noise::{floor, rounding};
-use crate::predict::{Model, closed, jackknife_sd};
+use crate::predict::{Model, closed};
 use crate::select::{Judged, Law, Selection, gain as gain_over, select};
 use crate::thresholds::{
     ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, RESOLUTION,

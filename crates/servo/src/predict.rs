@@ -1,6 +1,6 @@
 //! What the causes that one log shows make of another log of the same joint.
 
-use haptical_linalg::Information;
+use haptical_linalg::{Information, jackknife_sd};
 
 use crate::answer::JointAnswer;
 use crate::change::Change;
@@ -161,15 +161,6 @@ pub(crate) fn closed(before: &[f64], after: &[f64], noise: f64) -> (f64, [f64; 2
     let all = share(None);
     let sd = jackknife_sd((0..parts).map(|part| share(Some(part))));
     (all, [all - 1.96 * sd, (all + 1.96 * sd).min(1.0)])
-}
-
-/// Deviation by a number without each part (Efron & Tibshirani 1993, 11).
-pub(crate) fn jackknife_sd(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count.max(1.0);
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (squares * (count - 1.0) / count.max(1.0)).sqrt()
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use haptical_linalg::sum_sd;
+
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
 use crate::thresholds::{AS_GOOD, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, SURE_SD};
@@ -33,11 +35,8 @@ pub(crate) struct Gain {
 /// What one model leaves less than another on unseen rows; sure by the scatter of the parts, or by their signs.
 pub(crate) fn gain(of: &[f64], over: &[f64]) -> Gain {
     let gains: Vec<f64> = over.iter().zip(of).map(|(over, of)| over - of).collect();
-    let count = gains.len() as f64;
     let squares: f64 = gains.iter().sum();
-    let mean = squares / count;
-    let scatter: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-    let sd = (scatter * count / (count - 1.0).max(1.0)).sqrt();
+    let sd = sum_sd(&gains);
     let better = gains.iter().filter(|gain| **gain > 0.0).count();
     Gain {
         squares,

@@ -2,7 +2,7 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::Context;
-use haptical_linalg::Direction;
+use haptical_linalg::{Direction, sum_sd};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::engine::system::System;
@@ -95,15 +95,12 @@ impl Gain {
 }
 
 impl Unseen {
-    /// What it gains on another one, with the scatter of the segments (jackknife).
+    /// What it gains on another one, with the scatter of the segments.
     pub(crate) fn gain_on(&self, other: &Self) -> Gain {
         let gains: Vec<f64> = other.0.iter().zip(&self.0).map(|(a, b)| a - b).collect();
-        let count = gains.len() as f64;
-        let sum: f64 = gains.iter().sum();
-        let scatter: f64 = gains.iter().map(|gain| (gain - sum / count).powi(2)).sum();
         Gain {
-            sum,
-            sd: (scatter * count / (count - 1.0).max(1.0)).sqrt(),
+            sum: gains.iter().sum(),
+            sd: sum_sd(&gains),
         }
     }
 

@@ -2,6 +2,7 @@
 
 use haptical_calibration::Channel;
 use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
+use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
 use haptical_motion::{ChannelFit, Examined, Finding, MotionError, PARTS, Unseen};
@@ -247,12 +248,9 @@ impl<'e> Words<'e> {
             share.filter(|_| is_gap && !is_elsewhere)
         };
         let percent = reduction(None);
-        // jackknife over the parts (Efron and Stein 1981)
         let parts: Option<Vec<f64>> = (0..PARTS).map(|part| reduction(Some(part))).collect();
         let interval = percent.zip(parts).map(|(percent, parts)| {
-            let mean = parts.iter().sum::<f64>() / PARTS as f64;
-            let square: f64 = parts.iter().map(|own| (own - mean).powi(2)).sum();
-            let half = 1.96 * (square * (PARTS - 1) as f64 / PARTS as f64).sqrt();
+            let half = 1.96 * jackknife_sd(parts.into_iter());
             [percent - half, (percent + half).min(100.0)]
         });
         HeldOutAnswer {

@@ -1,5 +1,7 @@
 //! What one hypothesis leaves less than another on unseen blocks, and whether that is beyond chance.
 
+use haptical_linalg::sum_sd;
+
 use crate::thresholds::payload::{LEAST_GAIN, LEAST_SHARE_OF_FOLDS, LEAST_T, MOST_RANKS_AGAINST};
 
 /// What one hypothesis leaves less than another on unseen blocks.
@@ -19,12 +21,10 @@ impl Gain {
     /// Of the gains fold by fold.
     pub(super) fn new(gains: &[f64]) -> Self {
         let count = gains.len().max(2) as f64;
-        let mean = gains.iter().sum::<f64>() / count;
-        let square: f64 = gains.iter().map(|gain| (gain - mean).powi(2)).sum();
-        let error = (square / (count - 1.0) / count).sqrt();
+        let (sum, sd) = (gains.iter().sum::<f64>(), sum_sd(gains));
         Self {
-            sum: mean * count,
-            t: if error > 0.0 { mean / error } else { 0.0 },
+            sum,
+            t: if sd > 0.0 { sum / sd } else { 0.0 },
             share: gains.iter().filter(|gain| **gain > 0.0).count() as f64 / count,
             ranks_against: ranks_against(gains),
         }

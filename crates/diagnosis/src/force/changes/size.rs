@@ -1,6 +1,7 @@
 //! How large a payload is, with its interval.
 
 use haptical_effects::force::PAYLOAD;
+use haptical_linalg::jackknife_sd;
 
 use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
@@ -30,15 +31,6 @@ impl Size {
     }
 }
 
-/// A mean's standard deviation from the values without each fold (Tukey's jackknife).
-fn jackknife(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let count = values.len().max(2) as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (square * (count - 1.0) / count).sqrt()
-}
-
 /// The number of each column.
 type Numbers<'n> = &'n dyn Fn(usize) -> f64;
 
@@ -53,7 +45,7 @@ pub(super) fn size(
     // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
     let sd_of = |value: &dyn Fn(Numbers<'_>) -> f64, sum: &[(usize, f64)]| {
         let each = (0..fitted.without.len()).map(|fold| value(&|column| fitted.nth(fold, column)));
-        jackknife(each).hypot(1.96 / FOLDS_HALF_WIDTH * folds.prior_sd(fitted, sum))
+        jackknife_sd(each).hypot(1.96 / FOLDS_HALF_WIDTH * folds.prior_sd(fitted, sum))
     };
     let known = |value: f64, sd: f64| {
         let half = (FOLDS_HALF_WIDTH * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
@@ -176,7 +168,7 @@ fn by_inertia(
     let beside = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
     let parts =
         (0..found.without.len()).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
-    let of_folds = SESSION_FACTOR * jackknife(parts.collect::<Option<Vec<_>>>()?.into_iter());
+    let of_folds = SESSION_FACTOR * jackknife_sd(parts.collect::<Option<Vec<_>>>()?.into_iter());
     // scales within what is stated of them, offsets and friction as they like
     for (drive, sd) in columns.own.iter().zip(along.scale_sds()) {
         with.knowing(drive.gain, sd);
