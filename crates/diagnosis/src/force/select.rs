@@ -1,6 +1,7 @@
 //! Stepwise selection of effects on the torques, with the rivals of each.
 
 use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
+use haptical_linalg::golden_section;
 
 use super::base::Base;
 use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
@@ -199,22 +200,8 @@ impl Effects<'_, '_> {
         }
         let placed = |log: f64| pick.shape * log.exp();
         let at = |log: f64| base.score(columns(placed(log))).score;
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (-TRANSITION_REACH.ln(), TRANSITION_REACH.ln());
-        let (mut left, mut right) = (high - golden * (high - low), low + golden * (high - low));
-        let (mut of_left, mut of_right) = (at(left), at(right));
-        for _ in 0..TRANSITION_STEPS {
-            if of_left > of_right {
-                (high, right, of_right) = (right, left, of_left);
-                left = high - golden * (high - low);
-                of_left = at(left);
-            } else {
-                (low, left, of_left) = (left, right, of_right);
-                right = low + golden * (high - low);
-                of_right = at(right);
-            }
-        }
-        let best = 0.5 * (low + high);
+        let reach = TRANSITION_REACH.ln();
+        let best = golden_section([-reach, reach], TRANSITION_STEPS, at);
         let shape = placed(best);
         let amplitudes = base.score(columns(shape)).amplitudes;
         let mut columns = dense(shape);

@@ -1,5 +1,7 @@
 //! A candidate's shape, settled by what the rows show.
 
+use haptical_linalg::golden_section;
+
 use super::scored::{Scored, score};
 use super::{Fitted, Frame};
 use crate::effect::{Candidate, Finer, MadeAbout};
@@ -27,39 +29,19 @@ pub(crate) fn refined<'c>(frame: &Frame<'_>, fitted: &Fitted, start: Scored<'c>)
         }
         Finer::Shape { ratio, at } => {
             let centre = start.candidate.shape[0].1;
-            let try_at =
-                |x: f64| at(centre * ratio.powf(x)).and_then(|own| score(frame, fitted, &own));
-            // golden section (Kiefer 1953) over the logarithm
-            let golden = 0.618_033_988_749_895;
-            let (mut low, mut high) = (-1.0, 1.0);
             let mut best = start;
-            let keep = |found: &Option<Scored<'c>>, best: &mut Scored<'c>| {
-                if let Some(found) = found
-                    && found.nats > best.nats
-                {
-                    *best = found.clone();
+            // over the logarithm
+            golden_section([-1.0, 1.0], SEARCH_STEPS, |x| {
+                let found = at(centre * ratio.powf(x)).and_then(|own| score(frame, fitted, &own));
+                let Some(found) = found else {
+                    return f64::NEG_INFINITY;
+                };
+                let nats = found.nats;
+                if nats > best.nats {
+                    best = found;
                 }
-            };
-            let nats = |found: &Option<Scored<'c>>| {
-                found.as_ref().map_or(f64::NEG_INFINITY, |own| own.nats)
-            };
-            let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-            let (mut at_a, mut at_b) = (try_at(a), try_at(b));
-            for _ in 0..SEARCH_STEPS {
-                keep(&at_a, &mut best);
-                keep(&at_b, &mut best);
-                if nats(&at_a) >= nats(&at_b) {
-                    high = b;
-                    (b, at_b) = (a, at_a);
-                    a = high - golden * (high - low);
-                    at_a = try_at(a);
-                } else {
-                    low = a;
-                    (a, at_a) = (b, at_b);
-                    b = low + golden * (high - low);
-                    at_b = try_at(b);
-                }
-            }
+                nats
+            });
             best
         }
     }
