@@ -9,7 +9,7 @@ use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::next::next;
 use crate::noise::{floor, rounding};
 use crate::predict::{Model, closed};
-use crate::select::{Judged, Law, Selection, gain as gain_over, select};
+use crate::select::{Judged, Law, Selection, gain as gain_over, parts, select};
 use crate::thresholds::{
     ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, RESOLUTION,
     WIDE_RAD,
@@ -152,11 +152,8 @@ impl Joint<'_> {
     /// Share of the squares beyond noise that close on unseen rows, and its interval.
     fn closed(&self, floor: f64) -> (f64, [f64; 2]) {
         let unseen = &self.selection.chosen.unseen;
-        let (parts, rows) = (unseen.len(), self.bare.len());
-        let squares = (0..parts).map(|part| {
-            let own = &self.bare[part * rows / parts..(part + 1) * rows / parts];
-            own.iter().map(|error| error * error).sum()
-        });
+        let rows = self.bare.len();
+        let squares = parts(rows).map(|part| self.bare[part].iter().map(|e| e * e).sum());
         let squares: Vec<f64> = squares.collect();
         let (all, interval) = closed(&squares, unseen, floor * floor * rows as f64);
         (all.max(0.0), interval.map(|end| end.max(0.0)))

@@ -7,6 +7,7 @@ use crate::change::Change;
 use crate::effect::droop;
 use crate::fit::{Fit, Problem, Terms};
 use crate::log::{JointLog, Series, Untested};
+use crate::select::parts;
 use crate::thresholds::FOLDS;
 
 /// The laws of a joint with their numbers, and what changed within the log that they are from.
@@ -135,10 +136,9 @@ impl Predicted {
 
     /// Sums of squares of contiguous parts.
     fn squares(&self, predicted: &[f64]) -> Vec<f64> {
-        let rows = self.row.len();
-        let part = |part: usize| part * rows / FOLDS..(part + 1) * rows / FOLDS;
         let square = |row: usize| (self.measured[row] - predicted[row]).powi(2);
-        (0..FOLDS).map(|own| part(own).map(square).sum()).collect()
+        let parts = parts(self.row.len());
+        parts.map(|rows| rows.map(square).sum()).collect()
     }
 }
 

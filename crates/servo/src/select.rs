@@ -102,7 +102,7 @@ pub(crate) fn select(series: &Series) -> Selection {
     let problem = Problem::new(series);
     let chooser = Chooser {
         problem: &problem,
-        parts: parts(series),
+        parts: parts(series.len()).collect(),
     };
     let core = Terms {
         offset: true,
@@ -250,9 +250,6 @@ impl Chooser<'_, '_> {
 }
 
 /// Contiguous parts of a log of the same number of rows.
-fn parts(series: &Series) -> Vec<Range<usize>> {
-    let rows = series.len();
-    (0..FOLDS)
-        .map(|part| part * rows / FOLDS..(part + 1) * rows / FOLDS)
-        .collect()
+pub(crate) fn parts(rows: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..FOLDS).map(move |part| part * rows / FOLDS..(part + 1) * rows / FOLDS)
 }
