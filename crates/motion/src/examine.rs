@@ -255,14 +255,10 @@ fn set_right(as_read: &Examined, found: &Examined) -> Vec<Unseen> {
             *sum *= *rows as f64 / (*own).max(1) as f64;
         }
         Some(Unseen {
-            joint: own.joint,
-            noise: own.noise,
-            left_out: (0, 0.0),
             rows,
             before,
             after,
-            predictions: Vec::new(),
-            of_both: None,
+            ..Unseen::new(own.joint, own.noise)
         })
     };
     found.channels.iter().filter_map(of_joint).collect()

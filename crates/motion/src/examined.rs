@@ -348,14 +348,11 @@ mod tests {
             (fault.effect, fault.joint) = (SAMPLING, None);
             found.findings.insert(0, fault);
             found.unseen = vec![Unseen {
-                joint: 0,
-                noise: 1.0,
-                left_out: (0, 0.0),
                 rows: [10; PARTS],
                 before: [10.0 * before; PARTS],
                 after: [10.0; PARTS],
                 predictions: vec![(0, [0.0; 3])],
-                of_both: None,
+                ..Unseen::new(0, 1.0)
             }];
             Examined {
                 left_of_second,

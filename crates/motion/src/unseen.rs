@@ -35,6 +35,28 @@ pub struct Unseen {
 }
 
 impl Unseen {
+    /// Of no rows yet.
+    pub(crate) fn new(joint: usize, noise: f64) -> Self {
+        Self {
+            joint,
+            noise,
+            left_out: (0, 0.0),
+            rows: [0; PARTS],
+            before: [0.0; PARTS],
+            after: [0.0; PARTS],
+            predictions: Vec::new(),
+            of_both: None,
+        }
+    }
+
+    /// Counts a row, of so many, by the squares that are left of it.
+    pub(crate) fn add(&mut self, (row, count): (usize, usize), [before, after]: [f64; 2]) {
+        let part = row * PARTS / count;
+        self.rows[part] += 1;
+        self.before[part] += before;
+        self.after[part] += after;
+    }
+
     /// Rows of all parts.
     pub fn rows_in_all(&self) -> usize {
         self.rows.iter().sum()
@@ -135,18 +157,8 @@ pub(crate) fn collected(
     let rows = problem.states.rows();
     let of_channel = |(channel, &joint): (usize, &usize)| {
         let noise = problem.row_sd[channel];
-        let mut found = Unseen {
-            joint,
-            noise,
-            left_out: (0, 0.0),
-            rows: [0; PARTS],
-            before: [0.0; PARTS],
-            after: [0.0; PARTS],
-            predictions: Vec::new(),
-            of_both: None,
-        };
+        let mut found = Unseen::new(joint, noise);
         for row in 0..rows {
-            let part = row * PARTS / rows;
             let k = channel * rows + row;
             let square = |rest: &[f64]| (noise * rest[k]).powi(2);
             if !is_predicted[k] {
@@ -154,9 +166,7 @@ pub(crate) fn collected(
                 found.left_out.1 += seen.map_or(0.0, square);
                 continue;
             }
-            found.rows[part] += 1;
-            found.before[part] += square(&rests[0]);
-            found.after[part] += square(&rests[1]);
+            found.add((row, rows), [square(&rests[0]), square(&rests[1])]);
         }
         found
     };

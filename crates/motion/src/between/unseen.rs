@@ -123,27 +123,16 @@ fn collected(
 ) -> Unseen {
     let count = rows.count();
     let mean = weights.iter().sum::<f64>() / count.max(1) as f64;
-    let mut found = Unseen {
-        joint: rows.joint,
-        noise: rows.noise,
-        left_out: (0, 0.0),
-        rows: [0; PARTS],
-        before: [0.0; PARTS],
-        after: [0.0; PARTS],
-        predictions: Vec::new(),
-        of_both: None,
-    };
+    let mut found = Unseen::new(rows.joint, rows.noise);
     for k in 0..count {
-        let part = k * PARTS / count;
         let weight = weights[k] / mean.max(1e-300);
         if !is_predicted[k] {
             found.left_out.0 += 1;
             found.left_out.1 += seen.map_or(0.0, |seen| weight * seen[k].powi(2));
             continue;
         }
-        found.rows[part] += 1;
-        found.before[part] += weight * before[k].powi(2);
-        found.after[part] += weight * after[k].powi(2);
+        let square = |rest: &[f64]| weight * rest[k].powi(2);
+        found.add((k, count), [square(before), square(after)]);
     }
     found
 }

@@ -7,7 +7,6 @@ use super::rows::Rows;
 use super::{Explained, NAME, Untracked};
 use crate::MotionError;
 use crate::examined::{ChannelFit, Examined, Finding};
-use crate::thresholds::examine::PARTS;
 use crate::thresholds::plausible;
 use crate::unseen::Unseen;
 
@@ -134,23 +133,11 @@ fn on_second(found: &Explained, late: &[usize], second: &Rows) -> Option<Vec<Uns
             // columns and target are over the same noise: the numbers are the gains themselves
             rest_of(&equations, &found.fit(at, is_as_found).solution)
         });
-        let mut own = Unseen {
-            joint,
-            noise: own_sd.max(sd),
-            left_out: (0, 0.0),
-            rows: [0; PARTS],
-            before: [0.0; PARTS],
-            after: [0.0; PARTS],
-            predictions: Vec::new(),
-            of_both: None,
-        };
+        let mut own = Unseen::new(joint, own_sd.max(sd));
         for row in 0..count {
-            let part = row * PARTS / count;
             let [before, after] = [0, 1].map(|k: usize| sd * rests[k][row]);
             let torque = second.torque[there][row];
-            own.rows[part] += 1;
-            own.before[part] += before * before;
-            own.after[part] += after * after;
+            own.add((row, count), [before * before, after * after]);
             own.predictions
                 .push((row_of[row], [torque, torque - before, torque - after]));
         }
