@@ -203,7 +203,9 @@ impl Solved {
         Gain {
             nats: 0.5 * dot(&values, &values),
             rank: kept().count(),
-            last_nats: kept().last().map_or(0.0, |last| 0.5 * values[last].powi(2)),
+            last_nats: kept()
+                .next_back()
+                .map_or(0.0, |last| 0.5 * values[last].powi(2)),
             coefficients: rests.coefficients(values),
         }
     }
