@@ -57,6 +57,9 @@ impl OwnEffect {
 pub fn is_law(spec: &Spec) -> Result<(), &'static str> {
     match (spec.hook, spec.shape) {
         (Hook::BaseModel, _) => Err("it is a number of [[link]] or [[joint]]"),
+        (Hook::Command, _) => {
+            Err("it is an answer to commands, of which a device file says nothing")
+        }
         (_, Shape::Line) => Err(
             "its phase is another one in each run; take the source of the disturbance away, or filter the channel",
         ),

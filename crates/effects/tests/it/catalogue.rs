@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use haptical_effects::{markdown, names, spec, specs};
+use haptical_effects::device::{is_law, laws};
+use haptical_effects::{Hook, Spec, markdown, names, spec, specs};
 
 /// Set to rewrite the table.
 const REWRITE: &str = "REWRITE_DOCS";
@@ -66,6 +67,18 @@ fn effects_of_one_name_mean_the_same_and_differ_in_place_or_number() {
             assert!(differ, "{}", one.name);
         }
     }
+}
+
+#[test]
+fn no_answer_to_a_command_is_a_law_of_a_device() {
+    let of_commands = specs().filter(|spec| spec.hook == Hook::Command);
+    let of_commands: Vec<&Spec> = of_commands.collect();
+    assert_eq!(of_commands.len(), 8);
+    for spec in of_commands {
+        assert!(is_law(spec).is_err(), "{}", spec.name);
+    }
+    // a play of a drive is one, whatever else has its name
+    assert!(laws().any(|spec| spec.name == "backlash"));
 }
 
 #[test]
