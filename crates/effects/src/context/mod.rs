@@ -130,10 +130,8 @@ impl<'a> Context<'a> {
         let ordered = step.is_some_and(|step| step <= STEP_OF_A_MOTION)
             && is_path(recording, &runs)
             && (recording.time_s.is_some() || !streams.iter().any(Stream::is_touch));
-        let (load_reach, streams) = (
-            step.map_or(0, |step| load_reach(step, recording, &runs)),
-            streams.to_vec(),
-        );
+        let load_reach = step.map_or(0, |step| load_reach(step, recording, &runs));
+        let streams = streams.to_vec();
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
         let mut slope = output.clone();
