@@ -83,7 +83,7 @@ mod tests {
         assert_eq!(without_idle_force(&recording(0.01, touch)), None);
         let lean = |row: usize| 0.06 * (0.01 * row as f64).sin();
         assert_eq!(without_idle_force(&recording(0.01, lean)), None);
-        // a posture a row: each may have a push of its own
+        // a posture a row: each may have another push
         assert_eq!(without_idle_force(&recording(5.0, |_| 0.0)), None);
     }
 }

@@ -77,9 +77,9 @@ fn of_both(of_chain: Diagnosis, of_loop: Diagnosis) -> Diagnosis {
 
 /// Squares of a gap over those of noise, in all channels that have one.
 fn energy(answer: &Diagnosis) -> f64 {
-    let with_gap = answer.gap.channels.iter().filter(|own| own.has_gap);
-    let over_noise = with_gap.map(|own| (own.rms_before / own.noise_floor).min(MOST_OVER_NOISE));
-    over_noise.map(|own| (own * own - 1.0).max(0.0)).sum()
+    let with_gap = answer.gap.channels.iter().filter(|gap| gap.has_gap);
+    let ratios = with_gap.map(|gap| (gap.rms_before / gap.noise_floor).min(MOST_OVER_NOISE));
+    ratios.map(|ratio| (ratio * ratio - 1.0).max(0.0)).sum()
 }
 
 /// A verdict that says more of causes comes before one that says less.
@@ -138,11 +138,12 @@ impl Weighed {
             }
         }
         if has_cause(verdict) && other.verdict == Verdict::Unknown {
-            let open = other.gap.channels.iter().filter(|own| own.has_gap);
+            let open = other.gap.channels.iter().filter(|gap| gap.has_gap);
             answer.warnings.extend(open.map(unexplained_gap));
         }
         let is_new = |cause: &CauseAnswer| {
-            let is_it = |own: &CauseAnswer| own.effect == cause.effect && own.joint == cause.joint;
+            let is_it =
+                |known: &CauseAnswer| known.effect == cause.effect && known.joint == cause.joint;
             !answer.causes.iter().any(is_it)
         };
         let causes: Vec<CauseAnswer> = other.causes.into_iter().filter(is_new).collect();
@@ -158,9 +159,9 @@ impl Weighed {
         answer.place = answer.place.or(other.place);
         let located = answer.place.as_ref().map(|place| place.channel.as_str());
         let of_view = |(channels, weight): (Vec<ChannelGap>, f64)| {
-            channels.into_iter().map(move |own| ChannelGap {
-                share_of_gap: weight * own.share_of_gap,
-                ..own
+            channels.into_iter().map(move |gap| ChannelGap {
+                share_of_gap: weight * gap.share_of_gap,
+                ..gap
             })
         };
         let channels = [
@@ -211,8 +212,11 @@ fn unexplained_gap(gap: &ChannelGap) -> String {
 
 /// What neither view can test: the chain has nothing to say of how a loop follows its commands, nor the loops of the chain.
 fn untestable(of_chain: &Diagnosis, of_loop: &Diagnosis) -> Vec<Untestable> {
-    let is_of_loop = |own: &&Untestable| NAMES.contains(&own.effect.as_str());
-    let of_chain = of_chain.untestable.iter().filter(|own| !is_of_loop(own));
+    let is_of_loop = |entry: &&Untestable| NAMES.contains(&entry.effect.as_str());
+    let of_chain = of_chain
+        .untestable
+        .iter()
+        .filter(|entry| !is_of_loop(entry));
     let of_loop = of_loop.untestable.iter().filter(is_of_loop);
     of_chain.chain(of_loop).cloned().collect()
 }

@@ -40,11 +40,11 @@ impl<'r> Log<'r> {
         }
         // a log of torques is one of a motion: between its rows no joint makes half a turn
         if log.recording.torque_nm.iter().flatten().next().is_some()
-            && let Some((straight, turns)) = unwrapped(device, &log.recording)
+            && let Some((unturned, turns)) = unwrapped(device, &log.recording)
         {
             log.changes
                 .extend(turns.iter().map(|turn| of_turn(device, *turn)));
-            log.recording = Cow::Owned(straight);
+            log.recording = Cow::Owned(unturned);
         }
         if let Some((without, words)) = without_idle_force(&log.recording) {
             log.changes.push(words);

@@ -25,7 +25,7 @@ pub struct Entry {
 ///
 /// ```
 /// let entries = haptical_effects::entries();
-/// let backlash = entries.iter().find(|own| own.name == "backlash").unwrap();
+/// let backlash = entries.iter().find(|entry| entry.name == "backlash").unwrap();
 /// assert_eq!(backlash.enters, ["transmission", "answer to the command"]);
 /// assert_eq!(backlash.parameters.len(), 1);
 /// ```
@@ -44,17 +44,17 @@ fn entry(name: &'static str) -> Option<Entry> {
         if !entry.enters.contains(&other.enters[0]) {
             entry.enters.extend(other.enters);
         }
-        for own in other.parameters {
+        for parameter in other.parameters {
             match entry
                 .parameters
                 .iter_mut()
-                .find(|known| known.name == own.name)
+                .find(|known| known.name == parameter.name)
             {
                 Some(known) => {
-                    let [low, high] = own.plausible;
+                    let [low, high] = parameter.plausible;
                     known.plausible = [known.plausible[0].min(low), known.plausible[1].max(high)];
                 }
-                None => entry.parameters.push(own),
+                None => entry.parameters.push(parameter),
             }
         }
     }

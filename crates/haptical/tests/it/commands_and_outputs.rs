@@ -1,4 +1,4 @@
-//! A log of commands with encoders on the links besides: the servos' answer is the same, and the links have one of their own.
+//! A log of commands with encoders on the links besides: the servos' answer is the same, and the links have another.
 
 use std::f64::consts::TAU;
 
@@ -57,7 +57,9 @@ fn answer(log: &Log, device: &Device) -> Diagnosis {
 
 fn names(found: &Diagnosis) -> Vec<(String, Option<usize>)> {
     let causes = found.causes.iter();
-    causes.map(|own| (own.effect.clone(), own.joint)).collect()
+    causes
+        .map(|cause| (cause.effect.clone(), cause.joint))
+        .collect()
 }
 
 #[test]
@@ -71,7 +73,7 @@ fn encoders_on_links_take_no_cause_of_the_commands_away() {
     assert_eq!(names(&with_outputs), names(&alone));
     let channels = with_outputs.gap.channels.iter();
     let gaps: Vec<(&str, bool)> = channels
-        .map(|own| (own.channel.as_str(), own.has_gap))
+        .map(|gap| (gap.channel.as_str(), gap.has_gap))
         .collect();
     for channel in [
         ("theta1", true),
@@ -83,7 +85,7 @@ fn encoders_on_links_take_no_cause_of_the_commands_away() {
     }
     // the loops are tested, and the reason of the chain is none of theirs
     let mut untestable = with_outputs.untestable.iter();
-    assert!(untestable.all(|own| own.effect != "command-latency"));
+    assert!(untestable.all(|entry| entry.effect != "command-latency"));
 }
 
 #[test]
@@ -91,12 +93,12 @@ fn a_gap_of_the_links_is_said_with_the_causes_of_the_commands() {
     let device = device();
     let found = answer(&log(&device, true, 1.0, 0.02), &device);
     assert_eq!(found.verdict, Verdict::Named);
-    let out1 = found.gap.channels.iter().find(|own| own.channel == "out1");
+    let out1 = found.gap.channels.iter().find(|gap| gap.channel == "out1");
     assert!(out1.unwrap().has_gap, "{:?}", found.gap);
     let is_explained = found
         .causes
         .iter()
-        .any(|own| own.effect != "command-latency");
+        .any(|cause| cause.effect != "command-latency");
     let is_said = |words: &String| words.starts_with("out1 shows a gap that no cause explains");
     assert!(
         is_explained || found.warnings.iter().any(is_said),
