@@ -9,8 +9,8 @@ use haptical_motion::why_not;
 use crate::answer::corrected::{not_in_file, of_drives};
 use crate::answer::place::in_torques;
 use crate::answer::{
-    CauseAnswer, Diagnosis, FitRows, Gap, NoReduction, Provenance, SECOND_RECORDING, Trace,
-    Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, FitRows, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING,
+    Trace, Untestable, Verdict, Whiteness,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
@@ -80,16 +80,11 @@ pub(crate) fn diagnose(
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
     let second = seen.as_ref().map(OnSecond::answer);
+    let shown = seen.iter().flat_map(|seen| &seen.held_out);
+    let shown = shown.filter(|channel| located == Some(channel.channel.as_str()));
+    let shown = shown.map(|channel| channel.clone().agreeing(&gap)).next();
+    let after_verdict = put_second(&mut causes, shown, is_moving);
     if let Some(seen) = seen {
-        if let Some(first) = causes
-            .first_mut()
-            .filter(|own| !is_moving || !is_checked(own) && !is_of_log(own))
-        {
-            let mut channels = seen.held_out.iter();
-            let main = located.and_then(|name| channels.find(|own| own.channel == name));
-            let agreeing = main.cloned().map(|held_out| held_out.agreeing(&gap));
-            first.held_out = agreeing.or(first.held_out.take());
-        }
         warnings.extend(seen.warnings);
         predictions = seen.predictions;
         // a motion's second recording may be one that the first one does not predict
@@ -98,6 +93,9 @@ pub(crate) fn diagnose(
         }
     }
     let (verdict, candidates, said) = verdict::on_unseen(by_log, &mut causes);
+    if let (Some(first), Some(shown)) = (causes.first_mut(), after_verdict) {
+        first.held_out = Some(shown);
+    }
     warnings.extend(said);
     let changes = (&causes[..], &force.changes[..], context.reference_degc);
     let corrected = of_drives(device, verdict, changes);
@@ -190,6 +188,27 @@ fn said_of_slow(why: &str) -> String {
 fn is_of_log(own: &CauseAnswer) -> bool {
     let held_out = own.held_out.as_ref();
     held_out.is_some_and(|own| own.no_reduction == Some(NoReduction::Undetermined))
+}
+
+/// Puts what a second recording shows into the first cause, where that is checked by it; else what is to be put there after the verdict: a
+/// load that came in between two runs of the log is refuted by no second recording that begins without it.
+fn put_second(
+    causes: &mut [CauseAnswer],
+    shown: Option<HeldOutAnswer>,
+    is_moving: bool,
+) -> Option<HeldOutAnswer> {
+    let is_put = |first: &&mut CauseAnswer| !is_moving || !is_checked(first) && !is_of_log(first);
+    let first = causes.first_mut().filter(is_put)?;
+    if is_of_runs(first) {
+        return shown;
+    }
+    first.held_out = shown.or(first.held_out.take());
+    None
+}
+
+/// Whether a cause came about between two runs of the log.
+fn is_of_runs(cause: &CauseAnswer) -> bool {
+    cause.parameters.contains_key("from_run")
 }
 
 /// Whether a cause is checked at its own joint already, as what moves an arm is.

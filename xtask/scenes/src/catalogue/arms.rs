@@ -28,6 +28,11 @@ pub(crate) const SCENES: &[Scene] = &[
         &["payload", "joint-friction"],
         payload,
     ),
+    scene(
+        "arm-slow-torques-payload-second",
+        &["payload", "joint-friction"],
+        payload_and_none,
+    ),
     scene("drive-alone", &[], drive),
 ];
 
@@ -96,6 +101,17 @@ fn mjcf() -> Result<Made> {
         identify: Identified::Dynamics,
         links_follow: true,
         ..Made::new(device, log)
+    })
+}
+
+/// The same, and a second recording that begins and ends without the load.
+fn payload_and_none() -> Result<Made> {
+    let made = payload()?;
+    let runs = made.log.runs();
+    let before: Vec<usize> = (0..made.log.rows()).filter(|row| runs[*row] < 2).collect();
+    Ok(Made {
+        validate: Some(made.log.taken(&before)),
+        ..made
     })
 }
 
