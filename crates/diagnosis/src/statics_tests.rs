@@ -7,7 +7,7 @@ use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_to
 use proptest::prelude::*;
 
 use crate::engine::base::Base;
-use crate::engine::base_problem::BaseProblem;
+use crate::engine::base::problem::BaseProblem;
 
 const ROWS: usize = 12;
 

@@ -8,7 +8,7 @@ use haptical_identification::Convergence;
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
-use crate::engine::base_problem::BaseProblem;
+use crate::engine::base::problem::BaseProblem;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, Step, dense, square};
 use crate::engine::with_causes;

@@ -1,9 +1,7 @@
 //! One recording made ready for questions: base model fitted, outliers out, noise known, blocks cut.
 
-pub(crate) mod anchor;
 pub(crate) mod base;
 pub(crate) mod base_fit;
-pub(crate) mod base_problem;
 pub(crate) mod blocks;
 pub(crate) mod descent;
 pub(crate) mod determined;
@@ -26,7 +24,7 @@ use haptical_linalg::SparseColumns;
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
-use crate::engine::base_problem::{BaseProblem, Derivatives};
+use crate::engine::base::problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::model::{Cause, Model, Refit};
 use crate::engine::part::{Part, root_mean_square};

@@ -7,7 +7,7 @@ use haptical_model::{Evaluation, Recording};
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
-use crate::engine::base_problem::BaseProblem;
+use crate::engine::base::problem::BaseProblem;
 use crate::thresholds::engine::TOUCHES_RIDGE;
 
 /// The recording with each touch's joints moved by the least angles that take the handle to what it touches, by a base

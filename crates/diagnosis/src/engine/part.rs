@@ -6,7 +6,7 @@ use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns
 
 use crate::DiagnosisError;
 use crate::engine::base::Base;
-use crate::engine::base_problem::{BaseProblem, Derivatives};
+use crate::engine::base::problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::system::{System, compress_columns, compress_rows, dot, oscillations, windows};
 

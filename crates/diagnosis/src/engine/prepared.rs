@@ -11,7 +11,7 @@ use haptical_model::Recording;
 use super::{Engine, with_causes};
 use crate::DiagnosisError;
 use crate::engine::base::Base;
-use crate::engine::base_problem::{BaseProblem, Derivatives};
+use crate::engine::base::problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::model::{Model, Refit};
 use crate::engine::part::Part;

@@ -6,7 +6,7 @@ use haptical_effects::{Context, Signal};
 use haptical_linalg::{Direction, SparseColumns};
 pub(crate) use haptical_linalg::{dot, take_off};
 
-use crate::engine::base_problem::{BaseProblem, Derivatives};
+use crate::engine::base::problem::{BaseProblem, Derivatives};
 use crate::engine::blocks::Blocks;
 use crate::engine::layout::Layout;
 use crate::thresholds::engine::ABSENT_DIRECTION;

@@ -4,7 +4,7 @@ use haptical_calibration::Channel;
 use haptical_effects::Context;
 use haptical_model::Recording;
 
-use crate::engine::base_problem::BaseProblem;
+use crate::engine::base::problem::BaseProblem;
 use crate::noise;
 use crate::noise::outliers::NORMAL_MEDIAN;
 use crate::noise::rounding;

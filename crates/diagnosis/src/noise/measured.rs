@@ -3,7 +3,7 @@
 use haptical_calibration::Channel;
 use haptical_effects::Context;
 
-use crate::engine::base_problem::BaseProblem;
+use crate::engine::base::problem::BaseProblem;
 use crate::noise::repeats::{Repeats, pooled};
 use crate::noise::stated::is_stated;
 use crate::noise::{self, Known, Noise};

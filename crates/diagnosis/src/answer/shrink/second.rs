@@ -259,7 +259,7 @@ pub(crate) fn model_residual(
     let streams = &engine.context.streams;
     let mut model = model.clone();
     let recording = &attached(&mut model.device, recording)?;
-    let problem = crate::engine::base_problem::BaseProblem::new(
+    let problem = crate::engine::base::problem::BaseProblem::new(
         &model, recording, recording, streams, &weights,
     )?;
     Ok(problem.evaluate(&problem.start(), false)?.residual)

@@ -16,7 +16,7 @@ impl<F: Fn(&[f64], &[f64]) -> f64> Dot for F {}
 pub const MOST_LEVERAGE: f64 = 1.0;
 
 /// Products of the whitened columns of a fit, with what is known of their coefficients beforehand: how well the fit
-/// determines a prediction at any other row. A column that is not told apart has the coefficient 0.
+/// determines a prediction at any other row. A dependent column has the coefficient 0.
 ///
 /// ```
 /// use haptical_linalg::Information;
@@ -35,7 +35,7 @@ pub const MOST_LEVERAGE: f64 = 1.0;
 pub struct Information {
     /// Lengths of the columns, by which the factor's were divided.
     scale: Vec<f64>,
-    /// Lower Cholesky factor of the scaled products, row by row; a zero on the diagonal is a column that is not told apart.
+    /// Lower Cholesky factor of the scaled products, row by row; a zero on the diagonal is a dependent column.
     factor: Vec<f64>,
 }
 
@@ -131,7 +131,7 @@ impl Information {
         along
     }
 
-    /// A column of the inverse: the coefficient's covariances for noise of unit size. Zero of a column that is not told apart.
+    /// A column of the inverse: the coefficient's covariances for noise of unit size. Zero of a dependent column.
     pub fn inverse(&self, column: usize) -> Vec<f64> {
         self.coefficients(self.along(|k| f64::from(u8::from(k == column))))
     }

@@ -1,5 +1,7 @@
 //! Normal equations: products of columns and a target, which add from rows to rows and are solved for any of the columns.
 
+pub(crate) mod information;
+
 use std::ops::Range;
 
 use crate::lanes::product as dot;

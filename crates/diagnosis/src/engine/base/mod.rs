@@ -1,5 +1,8 @@
 //! The calibrated model without any effect: its fit.
 
+pub(crate) mod anchor;
+pub(crate) mod problem;
+
 use haptical_calibration::{
     Channel, Degree, HeldOut, LossChoice, Options, ParameterFit, Weighting, Weights, channels,
     fit_device, fit_transmissions, prepare_device,
@@ -8,7 +11,7 @@ use haptical_identification::{Interrupt, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::DiagnosisError;
-use crate::engine::anchor::{Anchor, anchored, is_needed};
+use crate::engine::base::anchor::{Anchor, anchored, is_needed};
 use crate::noise::stated::is_stated;
 use crate::thresholds::fit::{MOST_STEPS, POLYNOMIAL_DEGREE, ROWS_FOR_A_POLYNOMIAL, START_ROWS};
 
