@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{Parameter, Role, Spec, names, specs};
 
-/// A name of the catalogue with all that it stands for, wherever its effect is looked for.
+/// A name of the catalogue with all that it means, wherever its effect is looked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// Name: `backlash`.

@@ -5,7 +5,7 @@
 pub(crate) const STIFFNESS_SD: f64 = 0.07;
 
 // `moving::followed`
-/// A quantity is told where functions of it explain this share of a gap, and that one of what the best does.
+/// A quantity is named where functions of it explain this share of a gap, and that one of what the best does.
 pub(crate) const FOLLOWED_SHARE: f64 = 0.2;
 pub(crate) const FOLLOWED_OF_MOST: f64 = 0.6;
 

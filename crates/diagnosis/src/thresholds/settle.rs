@@ -11,5 +11,5 @@ pub(crate) const LEAST_EXCHANGE_NATS: f64 = 1e-6;
 pub(crate) const RIDGE: f64 = 1e-9;
 
 // `settle::question`
-/// Candidates that are told apart at most: each costs as many comparisons as there are others.
+/// Candidates that are compared at most: each costs as many comparisons as there are others.
 pub(crate) const MOST_CANDIDATES: usize = 5;

@@ -27,7 +27,7 @@ pub(super) fn settled<'c>(
     let others = frame.fitted(&columns_of(&state.taken, Some(index)), state.early_s);
     let mut sd = alone(frame, &others, own, misfit);
     let mut best = state;
-    // how far the number would still go, where the search ends before it stands still
+    // how far the number would still go, where the search ends before it converges
     let mut further = 0.0;
     for _ in 0..PARABOLAS {
         let step = PARABOLA_SDS * sd;

@@ -10,7 +10,7 @@ pub(crate) const EDGE_OF_RATE: f64 = 0.1;
 pub(crate) const MOST_ROWS: usize = 4000;
 /// Fewest rows of a joint.
 pub(crate) const LEAST_ROWS: usize = 60;
-/// A recording in which no joint moves faster than this stands still \[rad/s\].
+/// A recording in which no joint moves faster than this is at rest \[rad/s\].
 pub(crate) const STILL_RAD_PER_S: f64 = 1e-3;
 
 // `between::terms`
@@ -32,12 +32,12 @@ pub(crate) const HARDENING_SHARES: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 pub(crate) const MOST_TERMS: usize = 12;
 /// Largest share of rows in which a play may leave the place of its link open.
 pub(crate) const MOST_FLIGHT: f64 = 0.35;
-/// Steps either way in which the share of a spring that hardens is settled, and their size.
+/// Steps either way in the search for the share of a spring that hardens, and their size.
 pub(crate) const FINER_STEPS: i32 = 16;
 pub(crate) const FINER_STEP: f64 = 1.1;
 
 // `between::fit`
-/// Rounds in which the noise and the second order of a delay settle.
+/// Rounds of the fit of the noise and of a delay's second order.
 pub(crate) const FIT_ROUNDS: usize = 12;
 /// Largest correlation of neighbouring rows that is looked for.
 pub(crate) const MOST_CORRELATED: f64 = 0.95;
@@ -46,11 +46,11 @@ pub(crate) const RIDGE: f64 = 1e-10;
 pub(crate) const LEAST_SQUARE: f64 = 1e-200;
 
 // `between::answer`
-/// What yields beyond a play is told from this many standard deviations on.
+/// A spring beside a play is reported from this many standard deviations on.
 pub(crate) const SURE_YIELD_SDS: f64 = 3.0;
 /// Relative standard deviation of how a spring hardens, whose law is no gear's to the last digit.
 pub(crate) const HARDENING_SD: f64 = 0.5;
-/// Rivals further behind are not told of \[nats\].
+/// Rivals further behind are not reported \[nats\].
 pub(crate) const FAR_RIVAL_NATS: f64 = 12.0;
 
 // `between`

@@ -40,7 +40,7 @@ pub(crate) const HIGHEST_ORDER: f64 = 400.0;
 pub(crate) const HIGHEST_OF_SLIDE: f64 = 2500.0;
 /// And at least in what the joint turns: what repeats less often may be a weight or a spring.
 pub(crate) const LEAST_PERIODS: f64 = 3.0;
-/// Best of a scan that are fitted beside the base model.
+/// Best of a scan that are fitted with the base model.
 pub(crate) const COGGING_KEPT: usize = 2;
 /// Most orders of a scan.
 pub(crate) const MOST_ORDERS: usize = 1500;

@@ -13,7 +13,7 @@ pub(crate) const MOST_REFUTED: usize = 4;
 /// square by chance: a sound arm's friction is no law to the last digit.
 pub(crate) const ALLOWED_REST: f64 = 0.21;
 pub(crate) const GAP_SDS: f64 = 4.0;
-/// Rivals nearer than this are not told apart: ln 100 (Kass & Raftery 1995) \[nats\].
+/// Rivals nearer than this are not distinguishable: ln 100 (Kass & Raftery 1995) \[nats\].
 pub(crate) const NEAR_RIVAL_NATS: f64 = 4.605;
 /// Share of what the base model leaves beyond noise that effects may leave.
 pub(crate) const UNEXPLAINED: f64 = 0.02;
@@ -24,13 +24,13 @@ pub(crate) const QUIET_NOISES: f64 = 2.0;
 pub(crate) const LEFT_OF_POSTURE: f64 = 0.5;
 /// But a spring's, whose levers are not known, may leave this share of the gap, and so may a tilt's, which bodies feel that are off themselves.
 pub(crate) const LEFT_BY_SPRING: f64 = 1e-3;
-/// A joint with less than this share of the gap may keep it: that is a gap of its own beside the one that has a name.
+/// A joint with less than this share of the gap may keep it: that is another gap than the one that has a name.
 pub(crate) const PART_OF_GAP: f64 = 0.01;
 /// What an effect of one joint's torque may explain at most, over what the base model leaves there.
 pub(crate) const MOST_OF_GAP: f64 = 4.0;
 /// Share of a second recording's squares beyond noise that effects may leave of it.
 pub(crate) const LEFT_OF_SECOND: f64 = 0.1;
-/// The same beside a spring between motor and link, which is known to first order alone (A201).
+/// The same with a spring between motor and link, which is known to first order alone (A201).
 pub const OF_SECOND_BESIDE_SPRING: f64 = 0.6;
 
 // `dependence`

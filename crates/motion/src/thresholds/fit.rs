@@ -12,7 +12,7 @@ pub(crate) const LEAST_RATE_HZ: f64 = 20.0;
 pub(crate) const LEAST_JOINT_ROWS: usize = 30;
 /// A joint that moves slower than this share of its fastest rests: friction that sticks is not known there.
 pub(crate) const RESTING_SHARE: f64 = 0.02;
-/// A joint whose fastest motion is slower than this share of the fastest joint's, and than `STILL`, stands still.
+/// A joint whose fastest motion is slower than this share of the fastest joint's, and than `STILL`, is at rest.
 pub(crate) const STILL: f64 = 1e-3;
 
 // `fit::base`

@@ -17,7 +17,7 @@ pub(crate) const NEAR_STRONGEST: f64 = 0.5;
 /// Times that a law is corrected, and the share of what it then explains that it explained before.
 pub(crate) const CORRECTIONS: usize = 2;
 pub(crate) const MOST_OF_CORRECTED: f64 = 0.7;
-/// Delays are settled to this share of a step.
+/// Delays are found to this share of a step.
 pub(crate) const DELAY_TOLERANCE: f64 = 0.01;
 /// Longest delay that is tried \[s\].
 pub(crate) const LONGEST_DELAY_S: f64 = 0.1;

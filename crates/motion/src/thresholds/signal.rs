@@ -10,7 +10,7 @@ pub(crate) const FILLED_STEPS: f64 = 4.6;
 pub(crate) const LONG_PIECE_S: f64 = 1.0;
 pub(crate) const UNEVEN_FILLED_S: f64 = 0.02;
 pub(crate) const SHORTEST_STEP: f64 = 0.1;
-/// Stamps that lie within this share of a step beside an even grid are taken as even.
+/// Stamps within this share of a step of an even grid are taken as even.
 pub(crate) const EVEN_STAMPS: f64 = 0.05;
 /// Rows on each side of a step of an odd length that say whether rows are missing there.
 pub(crate) const ROWS_AROUND_STEP: usize = 6;
@@ -54,9 +54,9 @@ pub(crate) const MOST_JOINT_ROWS: usize = 12_000;
 // `signal::noise`
 /// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
 pub(crate) const NOISE_SEGMENT: usize = 48;
-/// Correlations of successive samples that are told apart.
+/// Correlations of successive samples that are tried.
 pub(crate) const NOISE_CORRELATIONS: usize = 96;
-/// A rest of a column that is this share of its values is rounding: a joint that stands still shows no noise of its counts.
+/// A rest of a column that is this share of its values is rounding: a joint at rest shows no noise of its counts.
 pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
 /// A memory is believed beyond this many standard deviations of chance.
 pub(crate) const MEMORY_SDS: f64 = 4.0;

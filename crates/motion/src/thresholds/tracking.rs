@@ -13,7 +13,7 @@ pub(crate) const LATEST_S: f64 = 0.1;
 // `tracking::fit`
 /// Delays that are tried at first \[s\].
 pub(crate) const DELAYS_S: [f64; 7] = [EARLIEST_S, 0.0, 0.01, 0.02, 0.04, 0.07, LATEST_S];
-/// Distances of the parabolas that the best of them is settled by \[s\].
+/// Distances of the parabolas through the best of them \[s\].
 pub(crate) const PARABOLAS_S: [f64; 4] = [4e-3, 1e-3, 2.5e-4, 1e-4];
 /// Distance over which the sharpness of the best one is looked at \[s\].
 pub(crate) const SHARPNESS_S: f64 = 5e-4;
