@@ -57,10 +57,7 @@ fn of_both(of_chain: Diagnosis, of_loop: Diagnosis) -> Diagnosis {
     let total = (energies[0] + energies[1]).max(f64::MIN_POSITIVE);
     let untestable = untestable(&of_chain, &of_loop);
     let (device, whiteness) = (of_chain.device.clone(), of_chain.whiteness.clone());
-    let is_loop_first = match rank(of_loop.verdict).cmp(&rank(of_chain.verdict)) {
-        Ordering::Equal => energies[1] > energies[0],
-        order => order.is_gt(),
-    };
+    let is_loop_first = is_second_first([of_chain.verdict, of_loop.verdict], energies);
     let of_chain = Weighed::new(of_chain, energies[0] / total);
     let of_loop = Weighed::new(of_loop, energies[1] / total);
     let answer = match is_loop_first {
@@ -80,6 +77,14 @@ fn energy(answer: &Diagnosis) -> f64 {
     let with_gap = answer.gap.channels.iter().filter(|gap| gap.has_gap);
     let ratios = with_gap.map(|gap| (gap.rms_before / gap.noise_floor).min(MOST_OVER_NOISE));
     ratios.map(|ratio| (ratio * ratio - 1.0).max(0.0)).sum()
+}
+
+/// Whether the second of two views has the word: its verdict says more of causes, or as much of a larger gap.
+fn is_second_first(verdicts: [Verdict; 2], energies: [f64; 2]) -> bool {
+    match rank(verdicts[1]).cmp(&rank(verdicts[0])) {
+        Ordering::Equal => energies[1] > energies[0],
+        order => order.is_gt(),
+    }
 }
 
 /// A verdict that says more of causes comes before one that says less.
@@ -219,4 +224,19 @@ fn untestable(of_chain: &Diagnosis, of_loop: &Diagnosis) -> Vec<Untestable> {
         .filter(|entry| !is_of_loop(entry));
     let of_loop = of_loop.untestable.iter().filter(is_of_loop);
     of_chain.chain(of_loop).cloned().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_view_that_names_has_the_word_and_of_two_the_larger_gap() {
+        let (named, unknown, none) = (Verdict::Named, Verdict::Unknown, Verdict::NoGap);
+        assert!(is_second_first([unknown, named], [1e6, 1.0]));
+        assert!(!is_second_first([named, unknown], [1.0, 1e6]));
+        assert!(is_second_first([none, unknown], [0.0, 1.0]));
+        assert!(is_second_first([named, named], [1.0, 2.0]));
+        assert!(!is_second_first([named, named], [2.0, 1.0]));
+    }
 }

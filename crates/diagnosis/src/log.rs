@@ -74,8 +74,8 @@ impl<'r> Log<'r> {
     /// Adds to an answer on this log what was changed, and gives its rows the numbers that they have in the log; `second`: the second
     /// recording, where there is one.
     pub(crate) fn of_log(&self, found: &mut Diagnosis, second: Option<&Self>) {
-        let every = self.recording.len().div_ceil(MOST_ROWS).max(1);
-        let row_of = |row: usize| self.row(row * every);
+        let every = step_of_rows(&self.recording);
+        let row_of = |row: usize| self.looked_at(row);
         for step in &mut found.steps {
             // it happened after the row before of those that were looked at
             let [first, last] = step.first_row;
@@ -107,15 +107,25 @@ impl<'r> Log<'r> {
         }
     }
 
+    /// Row of the log of a row that positions are judged by.
+    fn looked_at(&self, row: usize) -> usize {
+        self.row(row * step_of_rows(&self.recording))
+    }
+
     fn row(&self, row: usize) -> usize {
         let rows = self.rows.as_ref();
         rows.and_then(|rows| rows.get(row)).copied().unwrap_or(row)
     }
 }
 
+/// Positions are judged by one row in so many.
+fn step_of_rows(recording: &Recording) -> usize {
+    recording.len().div_ceil(MOST_ROWS).max(1)
+}
+
 /// The rows of a long recording that positions are judged by; none where these are all.
 pub(crate) fn thinned(recording: &Recording) -> Option<Recording> {
-    let step = recording.len().div_ceil(MOST_ROWS);
+    let step = step_of_rows(recording);
     (step > 1).then(|| {
         let rows: Vec<usize> = (0..recording.len()).step_by(step).collect();
         recording.select(&rows)
@@ -130,4 +140,49 @@ fn of_turn(device: &Device, (joint, count): (usize, usize)) -> String {
         number = joint + 1,
         unit = device.joints[joint].unit()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn device() -> Device {
+        let text = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n[[link]]\na_m = 0.4\nalpha_rad = 0.0\nd_m = 0.0\n[[joint]]\n";
+        Device::from_toml(text, "lever.toml").unwrap().device
+    }
+
+    fn recording(angles: Vec<f64>) -> Recording {
+        Recording {
+            line: (2..).take(angles.len()).collect(),
+            joint: vec![angles],
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn rows_behind_copies_keep_their_numbers() {
+        let copied = recording(vec![0.1, 0.1, 0.2, 0.1, 0.3]);
+        let log = Log::new(&device(), &copied, None);
+        assert_eq!(log.recording.joint[0], [0.1, 0.2, 0.3]);
+        assert_eq!([0, 1, 2].map(|row| log.looked_at(row)), [0, 2, 4]);
+        assert!(log.changes[0].contains("2 of 5 rows"), "{:?}", log.changes);
+        // readings of a motion that agree are of two moments
+        let timed = Recording {
+            time_s: Some(vec![0.0, 0.1, 0.2, 0.3, 0.4]),
+            ..copied
+        };
+        let log = Log::new(&device(), &timed, None);
+        assert_eq!((log.recording.len(), log.looked_at(3)), (5, 3));
+    }
+
+    #[test]
+    fn rows_of_a_long_log_that_are_looked_at_keep_their_numbers() {
+        let long = recording((0..2 * MOST_ROWS + 1).map(|row| row as f64).collect());
+        let log = Log::new(&device(), &long, None);
+        let judged = thinned(&log.recording).unwrap();
+        for row in [0, 1, 70] {
+            assert_eq!(judged.joint[0][row], log.looked_at(row) as f64);
+        }
+        assert_eq!(log.looked_at(70), 210);
+    }
 }

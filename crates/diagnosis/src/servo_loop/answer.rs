@@ -194,7 +194,7 @@ fn not_in_file(verdict: Verdict, causes: &[CauseAnswer]) -> Vec<String> {
     let words = |cause: &CauseAnswer| {
         let place = cause.place();
         format!(
-            "{} at {place}: a device file says nothing of commands",
+            "{} at {place}: it is an answer to commands",
             cause.effect
         )
     };
