@@ -211,7 +211,7 @@ fn with_links(
     let changes = moving.as_ref().map(|(torques, _)| torques.changes.clone());
     let both = links.before(model, moving, effects, options.validation.is_some());
     let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
-    if matches!(found.verdict, Verdict::Named | Verdict::Ambiguous) {
+    if found.verdict.has_causes() {
         let other = found.corrected.take().unwrap_or_else(|| model.clone());
         let file = links.corrected(&other, &found.causes);
         let changes = changes.unwrap_or_default();
@@ -269,7 +269,7 @@ fn without_minimum(
     };
     for base in [base, &there] {
         let mut answer = by_base(base)?;
-        if matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous) {
+        if answer.verdict.has_causes() {
             answer.warnings.push(format!(
                 "the fit without the causes has no minimum ({}): the sizes are rough",
                 end.reason

@@ -97,10 +97,6 @@ fn rank(verdict: Verdict) -> usize {
     }
 }
 
-fn has_cause(verdict: Verdict) -> bool {
-    matches!(verdict, Verdict::Named | Verdict::Ambiguous)
-}
-
 /// A view's answer, and its share of the squares beyond noise of all views.
 struct Weighed {
     answer: Diagnosis,
@@ -123,7 +119,7 @@ impl Weighed {
 
     fn closed(&self) -> f64 {
         let closed = self.answer.closed_unseen_share.unwrap_or(1.0);
-        self.weight * f64::from(u8::from(has_cause(self.answer.verdict))) * closed
+        self.weight * f64::from(u8::from(self.answer.verdict.has_causes())) * closed
     }
 
     /// The answer, which has the word, with what another view adds: channels, causes, and a gap that it does not explain.
@@ -137,12 +133,12 @@ impl Weighed {
         if other.verdict != Verdict::NoGap {
             answer.unexplained_share = left;
             answer.closed_unseen_share =
-                Some(closed).filter(|closed| has_cause(verdict) && *closed < ALL_CLOSED);
+                Some(closed).filter(|closed| verdict.has_causes() && *closed < ALL_CLOSED);
             for cause in &mut answer.causes {
                 cause.share *= weights[0];
             }
         }
-        if has_cause(verdict) && other.verdict == Verdict::Unknown {
+        if verdict.has_causes() && other.verdict == Verdict::Unknown {
             let open = other.gap.channels.iter().filter(|gap| gap.has_gap);
             answer.warnings.extend(open.map(unexplained_gap));
         }
@@ -153,7 +149,7 @@ impl Weighed {
         };
         let causes: Vec<CauseAnswer> = other.causes.into_iter().filter(is_new).collect();
         for mut cause in causes {
-            if has_cause(verdict) && other.verdict == Verdict::Unknown {
+            if verdict.has_causes() && other.verdict == Verdict::Unknown {
                 let candidate = CandidateAnswer::of_cause(&cause, None);
                 answer.candidates.push(candidate);
                 continue;

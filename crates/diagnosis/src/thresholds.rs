@@ -21,8 +21,6 @@ pub(crate) mod chance {
     pub(crate) const IMPLAUSIBLE_NATS: f64 = 15.0;
     /// Share of a column that must survive the base model for an implausible size to be considered.
     pub(crate) const LEAST_RETAINED: f64 = 0.01;
-    /// Probability from which the first name is given without hedging. Choice.
-    pub(crate) const NAMED_PROBABILITY: f64 = 0.8;
     /// As many names that the data cannot tell apart are no answer. Choice.
     pub(crate) const MOST_NAMES: usize = 4;
     /// Noise deviations from its neighbours from which a reading is an outlier. Chance: one in 10^9 of normal noise.

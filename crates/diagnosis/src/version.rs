@@ -19,7 +19,8 @@ const PRIME: u64 = 0x0100_0000_01b3;
 /// Version of every number that decides, printed in each result. A changed comment changes it too.
 pub(crate) fn version() -> String {
     const HASH: u64 = {
-        let motion = fnv1a(START, &haptical_motion::THRESHOLDS);
+        let judge = fnv1a(START, &haptical_judge::THRESHOLDS);
+        let motion = fnv1a(judge, &haptical_motion::THRESHOLDS);
         fnv1a(fnv1a(motion, &haptical_servo::THRESHOLDS), &THRESHOLDS)
     };
     format!("{HASH:016x}")
@@ -56,7 +57,8 @@ mod tests {
 
     #[test]
     fn a_number_of_any_crate_changes_the_version() {
-        let files: Vec<&str> = (haptical_motion::THRESHOLDS.iter())
+        let files: Vec<&str> = (haptical_judge::THRESHOLDS.iter())
+            .chain(&haptical_motion::THRESHOLDS)
             .chain(&haptical_servo::THRESHOLDS)
             .chain(&THRESHOLDS)
             .copied()

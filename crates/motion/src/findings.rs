@@ -12,10 +12,10 @@ pub(crate) const SAMPLING: &str = "sampling";
 /// What was found, a fault of the log first.
 pub(crate) fn findings(problem: &Problem, selection: &Selection) -> Vec<Finding> {
     let rival = |own: &Rival| NearRival {
-        effect: own.effect,
-        joint: own.joint,
+        effect: own.name.0,
+        joint: own.name.1,
         behind_nats: own.behind,
-        share: own.share,
+        share: own.fit,
     };
     let findings = selection.picks.iter().map(|pick| {
         let (effect, numbers) = by_sense(pick);

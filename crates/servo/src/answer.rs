@@ -2,20 +2,10 @@
 
 use std::fmt;
 
-use crate::predict::Model;
+pub use haptical_judge::Verdict;
 
-/// What is said of a gap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// The joint stands where it is told, but for the noise of its sensor.
-    NoGap,
-    /// The causes are named.
-    Named,
-    /// The log cannot tell the first cause from others.
-    Ambiguous,
-    /// There is a gap that no law of a servo explains.
-    Unknown,
-}
+use crate::joint::judged;
+use crate::predict::Model;
 
 /// A number of an effect.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +57,14 @@ pub struct Finding {
     pub since: Option<Instant>,
 }
 
+impl Finding {
+    /// Probability of the name among those that the log cannot tell it from.
+    #[must_use]
+    pub fn probability(&self) -> f64 {
+        haptical_judge::probability(self.confusable_with.iter().map(|_| 0.0))
+    }
+}
+
 /// Errors of a joint over time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Course {
@@ -106,4 +104,29 @@ pub struct JointAnswer {
     /// Models that were tried.
     pub tried: usize,
     pub(crate) model: Option<Model>,
+}
+
+impl JointAnswer {
+    /// The answer without some effects: a rival takes the place of one, and without a rival it goes.
+    #[must_use]
+    pub fn without(&self, names: &[String]) -> Self {
+        let mut kept = self.clone();
+        let is_left_out = |name: &str| names.iter().any(|other| other == name);
+        kept.causes.retain_mut(|cause| {
+            let all = std::iter::once(cause.effect).chain(cause.confusable_with.iter().copied());
+            let mut all = all.filter(|name| !is_left_out(name)).collect::<Vec<_>>();
+            if all.is_empty() {
+                return false;
+            }
+            cause.effect = all.remove(0);
+            cause.confusable_with = all;
+            true
+        });
+        if kept.causes.len() < self.causes.len() {
+            let share = |answer: &Self| answer.causes.iter().map(|cause| cause.share).sum::<f64>();
+            kept.closed = (self.closed - (share(self) - share(&kept))).max(0.0);
+            kept.verdict = judged(self.verdict != Verdict::NoGap, kept.closed, &kept.causes);
+        }
+        kept
+    }
 }

@@ -1,5 +1,6 @@
 //! One joint from its log to an answer.
 
+use haptical_judge::{Closed, Evidence, Gain, closed_share, verdict};
 use haptical_linalg::jackknife_sd;
 
 use crate::answer::{Course, Finding, JointAnswer, Number, Verdict};
@@ -8,8 +9,8 @@ use crate::effect::{friction, gain, lag, latency, offset, saturation};
 use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::next::next;
 use crate::noise::{floor, rounding};
-use crate::predict::{Model, closed};
-use crate::select::{Judged, Law, Selection, gain as gain_over, parts, select};
+use crate::predict::Model;
+use crate::select::{Judged, Law, Selection, is_sure, parts, select};
 use crate::thresholds::{
     ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, RESOLUTION,
     WIDE_RAD,
@@ -79,6 +80,15 @@ fn still(series: &Series, changes: &[Change]) -> JointAnswer {
     }
 }
 
+/// The verdict on causes that close a share of the gap on unseen rows: of what changed within the log unseen rows show little.
+pub(crate) fn judged(has_gap: bool, closed: f64, causes: &[Finding]) -> Verdict {
+    verdict(Evidence {
+        has_gap,
+        is_supported: closed >= CLOSED || causes.iter().any(|cause| cause.since.is_some()),
+        probability: causes.first().map(Finding::probability),
+    })
+}
+
 fn course(series: &Series, before: Vec<f64>, after: Vec<f64>) -> Course {
     Course {
         row: series.row.clone(),
@@ -111,7 +121,10 @@ impl Joint<'_> {
         let after = (chosen.unseen_squares() / rows).sqrt();
         let total = (self.bare.iter().map(|e| e * e).sum::<f64>()).max(1e-300);
         let is_gap = before > ABOVE_FLOOR * floor || !self.changes.is_empty();
-        let (closed, closed_ci95) = self.closed(floor);
+        let Closed {
+            share: closed,
+            ci95: closed_ci95,
+        } = self.closed(floor);
         let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
         let mut causes = self.laws(closed);
         for cause in &mut causes {
@@ -121,13 +134,7 @@ impl Joint<'_> {
         let share = (1.0 - laws).max(0.0) / self.changes.len().max(1) as f64;
         let changes = self.changes.iter().map(|change| change.finding(share));
         let causes: Vec<Finding> = changes.chain(causes).collect();
-        let verdict = match causes.first() {
-            _ if !is_gap => Verdict::NoGap,
-            Some(_) if closed < CLOSED && self.changes.is_empty() => Verdict::Unknown,
-            None => Verdict::Unknown,
-            Some(first) if first.confusable_with.is_empty() => Verdict::Named,
-            Some(_) => Verdict::Ambiguous,
-        };
+        let verdict = judged(is_gap, closed, &causes);
         JointAnswer {
             next: next(verdict, &causes, closed),
             causes: if is_gap { causes } else { Vec::new() },
@@ -150,13 +157,16 @@ impl Joint<'_> {
     }
 
     /// Share of the squares beyond noise that close on unseen rows, and its interval.
-    fn closed(&self, floor: f64) -> (f64, [f64; 2]) {
+    fn closed(&self, floor: f64) -> Closed {
         let unseen = &self.selection.chosen.unseen;
         let rows = self.bare.len();
         let squares = parts(rows).map(|part| self.bare[part].iter().map(|e| e * e).sum());
         let squares: Vec<f64> = squares.collect();
-        let (all, interval) = closed(&squares, unseen, floor * floor * rows as f64);
-        (all.max(0.0), interval.map(|end| end.max(0.0)))
+        let closed = closed_share(&squares, unseen, floor * floor * rows as f64);
+        Closed {
+            share: closed.share.max(0.0),
+            ci95: closed.ci95.map(|end| end.max(0.0)),
+        }
     }
 
     /// The laws that are missed, with their numbers and rivals.
@@ -223,7 +233,7 @@ impl Joint<'_> {
         let is_worse =
             |alone: &Option<Judged>| (alone.as_ref()).is_none_or(|alone| leaves(alone) > AS_GOOD);
         let is_surely_worse = |alone: &Option<Judged>| {
-            let sure = |alone: &Judged| gain_over(&chosen.unseen, &alone.unseen).is_sure;
+            let sure = |alone: &Judged| is_sure(Gain::between(&alone.unseen, &chosen.unseen));
             (alone.as_ref()).is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
         };
         let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);

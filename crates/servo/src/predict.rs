@@ -1,6 +1,7 @@
 //! What the causes that one log shows make of another log of the same joint.
 
-use haptical_linalg::{Information, jackknife_sd};
+use haptical_judge::{Closed, closed_share};
+use haptical_linalg::Information;
 
 use crate::answer::JointAnswer;
 use crate::change::Change;
@@ -71,7 +72,7 @@ impl JointAnswer {
     /// let answer = diagnose_joint(&log(&first, &of_first)).unwrap();
     /// let seen = answer.predict(&log(&second, &of_second)).unwrap();
     /// assert!((seen.after[700] - of_second[700]).abs() < 1e-6);
-    /// assert!(seen.closed(0.0).0 > 0.999);
+    /// assert!(seen.closed(0.0).share > 0.999);
     /// ```
     pub fn predict(&self, log: &JointLog<'_>) -> Result<Predicted, Untested> {
         let mut series = Series::new(log)?;
@@ -128,10 +129,10 @@ impl Predicted {
 
     /// Share of the squares beyond a noise that the causes close, with its 95 % interval; below zero where they are wrong.
     #[must_use]
-    pub fn closed(&self, noise_floor: f64) -> (f64, [f64; 2]) {
+    pub fn closed(&self, noise_floor: f64) -> Closed {
         let noise = noise_floor * noise_floor * self.row.len() as f64;
         let (before, after) = (self.squares(&self.before), self.squares(&self.after));
-        closed(&before, &after, noise)
+        closed_share(&before, &after, noise)
     }
 
     /// Sums of squares of contiguous parts.
@@ -140,27 +141,6 @@ impl Predicted {
         let parts = parts(self.row.len());
         parts.map(|rows| rows.map(square).sum()).collect()
     }
-}
-
-/// Share of the squares beyond noise that close, and its interval by the parts (jackknife).
-pub(crate) fn closed(before: &[f64], after: &[f64], noise: f64) -> (f64, [f64; 2]) {
-    let parts = before.len();
-    let share = |without: Option<usize>| {
-        let sum = |values: &[f64]| -> f64 {
-            let kept = values.iter().enumerate();
-            let kept = kept.filter(|(index, _)| Some(*index) != without);
-            kept.map(|(_, value)| value).sum()
-        };
-        let own = match without {
-            Some(_) => noise * (1.0 - 1.0 / parts as f64),
-            None => noise,
-        };
-        let gap = (sum(before) - own).max(1e-300);
-        1.0 - (sum(after) - own).max(0.0) / gap
-    };
-    let all = share(None);
-    let sd = jackknife_sd((0..parts).map(|part| share(Some(part))));
-    (all, [all - 1.96 * sd, (all + 1.96 * sd).min(1.0)])
 }
 
 #[cfg(test)]

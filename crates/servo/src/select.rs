@@ -1,8 +1,11 @@
 //! Which laws a joint shows: each is left out in turn, and must be missed on rows that the fit did not see.
 
+use std::convert::Infallible;
 use std::ops::Range;
 
-use haptical_linalg::sum_sd;
+use haptical_judge::{
+    Backward, Forward, Gain, Needless, Proposal, Ruling, Without, without_needless,
+};
 
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
@@ -22,25 +25,6 @@ pub(crate) struct Judged {
 impl Judged {
     pub(crate) fn unseen_squares(&self) -> f64 {
         self.unseen.iter().sum()
-    }
-}
-
-/// A gain on unseen rows.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Gain {
-    pub(crate) squares: f64,
-    pub(crate) is_sure: bool,
-}
-
-/// What one model leaves less than another on unseen rows; sure by the scatter of the parts, or by their signs.
-pub(crate) fn gain(of: &[f64], over: &[f64]) -> Gain {
-    let gains: Vec<f64> = over.iter().zip(of).map(|(over, of)| over - of).collect();
-    let squares: f64 = gains.iter().sum();
-    let sd = sum_sd(&gains);
-    let better = gains.iter().filter(|gain| **gain > 0.0).count();
-    Gain {
-        squares,
-        is_sure: squares > 0.0 && (squares > SURE_SD * sd || better + 1 >= gains.len()),
     }
 }
 
@@ -100,9 +84,16 @@ pub(crate) struct Selection {
 /// Chooses laws: the core fitted together, gain and droop where they are missed, then each left out in turn.
 pub(crate) fn select(series: &Series) -> Selection {
     let problem = Problem::new(series);
-    let chooser = Chooser {
+    let mut chooser = Chooser {
         problem: &problem,
         parts: parts(series.len()).collect(),
+        // sines of the joint's own angle follow a gain too, and a known torque follows no gain
+        further: match series.load_nm {
+            Some(_) => vec![Law::Gain, Law::Droop],
+            None => vec![Law::Droop, Law::Gain],
+        },
+        has_load: series.load_nm.is_some(),
+        total: 0.0,
     };
     let core = Terms {
         offset: true,
@@ -113,62 +104,12 @@ pub(crate) fn select(series: &Series) -> Selection {
         ..Terms::NONE
     };
     let before = chooser.judged(Terms::NONE, Some(Shape::default()));
-    let total = before.unseen_squares();
-    let mut chosen = chooser.judged(core, None);
-    // sines of the joint's own angle follow a gain too, and a known torque follows no gain
-    let further = match series.load_nm {
-        Some(_) => [Law::Droop, Law::Gain],
-        None => [Law::Gain, Law::Droop],
-    };
-    for law in further {
-        if law == Law::Droop && !problem.has_droop() {
-            continue;
-        }
-        let with = chooser.judged(law.set(chosen.terms, true), Some(chosen.fit.shape));
-        let found = gain(&with.unseen, &chosen.unseen);
-        let is_known = law != Law::Droop || series.load_nm.is_some();
-        let least = if is_known { 0.0 } else { LEAST_DROOP_SHARE };
-        if is_missed(found, total) && found.squares > least * total {
-            chosen = with;
-        }
-    }
-    let mut kept = Vec::new();
-    // the laws that are missed least go first, and change what the others are missed by
-    loop {
-        let laws = Law::ALL.into_iter().filter(|law| law.is_in(chosen.terms));
-        let tried: Vec<(Law, Judged)> = laws
-            .map(|law| {
-                let terms = law.set(chosen.terms, false);
-                let near = chooser.judged(terms, Some(chosen.fit.shape));
-                (law, near)
-            })
-            .collect();
-        let gains: Vec<(Law, Gain)> = tried
-            .iter()
-            .map(|(law, without)| (*law, gain(&chosen.unseen, &without.unseen)))
-            .collect();
-        let spare = gains
-            .iter()
-            .enumerate()
-            .filter(|(_, (_, gain))| !is_missed(*gain, total))
-            .min_by(|a, b| a.1.1.squares.total_cmp(&b.1.1.squares));
-        match spare {
-            Some((index, _)) => {
-                let terms = tried[index].0.set(chosen.terms, false);
-                let again = chooser.judged(terms, None);
-                let near = &tried[index].1;
-                chosen = if again.fit.squares < near.fit.squares {
-                    again
-                } else {
-                    near.clone()
-                };
-            }
-            None => {
-                kept.extend(gains.iter().map(|(law, gain)| (*law, gain.squares)));
-                break;
-            }
-        }
-    }
+    chooser.total = before.unseen_squares();
+    let chosen = chooser.judged(core, None);
+    let Ok(chosen) = haptical_judge::select(&mut chooser, chosen);
+    let Ok(kept) = without_needless(&mut chooser, chosen, 0);
+    let mut chosen = kept.state;
+    let kept = laws(&chosen).zip(kept.worth.unwrap_or_default()).collect();
     let timing = Law::Timing.is_in(chosen.terms);
     let shape = chosen.fit.shape;
     let both = shape.delay_s + shape.lag_s;
@@ -204,12 +145,104 @@ pub(crate) fn select(series: &Series) -> Selection {
 }
 
 fn is_missed(gain: Gain, total: f64) -> bool {
-    gain.is_sure && gain.squares > LEAST_SHARE * total
+    is_sure(gain) && gain.sum > LEAST_SHARE * total
+}
+
+/// Whether a gain on unseen rows is sure by the scatter of the parts, or by their signs.
+pub(crate) fn is_sure(gain: Gain) -> bool {
+    gain.sum > 0.0 && (gain.deviations() > SURE_SD || gain.gaining + 1 >= gain.parts)
 }
 
 struct Chooser<'p, 's> {
     problem: &'p Problem<'s>,
     parts: Vec<Range<usize>>,
+    /// Laws that are still to be tried, the first of them last.
+    further: Vec<Law>,
+    has_load: bool,
+    /// Squares of the bare error.
+    total: f64,
+}
+
+/// The laws of a model.
+fn laws(judged: &Judged) -> impl Iterator<Item = Law> {
+    let terms = judged.terms;
+    Law::ALL.into_iter().filter(move |law| law.is_in(terms))
+}
+
+impl Forward for Chooser<'_, '_> {
+    type State = Judged;
+    type Further = (Law, Judged);
+    type Error = Infallible;
+
+    fn proposals(&mut self, chosen: &Judged) -> Result<Vec<Proposal<Self::Further>>, Infallible> {
+        let has_droop = self.problem.has_droop();
+        self.further.retain(|law| *law != Law::Droop || has_droop);
+        let law = self.further.pop();
+        let proposal = law.map(|law| {
+            let with = self.judged(law.set(chosen.terms, true), Some(chosen.fit.shape));
+            Proposal {
+                merit: Gain::between(&chosen.unseen, &with.unseen).sum,
+                further: (law, with),
+            }
+        });
+        Ok(proposal.into_iter().collect())
+    }
+
+    fn rule(
+        &mut self,
+        chosen: &Judged,
+        best: Proposal<Self::Further>,
+    ) -> Result<Ruling<Judged>, Infallible> {
+        let (law, with) = best.further;
+        let gain = Gain::between(&chosen.unseen, &with.unseen);
+        let is_known = law != Law::Droop || self.has_load;
+        let least = if is_known { 0.0 } else { LEAST_DROOP_SHARE };
+        Ok(
+            match is_missed(gain, self.total) && gain.sum > least * self.total {
+                true => Ruling::Taken(with),
+                false => Ruling::Refused,
+            },
+        )
+    }
+}
+
+impl Backward for Chooser<'_, '_> {
+    type State = Judged;
+    type Error = Infallible;
+
+    fn effects(&self, chosen: &Judged) -> usize {
+        laws(chosen).count()
+    }
+
+    fn without(&mut self, chosen: &Judged, effect: usize) -> Result<Without<Judged>, Infallible> {
+        let law = laws(chosen).nth(effect);
+        let terms = law.map_or(chosen.terms, |law| law.set(chosen.terms, false));
+        let state = self.judged(terms, Some(chosen.fit.shape));
+        Ok(Without {
+            worth: Gain::between(&state.unseen, &chosen.unseen).sum,
+            state,
+        })
+    }
+}
+
+impl Needless for Chooser<'_, '_> {
+    fn is_needless(
+        &mut self,
+        chosen: &Judged,
+        effect: usize,
+        all: &[Without<Judged>],
+    ) -> Result<bool, Infallible> {
+        let gain = Gain::between(&all[effect].state.unseen, &chosen.unseen);
+        Ok(!is_missed(gain, self.total))
+    }
+
+    fn refitted(&mut self, near: Judged) -> Result<Judged, Infallible> {
+        let again = self.judged(near.terms, None);
+        Ok(match again.fit.squares < near.fit.squares {
+            true => again,
+            false => near,
+        })
+    }
 }
 
 impl Chooser<'_, '_> {

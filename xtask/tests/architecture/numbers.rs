@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::{root, rust_files};
 
 /// Crates that judge.
-const JUDGING: [&str; 3] = ["diagnosis", "motion", "servo"];
+const JUDGING: [&str; 4] = ["diagnosis", "judge", "motion", "servo"];
 
 /// Constants with a number that decide nothing, a line each: file, name, why.
 const ELSEWHERE: &str = "\

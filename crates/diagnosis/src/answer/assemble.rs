@@ -308,7 +308,7 @@ fn on_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<String> {
         return Some(format!("the torques were not tested: {why}"));
     }
     let gap = findings.force.unexplained()?;
-    (matches!(verdict, Verdict::Named | Verdict::Ambiguous)).then(|| {
+    verdict.has_causes().then(|| {
         format!(
             "the torque of joint {} shows a gap that no cause explains: {:.3} {unit}, noise {:.3} {unit}",
             gap.joint.unwrap_or_default(),

@@ -33,7 +33,7 @@ pub(crate) fn corrected(
     verdict: Verdict,
     (causes, changes): (&[CauseAnswer], &[Change]),
 ) -> Result<Option<Corrected>, DiagnosisError> {
-    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+    if !verdict.has_causes() {
         return Ok(None);
     }
     let engine = selection.engine();
@@ -119,7 +119,7 @@ pub(crate) fn not_in_file(
     (before, file): (&Device, Option<&Device>),
     (changes, is_moving): (&[Change], bool),
 ) -> Vec<String> {
-    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+    if !verdict.has_causes() {
         return Vec::new();
     }
     let is_changed = |cause: &CauseAnswer| {
@@ -177,7 +177,7 @@ pub(crate) fn of_drives(
     verdict: Verdict,
     (causes, changes, reference_degc): (&[CauseAnswer], &[Change], f64),
 ) -> Option<Device> {
-    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+    if !verdict.has_causes() {
         return None;
     }
     let effects = drive_effects(causes, reference_degc);

@@ -20,6 +20,7 @@ pub(crate) mod unseen;
 use std::collections::{BTreeMap, BTreeSet};
 
 use haptical_effects::Ahead;
+pub use haptical_judge::Verdict;
 use haptical_model::Device;
 use serde::Serialize;
 
@@ -28,32 +29,6 @@ pub use self::floor::NoReduction;
 pub use self::gap::{ChannelGap, Gap};
 pub use self::second::{SecondAnswer, SecondChannel};
 use crate::noise::NoiseSource;
-
-/// What is said of the gap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// Nothing but noise is left.
-    NoGap,
-    /// The causes are named.
-    Named,
-    /// The data cannot tell the first cause from others.
-    Ambiguous,
-    /// There is a gap that no effect of the catalogue explains.
-    Unknown,
-}
-
-impl Verdict {
-    /// As in gap.json.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::NoGap => "no-gap",
-            Self::Named => "named",
-            Self::Ambiguous => "ambiguous",
-            Self::Unknown => "unknown",
-        }
-    }
-}
 
 /// A diagnosis.
 #[derive(Debug, Clone, Serialize)]

@@ -1,6 +1,7 @@
 //! Curves with a penalty on their bends (P-splines, Eilers & Marx 1996): the smoothness that predicts rows best that the fit did
 //! not see (docs/diagnosis-corrections.md).
 
+use haptical_judge::closed_share;
 use haptical_linalg::{NormalEquations, NormalSolution};
 
 use crate::thresholds::answer::{FOLDS, PARTS, PENALTIES, PULL};
@@ -145,10 +146,10 @@ impl Smooth {
 
     /// Share of the squares beyond noise that they lose; 0 where there are none beyond noise.
     pub(crate) fn share(&self) -> f64 {
-        let before: f64 = self.unseen.iter().map(|[without, _]| without).sum();
-        let beyond = before - self.rows;
-        match beyond > 0.0 {
-            true => (self.gain() / beyond).min(1.0),
+        let [before, after] =
+            [0, 1].map(|of| self.unseen.iter().map(|own| own[of]).collect::<Vec<_>>());
+        match before.iter().sum::<f64>() > self.rows {
+            true => closed_share(&before, &after, self.rows).share,
             false => 0.0,
         }
     }

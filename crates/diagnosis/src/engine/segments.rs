@@ -2,7 +2,8 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::Context;
-use haptical_linalg::{Direction, sum_sd};
+use haptical_judge::{Gain, closed_share};
+use haptical_linalg::Direction;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::engine::system::System;
@@ -30,13 +31,6 @@ struct Segment {
 /// Squared residual of every segment, as the other segments predict it.
 #[derive(Debug, Clone)]
 pub(crate) struct Unseen(Vec<f64>);
-
-/// A sum over segments with its standard deviation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Gain {
-    pub(crate) sum: f64,
-    pub(crate) sd: f64,
-}
 
 impl Segments {
     /// Contiguous parts of the rows, with all streams of each.
@@ -87,36 +81,16 @@ impl Segments {
     }
 }
 
-impl Gain {
-    /// The sum over its scatter.
-    pub(crate) fn deviations(self) -> f64 {
-        self.sum / self.sd.max(f64::MIN_POSITIVE)
-    }
-}
-
 impl Unseen {
-    /// What it gains on another one, with the scatter of the segments.
+    /// What it gains on another one, segment by segment.
     pub(crate) fn gain_on(&self, other: &Self) -> Gain {
-        let gains: Vec<f64> = other.0.iter().zip(&self.0).map(|(a, b)| a - b).collect();
-        Gain {
-            sum: gains.iter().sum(),
-            sd: sum_sd(&gains),
-        }
+        Gain::between(&other.0, &self.0)
     }
 
-    /// How surely it gains on another one, in standard deviations: by the sizes of the segments' gains, or by how many gain at
-    /// all (the sign test), whichever is surer. A few segments that a fit extrapolates to badly scatter the sizes.
-    pub(crate) fn surely_gains_on(&self, other: &Self) -> f64 {
-        let count = self.0.len() as f64;
-        let pairs = self.0.iter().zip(&other.0);
-        let gaining = pairs.filter(|(own, other)| own < other).count() as f64;
-        let by_sign = (2.0 * gaining - count) / count.sqrt();
-        let gain = self.gain_on(other);
-        if gain.sum > 0.0 {
-            gain.deviations().max(by_sign)
-        } else {
-            gain.deviations()
-        }
+    /// Share of the squares beyond noise that `before` leaves and this does not.
+    pub(crate) fn closed_of(&self, before: &Self, noise: f64) -> f64 {
+        let closed = closed_share(&before.0, &self.0, noise);
+        closed.share.clamp(0.0, 1.0)
     }
 
     /// Over all segments.

@@ -4,10 +4,13 @@
 //! positions (docs/diagnosis.md, "Partial causes"): a gain on unseen blocks that is beyond chance, no much larger one of a
 //! free function of the joint's rate, and little left that depends on it.
 
+use std::convert::Infallible;
+
 use haptical_effects::{Effect, Family, Hook};
+use haptical_judge::{Backward, Needless, Without, without_needless};
 
 use super::base::Base;
-use super::changes::{Column, Columns, Fitted, Folds, Pair, only};
+use super::changes::{Column, Columns, Fitted, Folds, Pair, is_beyond_choice, only};
 use super::effects::Effects;
 use super::select::Selection;
 use crate::thresholds::payload::{FREE_BINS, LAW_OF_FREE, LEFT_TO_FREE};
@@ -35,32 +38,66 @@ fn is_friction(effect: &dyn Effect) -> bool {
 
 /// A comparison of laws on the blocks of a recording.
 struct Comparison {
+    laws: Vec<Law>,
     folds: Folds,
     common: Vec<usize>,
     channels: Vec<usize>,
 }
 
 impl Comparison {
-    fn with(&self, laws: &[&Law]) -> Fitted {
-        let own = laws.iter().flat_map(|law| law.own.iter().copied());
+    fn with(&self, laws: &[usize]) -> Fitted {
+        let own = laws
+            .iter()
+            .flat_map(|law| self.laws[*law].own.iter().copied());
         let columns: Vec<usize> = self.common.iter().copied().chain(own).collect();
         self.folds.fit(&columns)
     }
+}
 
-    /// Whether a law has its place beside the others.
-    fn supports(&self, law: &Law, kept: &[&Law], all: &Fitted) -> bool {
-        let others = kept.iter().copied().filter(|other| other.pick != law.pick);
-        let without = self.with(&others.collect::<Vec<_>>());
-        let gain = all.gain_over(&without, &self.channels);
+impl Backward for Comparison {
+    type State = Vec<usize>;
+    type Error = Infallible;
+
+    fn effects(&self, kept: &Vec<usize>) -> usize {
+        kept.len()
+    }
+
+    fn without(
+        &mut self,
+        kept: &Vec<usize>,
+        index: usize,
+    ) -> Result<Without<Vec<usize>>, Infallible> {
+        let mut others = kept.clone();
+        others.remove(index);
+        let gain = (self.with(kept)).gain_over(&self.with(&others), &self.channels);
+        Ok(Without {
+            state: others,
+            worth: gain.sum,
+        })
+    }
+}
+
+impl Needless for Comparison {
+    /// Whether unseen blocks do not support a law, or a free function of the rate does much better.
+    fn is_needless(
+        &mut self,
+        kept: &Vec<usize>,
+        index: usize,
+        all: &[Without<Vec<usize>>],
+    ) -> Result<bool, Infallible> {
+        let (law, with) = (&self.laws[kept[index]], self.with(kept));
+        let without = self.with(&all[index].state);
+        let gain = with.gain_over(&without, &self.channels);
         let free = |more: &[usize]| {
             let columns = without.columns.iter().chain(more).chain(&law.free);
             self.folds.fit(&columns.copied().collect::<Vec<_>>())
         };
         let of_free = free(&[]).gain_over(&without, &self.channels).sum;
-        let beyond = free(&law.own).gain_over(all, &self.channels).sum;
-        gain.is_beyond_choice()
+        let beyond = free(&law.own).gain_over(&with, &self.channels).sum;
+        let is_supported = is_beyond_choice(gain)
             && gain.sum >= LAW_OF_FREE * of_free
-            && beyond <= LEFT_TO_FREE * gain.sum
+            && beyond <= LEFT_TO_FREE * gain.sum;
+        Ok(!is_supported)
     }
 }
 
@@ -72,40 +109,32 @@ impl Effects<'_, '_> {
         let channels: Vec<usize> = (0..recorded.channels.len()).collect();
         let mut columns = self.of_base(base);
         let common: Vec<usize> = (0..columns.all.len()).collect();
-        let laws = self.laws(selection, &mut columns);
         let noise: Vec<f64> = channels
             .iter()
             .map(|&channel| recorded.block_variance(channel))
             .collect();
         let pair = Pair::whole(along);
-        let comparison = Comparison {
+        let mut comparison = Comparison {
+            laws: self.laws(selection, &mut columns),
             folds: Folds::new(&columns, &pair, &noise),
             common,
             channels,
         };
+        let every = (0..comparison.laws.len()).collect();
+        let Ok(kept) = without_needless(&mut comparison, every, 0);
         let Comparison {
             folds, channels, ..
         } = &comparison;
-        let mut kept: Vec<&Law> = laws.iter().collect();
-        while !kept.is_empty() {
-            let all = comparison.with(&kept);
-            let is_supported = |law: &&Law| comparison.supports(law, &kept, &all);
-            let supported: Vec<&Law> = kept.iter().copied().filter(is_supported).collect();
-            if supported.len() == kept.len() {
-                let of =
-                    |&channel: &usize| folds.weight[channel] * noise[channel] * folds.rows(channel);
-                let beyond = |fitted: &Fitted| {
-                    (fitted.left_on(channels) - channels.iter().map(of).sum::<f64>()).max(0.0)
-                };
-                let null = comparison.with(&[]);
-                return Some(Partial {
-                    kept: kept.iter().map(|law| law.pick).collect(),
-                    closed_share: (1.0 - beyond(&all) / beyond(&null).max(1e-300)).clamp(0.0, 1.0),
-                });
-            }
-            kept = supported;
-        }
-        None
+        let (all, null) = (comparison.with(&kept.state), comparison.with(&[]));
+        let noise = folds.noise(channels, &noise);
+        (!kept.state.is_empty()).then(|| Partial {
+            kept: kept
+                .state
+                .iter()
+                .map(|law| comparison.laws[*law].pick)
+                .collect(),
+            closed_share: all.closed_of(&null, channels, noise),
+        })
     }
 
     /// The rigid links with what is not exactly known of them, and a constant of each drive.

@@ -1,6 +1,10 @@
 //! Stepwise selection of effects on the torques, with the rivals of each.
 
 use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
+use haptical_judge::{
+    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Rival, Ruling, Without,
+    probability, rivals, without_needless,
+};
 use haptical_linalg::golden_section;
 
 use super::base::Base;
@@ -60,61 +64,30 @@ impl Effects<'_, '_> {
 
     /// Chooses effects one after the other; they become base columns of `base`.
     pub(super) fn select(&self, base: &mut Base) -> Result<Selection, DiagnosisError> {
-        let mut candidates = self.candidates(base);
-        let mut rest_before = base.rest();
-        let mut before = self.energy(base);
-        let mut after = before.clone();
-        let mut picks: Vec<Pick> = Vec::new();
-        let mut ripples: Vec<(usize, f64)> = Vec::new();
-        while picks.len() < self.most_names() {
-            let scores = self.scores(base, &mut candidates).into_iter();
-            let open = scores.filter(|score| !self.is_taken(score, &picks, &ripples));
-            let Some(score) = open.max_by(|a, b| self.merit(a).total_cmp(&self.merit(b))) else {
-                break;
-            };
-            let effect = self.effect(score.effect);
-            let fresh = is_scale(effect) || picks.is_empty();
-            let rest = excess(&after).0.max(0.0);
-            let is_part = fresh || is_harmonic(effect) || score.score >= SHARE_OF_REST * rest;
-            if !self.is_found(&score, candidates.len())?
-                || !is_part
-                || !self.is_a_loop(base, &score)
-            {
-                break;
-            }
-            if is_harmonic(effect) && ripples.len() < MOST_RIPPLES {
-                let columns = self.ripple(base, score.effect, score.shape);
-                let rival = base.score(columns.clone());
-                if rival.rank > 0 && self.merit_as(&score, &rival) > self.merit(&score) {
-                    base.adopt(&columns);
-                    ripples.push((score.effect, score.shape));
-                    if picks.is_empty() {
-                        // what an angle's error adds is no gap of the torques
-                        rest_before = base.rest();
-                        before = self.energy(base);
-                        after = before.clone();
-                    }
-                    continue;
-                }
-            }
-            picks.push(self.taken(base, &score));
-            if is_scale(effect) {
-                self.along.settle(base);
-                for candidate in &mut candidates {
-                    candidate.reset(&base.regression.system, base.scales);
-                }
-            }
-            after = self.energy(base);
-        }
-        let rest_after = base.rest();
-        if !picks.is_empty() {
-            self.compare(base, &mut candidates, &mut picks, &after)?;
-        }
+        let mut search = Search {
+            candidates: self.candidates(base),
+            effects: self,
+            known: 0,
+        };
+        let energy = self.energy(base);
+        let start = Chosen {
+            before: energy.clone(),
+            after: energy,
+            rest_before: base.rest(),
+            base: base.clone(),
+            picks: Vec::new(),
+            ripples: Vec::new(),
+            gone: None,
+        };
+        let chosen = haptical_judge::select(&mut search, start)?;
+        let rest_after = chosen.base.rest();
+        let picks = search.compared(&chosen)?;
+        *base = chosen.base;
         Ok(Selection {
             picks,
-            before,
-            after,
-            rest_before,
+            before: chosen.before,
+            after: chosen.after,
+            rest_before: chosen.rest_before,
             rest_after,
         })
     }
@@ -217,79 +190,239 @@ impl Effects<'_, '_> {
         columns.push(slope);
         (shape, columns)
     }
+}
 
-    /// For each pick: what it saves with the others kept, and who would do as well in its place.
-    fn compare(
-        &self,
-        base: &Base,
-        candidates: &mut [Candidate],
-        picks: &mut Vec<Pick>,
-        after: &[SlowEnergy],
-    ) -> Result<(), DiagnosisError> {
-        let first = picks.iter().map(|pick| pick.first).min().unwrap_or(0);
-        let mut without = base.clone();
-        // whatever is between picks (ripples) stays where it is
-        let columns = without.regression.truncate(first);
-        let known = without.regression.system.basis.len();
-        let dispersion = misfit(after);
-        let mut kept = vec![true; picks.len()];
-        for (index, pick) in picks.iter_mut().enumerate() {
-            let own = pick.first - first..pick.first - first + pick.count;
-            let mut beside = without.clone();
-            for (index, column) in columns.iter().enumerate() {
-                if !own.contains(&index) {
-                    beside.regression.add(column.clone());
-                }
-            }
-            for candidate in candidates.iter_mut() {
-                candidate.reset(&beside.regression.system, known);
-            }
-            let layout = &beside.regression.system.layout;
-            let own = columns[own].iter().map(|own| layout.split(own)).collect();
-            let score = Score {
-                effect: pick.effect,
-                shape: pick.shape,
-                ..beside.score(own)
-            };
-            pick.score = score.score;
-            kept[index] = self.is_found(&score, candidates.len())?;
-            let own = self.merit(&score);
-            let effect = self.effect(pick.effect);
-            let mut best: Vec<(&'static str, Option<usize>, f64)> = Vec::new();
-            for rival in self.scores(&beside, candidates) {
-                let nats = 0.5 * (own - self.merit(&rival)) / dispersion;
-                let other = self.effect(rival.effect);
-                let (name, joint) = (other.name(), other.joint());
-                let is_own = name == effect.name() && joint == effect.joint();
-                if is_own || rival.retained < LEAST_RETAINED {
-                    continue;
-                }
-                match best.iter_mut().find(|b| b.0 == name && b.1 == joint) {
-                    Some(known) => known.2 = known.2.min(nats),
-                    None => best.push((name, joint, nats)),
-                }
-            }
-            if is_harmonic(effect) {
-                let ripple = beside.score(self.ripple(&beside, pick.effect, pick.shape));
-                let nats = 0.5 * (own - self.merit_as(&score, &ripple)) / dispersion;
-                best.push((INPUT_DRUM_HARMONIC.name, effect.joint(), nats));
-            }
-            let sum: f64 = best.iter().map(|rival| (-rival.2).min(50.0).exp()).sum();
-            pick.probability = 1.0 / (1.0 + sum);
-            pick.rivals = best
-                .into_iter()
-                .filter(|(name, _, nats)| *nats < CONFUSABLE_NATS && *name != effect.name())
-                .map(|(name, ..)| name)
-                .collect();
-            // a second effect that does worse than another shape of the first makes up for its
-            // misfit
-            kept[index] &= index == 0 || pick.probability > 0.5;
+/// Effects chosen so far, as base columns of a model.
+#[derive(Debug, Clone)]
+struct Chosen {
+    base: Base,
+    picks: Vec<Pick>,
+    /// Harmonics of a motor's angle, which are no gap of the torques.
+    ripples: Vec<(usize, f64)>,
+    before: Vec<SlowEnergy>,
+    after: Vec<SlowEnergy>,
+    rest_before: Vec<f64>,
+    /// Score of the effect that was taken out.
+    gone: Option<Score>,
+}
+
+/// The search of effects on the torques.
+struct Search<'s, 'a, 'r> {
+    effects: &'s Effects<'a, 'r>,
+    candidates: Vec<Candidate>,
+    /// Directions of the model without picks.
+    known: usize,
+}
+
+impl Forward for Search<'_, '_, '_> {
+    type State = Chosen;
+    type Further = Score;
+    type Error = DiagnosisError;
+
+    fn proposals(&mut self, chosen: &Chosen) -> Result<Vec<Proposal<Score>>, DiagnosisError> {
+        let effects = self.effects;
+        if chosen.picks.len() >= effects.most_names() {
+            return Ok(Vec::new());
         }
-        let mut index = 0;
-        picks.retain(|_| {
-            index += 1;
-            kept[index - 1]
+        let scores = effects
+            .scores(&chosen.base, &mut self.candidates)
+            .into_iter();
+        let open = scores.filter(|score| !effects.is_taken(score, &chosen.picks, &chosen.ripples));
+        Ok(open
+            .map(|score| Proposal {
+                merit: effects.merit(&score),
+                further: score,
+            })
+            .collect())
+    }
+
+    fn rule(
+        &mut self,
+        chosen: &Chosen,
+        best: Proposal<Score>,
+    ) -> Result<Ruling<Chosen>, DiagnosisError> {
+        let (effects, score) = (self.effects, best.further);
+        let effect = effects.effect(score.effect);
+        let is_fresh = is_scale(effect) || chosen.picks.is_empty();
+        let rest = excess(&chosen.after).0.max(0.0);
+        let is_part = is_fresh || is_harmonic(effect) || score.score >= SHARE_OF_REST * rest;
+        if !effects.is_found(&score, self.candidates.len())?
+            || !is_part
+            || !effects.is_a_loop(&chosen.base, &score)
+        {
+            return Ok(Ruling::Ended);
+        }
+        let mut next = chosen.clone();
+        if is_harmonic(effect) && chosen.ripples.len() < MOST_RIPPLES {
+            let columns = effects.ripple(&chosen.base, score.effect, score.shape);
+            let rival = chosen.base.score(columns.clone());
+            if rival.rank > 0 && effects.merit_as(&score, &rival) > best.merit {
+                next.base.adopt(&columns);
+                next.ripples.push((score.effect, score.shape));
+                if next.picks.is_empty() {
+                    // what an angle's error adds is no gap of the torques
+                    next.rest_before = next.base.rest();
+                    next.before = effects.energy(&next.base);
+                    next.after = next.before.clone();
+                }
+                return Ok(Ruling::Taken(next));
+            }
+        }
+        let pick = effects.taken(&mut next.base, &score);
+        next.picks.push(pick);
+        if is_scale(effect) {
+            effects.along.settle(&mut next.base);
+            for candidate in &mut self.candidates {
+                candidate.reset(&next.base.regression.system, next.base.scales);
+            }
+        }
+        next.after = effects.energy(&next.base);
+        Ok(Ruling::Taken(next))
+    }
+}
+
+impl Backward for Search<'_, '_, '_> {
+    type State = Chosen;
+    type Error = DiagnosisError;
+
+    fn effects(&self, chosen: &Chosen) -> usize {
+        chosen.picks.len()
+    }
+
+    fn without(
+        &mut self,
+        chosen: &Chosen,
+        index: usize,
+    ) -> Result<Without<Chosen>, DiagnosisError> {
+        let mut less = chosen.clone();
+        let gone = less.picks.remove(index);
+        let first = chosen.picks.iter().map(|pick| pick.first).min();
+        let first = first.unwrap_or(gone.first);
+        // whatever is between picks (ripples) stays where it is
+        let columns = less.base.regression.truncate(first);
+        self.known = less.base.regression.system.basis.len();
+        let own = gone.first - first..gone.first - first + gone.count;
+        for (index, column) in columns.iter().enumerate() {
+            if !own.contains(&index) {
+                less.base.regression.add(column.clone());
+            }
+        }
+        for later in less.picks.iter_mut().filter(|pick| pick.first > gone.first) {
+            later.first -= gone.count;
+        }
+        let layout = &less.base.regression.system.layout;
+        let own = columns[own].iter().map(|own| layout.split(own)).collect();
+        let score = Score {
+            effect: gone.effect,
+            shape: gone.shape,
+            ..less.base.score(own)
+        };
+        let worth = self.effects.merit(&score);
+        less.gone = Some(score);
+        Ok(Without { state: less, worth })
+    }
+}
+
+impl Needless for Search<'_, '_, '_> {
+    /// One of another shape of an effect that is in the model makes up for that one's misfit.
+    fn is_needless(
+        &mut self,
+        chosen: &Chosen,
+        index: usize,
+        all: &[Without<Chosen>],
+    ) -> Result<bool, DiagnosisError> {
+        let without = &all[index];
+        let Some(score) = &without.state.gone else {
+            return Ok(false);
+        };
+        if !self.effects.is_found(score, self.candidates.len())? {
+            return Ok(true);
+        }
+        let rivals = rivals(self, chosen, index, without, dispersion(chosen))?;
+        let is_likely = probability(rivals.iter().map(|rival| rival.behind)) > 0.5;
+        Ok(index > 0 && !is_likely)
+    }
+}
+
+impl InPlace for Search<'_, '_, '_> {
+    type Name = (&'static str, Option<usize>);
+    type Fit = ();
+
+    fn in_place(
+        &mut self,
+        without: &Chosen,
+        whole: &Chosen,
+        index: usize,
+    ) -> Result<Others<Self>, DiagnosisError> {
+        let effects = self.effects;
+        let pick = &whole.picks[index];
+        let effect = effects.effect(pick.effect);
+        let own = (effect.name(), effect.joint());
+        for candidate in &mut self.candidates {
+            candidate.reset(&without.base.regression.system, self.known);
+        }
+        let scores = effects
+            .scores(&without.base, &mut self.candidates)
+            .into_iter();
+        let others = scores.filter_map(|score| {
+            let other = effects.effect(score.effect);
+            let name = (other.name(), other.joint());
+            let is_rival = name != own && score.retained >= LEAST_RETAINED;
+            is_rival.then(|| Other {
+                name,
+                merit: effects.merit(&score),
+                fit: (),
+            })
         });
-        Ok(())
+        let mut others: Vec<_> = others.collect();
+        if let Some(score) = without.gone.as_ref().filter(|_| is_harmonic(effect)) {
+            let ripple = effects.ripple(&without.base, pick.effect, pick.shape);
+            others.push(Other {
+                name: (INPUT_DRUM_HARMONIC.name, effect.joint()),
+                merit: effects.merit_as(score, &without.base.score(ripple)),
+                fit: (),
+            });
+        }
+        Ok(others)
+    }
+}
+
+/// Merits are squares, and two of them a nat; the more is left, the less they weigh.
+fn dispersion(chosen: &Chosen) -> f64 {
+    2.0 * misfit(&chosen.after)
+}
+
+impl Search<'_, '_, '_> {
+    /// The picks that are needed, with what each saves with the others kept, and who would do as well in its place.
+    fn compared(&mut self, chosen: &Chosen) -> Result<Vec<Pick>, DiagnosisError> {
+        let kept = without_needless(self, chosen.clone(), 0)?.state;
+        let mut picks = Vec::new();
+        for (index, pick) in kept.picks.iter().enumerate() {
+            let without = self.without(&kept, index)?;
+            let found = rivals(self, &kept, index, &without, dispersion(chosen))?;
+            let name = self.effects.effect(pick.effect).name();
+            let is_near = |rival: &&Rival<(&'static str, Option<usize>), ()>| {
+                rival.behind < CONFUSABLE_NATS && rival.name.0 != name
+            };
+            let place = |own: &&Pick| (own.effect, own.shape) == (pick.effect, pick.shape);
+            // where its columns are in the model with all
+            let first = chosen
+                .picks
+                .iter()
+                .find(place)
+                .map_or(pick.first, |own| own.first);
+            picks.push(Pick {
+                first,
+                score: without.state.gone.as_ref().map_or(0.0, |score| score.score),
+                probability: probability(found.iter().map(|rival| rival.behind)),
+                rivals: found
+                    .iter()
+                    .filter(is_near)
+                    .map(|rival| rival.name.0)
+                    .collect(),
+                ..pick.clone()
+            });
+        }
+        Ok(picks)
     }
 }

@@ -1,12 +1,13 @@
 //! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
 use haptical_effects::{Context, Effect, Family, Follows};
+use haptical_judge::{Backward, InPlace, Other, Others, Without, probability};
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
 use crate::select::rival::Rival;
 use crate::select::scan::Score;
-use crate::select::{Selection, Selector, misfit};
+use crate::select::{Selection, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::rivals::{
     BEHIND_NATS, COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, LOOK_ALIKE_NATS,
@@ -40,135 +41,183 @@ pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>, D
     Ok(lists)
 }
 
-/// The cause itself and its rivals, best first.
+/// The cause itself and its rivals, the best first.
 pub(crate) fn rivals(
     selection: &mut Selection<'_>,
     cause: usize,
 ) -> Result<Vec<Rival>, DiagnosisError> {
-    let selector = &mut selection.selector;
-    let causes = &selection.refit.model.causes;
-    let (without, scan) = if causes.len() == 1 {
-        (selector.engine.start.clone(), selection.first_scan.clone())
-    } else {
-        let mut model = selection.refit.model.clone();
-        model.causes.remove(cause);
-        let refit = selector.engine.refit(selector.effects, &model)?;
-        let system = selector.system_of(&refit);
-        let scan = selector.scan(&system, &refit.model);
-        (refit, scan)
+    let whole = selection.refit.clone();
+    let mut search = InPlaceOf {
+        selection,
+        scan: Vec::new(),
+        gained: 0.0,
+        explained: 0.0,
     };
-    let misfit = misfit(&selection.after);
-    let empty = selector.cost(&without);
-    let gained = (empty - selector.cost(&selection.refit)).max(1e-9);
-    let own = causes[cause].effect;
-    let criterion = |score: f64, of: &Score| {
-        selector.criterion(&Score {
-            score: score / misfit,
-            ..of.clone()
-        })
-    };
-    // the linear score of a rival counts where its refit falls short; so does that of the cause itself
-    let template = scan.iter().find(|score| score.effect == own).cloned();
-    let template = template.unwrap_or_else(|| Score::of_cause(&causes[cause], gained));
-    let explained = gained.max(template.score);
-    let best = criterion(explained, &template);
-    let mut evidence = vec![Evidence {
-        effect: own,
-        nats: best,
-        share: 1.0,
+    let without = search.without(&whole, cause)?;
+    let found = haptical_judge::rivals(&mut search, &whole, cause, &without, 1.0)?;
+    let effect = selection.selector.effects[whole.model.causes[cause].effect].as_ref();
+    let own = Rival {
         cause: None,
         has_converged: true,
-    }];
-    let others: Vec<&Score> = scan
-        .iter()
-        .filter(|score| score.effect != own)
-        .take(LISTED)
-        .collect();
-    let is_near = |score: &Score| {
-        best - criterion(score.score, score) < NEAR_NATS || score.score > SAME_GAIN * gained
+        name: effect.name(),
+        joint: effect.joint(),
+        share: 1.0,
+        nats_behind: 0.0,
+        probability: 0.0,
     };
-    let near: Vec<&Score> = others
-        .iter()
-        .copied()
-        .filter(|score| is_near(score))
-        .collect();
-    let refits = haptical_parallel::map(near.into_iter().take(REFITTED), |score| {
-        let (fitted, cost) = selector.refit_with(&without.model, score)?;
-        Ok((score.effect, fitted, cost))
+    let others = found.into_iter().map(|rival| Rival {
+        cause: rival.fit.cause,
+        has_converged: rival.fit.has_converged,
+        name: rival.name.0,
+        joint: rival.name.1,
+        share: rival.fit.share,
+        nats_behind: rival.behind,
+        probability: 0.0,
     });
-    let refits: Vec<(usize, Refit, f64)> =
-        refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
-    for score in others {
-        let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
-        // one that ended at no minimum may explain what its end still promises
-        let explained = refit.map_or(score.score, |(_, fitted, cost)| {
-            score.score.max(empty - cost + fitted.may_fall())
-        });
-        let has_converged = refit.is_none_or(|(_, fitted, _)| fitted.has_converged());
-        let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
-        evidence.push(Evidence {
-            effect: score.effect,
-            nats: criterion(explained, score),
-            share: explained / gained,
-            cause: fit.filter(|_| has_converged),
-            has_converged,
-        });
-    }
-    hedge(selector, own, best, &mut evidence);
-    Ok(listed(selector, own, evidence))
+    let mut list: Vec<Rival> = std::iter::once(own).chain(others).collect();
+    let nearest = list.iter().map(|rival| rival.nats_behind);
+    let ahead = nearest.fold(0.0, f64::min);
+    list.iter_mut().for_each(|rival| rival.nats_behind -= ahead);
+    with_probabilities(&mut list);
+    Ok(list)
 }
 
-/// Evidence as probabilities, the cause itself first and then the best.
-fn listed(selector: &Selector<'_>, own: usize, mut evidence: Vec<Evidence>) -> Vec<Rival> {
-    evidence.sort_by(|a, b| b.nats.total_cmp(&a.nats));
-    let top = evidence[0].nats;
-    let sum: f64 = evidence.iter().map(|own| (own.nats - top).exp()).sum();
-    let mut found: Vec<Rival> = evidence
-        .into_iter()
-        .map(|own| Rival {
-            cause: own.cause,
-            has_converged: own.has_converged,
-            name: selector.effects[own.effect].name(),
-            joint: selector.effects[own.effect].joint(),
-            share: own.share,
-            nats_behind: top - own.nats,
-            probability: (own.nats - top).exp() / sum,
-        })
-        .collect();
-    merge(&mut found);
-    // the cause that was picked comes first
-    if let Some(position) = found.iter().position(|rival| {
-        rival.name == selector.effects[own].name() && rival.joint == selector.effects[own].joint()
-    }) {
-        let own = found.remove(position);
-        found.insert(0, own);
+/// Gives rivals, the effect itself first, their probabilities.
+pub(crate) fn with_probabilities(list: &mut [Rival]) {
+    let behind: Vec<f64> = list.iter().map(|rival| rival.nats_behind).collect();
+    for (index, rival) in list.iter_mut().enumerate() {
+        let others = behind
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index);
+        rival.probability = probability(others.map(|(_, other)| other - behind[index]));
     }
-    found
+}
+
+/// Effects in the place of a cause.
+struct InPlaceOf<'s, 'e> {
+    selection: &'s mut Selection<'e>,
+    /// Scan of what the other causes leave.
+    scan: Vec<Score>,
+    /// Squares that the cause explains by its refit, and those with which it counts.
+    gained: f64,
+    explained: f64,
 }
 
 /// What is known of an effect in a cause's place.
-struct Evidence {
-    /// Position in the catalogue.
-    effect: usize,
-    nats: f64,
-    /// Share of what the cause explains.
-    share: f64,
+struct Known {
     /// Its fit, where it was refitted and ended at a minimum.
     cause: Option<Cause>,
     has_converged: bool,
+    /// Share of what the cause explains.
+    share: f64,
 }
 
-/// Brings effects whose difference is a matter of their laws near to the cause.
-fn hedge(selector: &Selector<'_>, own: usize, best: f64, evidence: &mut [Evidence]) {
-    let own_effect = selector.effects[own].as_ref();
-    let is_warming = warms_with_time(&selector.engine.context);
-    for rival in evidence.iter_mut() {
-        let other = selector.effects[rival.effect].as_ref();
-        if rival.effect != own
-            && let Some(behind) = most_nats(own_effect, other, rival.share, is_warming)
-        {
-            rival.nats = rival.nats.max(best - behind);
-        }
+impl InPlaceOf<'_, '_> {
+    /// Evidence of squares that an effect explains, the misfit allowed for \[nats\].
+    fn nats(&self, explained: f64, of: &Score) -> f64 {
+        self.selection.selector.criterion(&Score {
+            score: explained / misfit(&self.selection.after),
+            ..of.clone()
+        })
+    }
+}
+
+impl Backward for InPlaceOf<'_, '_> {
+    type State = Refit;
+    type Error = DiagnosisError;
+
+    fn effects(&self, whole: &Refit) -> usize {
+        whole.model.causes.len()
+    }
+
+    fn without(&mut self, whole: &Refit, index: usize) -> Result<Without<Refit>, DiagnosisError> {
+        let selection = &mut *self.selection;
+        let selector = &mut selection.selector;
+        let state = if whole.model.causes.len() == 1 {
+            self.scan.clone_from(&selection.first_scan);
+            selector.engine.start.clone()
+        } else {
+            let mut model = whole.model.clone();
+            model.causes.remove(index);
+            let refit = selector.engine.refit(selector.effects, &model)?;
+            let system = selector.system_of(&refit);
+            self.scan = selector.scan(&system, &refit.model);
+            refit
+        };
+        self.gained = (selector.cost(&state) - selector.cost(whole)).max(1e-9);
+        // the linear score of a rival counts where its refit falls short; so does that of the cause itself
+        let cause = &whole.model.causes[index];
+        let template = self.scan.iter().find(|score| score.effect == cause.effect);
+        let template = template.cloned();
+        let template = template.unwrap_or_else(|| Score::of_cause(cause, self.gained));
+        self.explained = self.gained.max(template.score);
+        let worth = self.nats(self.explained, &template);
+        Ok(Without { state, worth })
+    }
+}
+
+impl InPlace for InPlaceOf<'_, '_> {
+    type Name = (&'static str, Option<usize>);
+    type Fit = Known;
+
+    fn in_place(
+        &mut self,
+        without: &Refit,
+        whole: &Refit,
+        index: usize,
+    ) -> Result<Others<Self>, DiagnosisError> {
+        let selector = &self.selection.selector;
+        let own = selector.effects[whole.model.causes[index].effect].as_ref();
+        let template = Score::of_cause(&whole.model.causes[index], self.explained);
+        let of_own = self
+            .scan
+            .iter()
+            .find(|score| score.effect == template.effect);
+        let best = self.nats(self.explained, of_own.unwrap_or(&template));
+        let others: Vec<&Score> = (self.scan.iter())
+            .filter(|score| score.effect != template.effect)
+            .take(LISTED)
+            .collect();
+        let is_near = |score: &&&Score| {
+            best - self.nats(score.score, score) < NEAR_NATS
+                || score.score > SAME_GAIN * self.gained
+        };
+        let near = others.iter().filter(is_near).copied().take(REFITTED);
+        let near: Vec<&Score> = near.collect();
+        let refits = haptical_parallel::map(near, |score| {
+            let (fitted, cost) = selector.refit_with(&without.model, score)?;
+            Ok((score.effect, fitted, cost))
+        });
+        let refits: Vec<(usize, Refit, f64)> =
+            refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
+        let empty = selector.cost(without);
+        let is_warming = warms_with_time(&selector.engine.context);
+        let known = others.into_iter().map(|score| {
+            let refit = refits.iter().find(|(effect, ..)| *effect == score.effect);
+            // one that ended at no minimum may explain what its end still promises
+            let explained = refit.map_or(score.score, |(_, fitted, cost)| {
+                score.score.max(empty - cost + fitted.may_fall())
+            });
+            let has_converged = refit.is_none_or(|(_, fitted, _)| fitted.has_converged());
+            let fit = refit.and_then(|(_, fitted, _)| fitted.model.causes.last().cloned());
+            let other = selector.effects[score.effect].as_ref();
+            let share = explained / self.gained;
+            let nats = self.nats(explained, score);
+            // effects whose difference is a matter of their laws are near
+            let hedged = most_nats(own, other, share, is_warming).map(|behind| best - behind);
+            Other {
+                name: (other.name(), other.joint()),
+                merit: hedged.map_or(nats, |hedged| nats.max(hedged)),
+                fit: Known {
+                    cause: fit.filter(|_| has_converged),
+                    has_converged,
+                    share,
+                },
+            }
+        });
+        let of_others = |other: &Other<Self::Name, Known>| other.name != (own.name(), own.joint());
+        Ok(known.filter(of_others).collect())
     }
 }
 
@@ -202,23 +251,6 @@ pub(crate) fn most_nats(
         && matches!(families.1, Family::Tool | Family::Place);
     (are_look_alikes && share > COUPLED)
         .then(|| BEHIND_NATS + CONFUSABLE_NATS * unlike / (1.0 - COUPLED))
-}
-
-/// One entry for each name at a place.
-fn merge(found: &mut Vec<Rival>) {
-    let mut index = 0;
-    while index < found.len() {
-        let (name, joint) = (found[index].name, found[index].joint);
-        let mut other = index + 1;
-        while other < found.len() {
-            if found[other].name == name && found[other].joint == joint {
-                found[index].probability += found.remove(other).probability;
-            } else {
-                other += 1;
-            }
-        }
-        index += 1;
-    }
 }
 
 /// Whether the temperature is a settling function of time within the recording: what follows the one

@@ -1,12 +1,13 @@
 //! The verdict: no gap, a name, several that cannot be distinguished, or a gap without a name.
 
 use haptical_effects::{Family, Parameter};
+use haptical_judge::Evidence;
 
 use crate::answer::{CandidateAnswer, CauseAnswer, HeldOutAnswer, Verdict};
 use crate::force::answer::ForceAnswer;
 use crate::judge::findings::Findings;
 use crate::select::excess;
-use crate::thresholds::chance::{MOST_NAMES, NAMED_PROBABILITY};
+use crate::thresholds::chance::MOST_NAMES;
 use crate::thresholds::partial::{LEAST_PROBABILITY, MOST_LEFT_OF_SECOND};
 use crate::thresholds::rivals::LATER_PROBABILITY;
 
@@ -16,14 +17,16 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
     let first = causes.first();
     // where a tool was changed the rest may be as small as the tool's own law gets wrong
     if base_terms.accounts_for(excess(&findings.selection.after).0) {
-        return by_probability(first);
+        return judged(true, true, first);
     }
     if findings.selection.causes().is_empty() {
-        return match (findings.is_quiet(), causes.is_empty()) {
-            (true, true) if !base_terms.is_unnamed => Verdict::NoGap,
-            (true, false) if !base_terms.is_partial => Verdict::Named,
-            _ => Verdict::Unknown,
-        };
+        let is_quiet = findings.is_quiet();
+        return haptical_judge::verdict(Evidence {
+            has_gap: !is_quiet || base_terms.is_unnamed || !causes.is_empty(),
+            is_supported: is_quiet && !base_terms.is_partial,
+            // a term of the base model that leaves no gap has no rivals
+            probability: first.map(|_| 1.0),
+        });
     }
     let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);
     let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible)
@@ -37,10 +40,7 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
         probability >= LEAST_PROBABILITY
     });
     let is_supported = findings.adequacy.is_adequate || (findings.partial.is_some() && is_likely);
-    if !is_supported || is_hedged || is_void {
-        return Verdict::Unknown;
-    }
-    by_probability(first)
+    judged(true, is_supported && !is_hedged && !is_void, first)
 }
 
 /// The verdict where positions show no gap: by the torques' first finding, or by their gap without one.
@@ -50,18 +50,20 @@ pub(crate) fn of_torques(findings: &Findings<'_>) -> Verdict {
 
 /// The same of torques alone.
 pub(crate) fn by_torques(force: &ForceAnswer) -> Verdict {
-    match force.findings.first() {
-        None if force.unexplained().is_some() => Verdict::Unknown,
-        None => Verdict::NoGap,
-        first => by_probability(first),
-    }
+    let first = force.findings.first();
+    judged(
+        first.is_some() || force.unexplained().is_some(),
+        true,
+        first,
+    )
 }
 
-fn by_probability(first: Option<&CauseAnswer>) -> Verdict {
-    match first.is_some_and(|cause| cause.probability >= NAMED_PROBABILITY) {
-        true => Verdict::Named,
-        false => Verdict::Ambiguous,
-    }
+fn judged(has_gap: bool, is_supported: bool, first: Option<&CauseAnswer>) -> Verdict {
+    haptical_judge::verdict(Evidence {
+        has_gap,
+        is_supported,
+        probability: first.map(|cause| cause.probability),
+    })
 }
 
 /// Whether a cause has a size, and makes predictions of what the fit did not see better.
@@ -92,7 +94,7 @@ pub(crate) fn on_unseen(
     causes: &mut Vec<CauseAnswer>,
 ) -> (Verdict, Vec<CandidateAnswer>, Vec<String>) {
     let (mut candidates, mut said) = (Vec::new(), Vec::new());
-    if !matches!(verdict, Verdict::Named | Verdict::Ambiguous) {
+    if !verdict.has_causes() {
         return (verdict, candidates, said);
     }
     let is_first_borne_out = causes.first().is_some_and(is_borne_out);

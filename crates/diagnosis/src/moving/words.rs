@@ -2,6 +2,7 @@
 
 use haptical_calibration::Channel;
 use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
+use haptical_judge::probability;
 use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
@@ -140,9 +141,7 @@ impl<'e> Words<'e> {
     /// A finding as a cause.
     pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
         let near = found.rivals.iter().filter(|own| own.is_near());
-        let of_rivals: f64 = (found.rivals.iter())
-            .map(|own| (-own.behind_nats.max(-5.0)).exp())
-            .sum();
+        let among_rivals = probability(found.rivals.iter().map(|own| own.behind_nats));
         let name = |effect: &str, joint: Option<usize>| match joint {
             Some(joint) if Some(joint) != found.joint => format!("{effect} at joint {}", joint + 1),
             _ => effect.to_owned(),
@@ -177,11 +176,7 @@ impl<'e> Words<'e> {
                     .held_out(found.joint)
                     .map(|held_out| of_log(found, held_out)),
             },
-            ..CauseAnswer::named(
-                found.effect,
-                found.joint,
-                LISTED_PROBABILITY / (1.0 + of_rivals),
-            )
+            ..CauseAnswer::named(found.effect, found.joint, LISTED_PROBABILITY * among_rivals)
         }
     }
 

@@ -2,9 +2,11 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::ops::Range;
 
 use haptical_effects::{Context, Effect, Signal};
+use haptical_judge::{Forward, Proposal, Ruling};
 use haptical_linalg::Direction;
 
 use crate::DiagnosisError;
@@ -145,28 +147,12 @@ impl<'s> Instants<'s> {
     /// An event's further steps (counts are lost more than once): each at its best instant, after which
     /// the others move to theirs. Three steps up look like a ramp whose middle is the best single one.
     pub(crate) fn with_more_steps(&self, first: Score) -> Score {
-        let one = first.score;
-        let mut steps = Steps::new(self.system, self.context, self.effect);
-        let mut times = first.times.clone();
-        while times.len() < MOST_STEPS_OF_AN_EVENT {
-            match self.best(&steps.taken(&times, usize::MAX)) {
-                Some(next) if next.score > STEP_SCORE && next.score > STEP_SHARE * one => {
-                    times.push(next.shape);
-                }
-                _ => break,
-            }
-            for _ in 0..SWEEPS {
-                let before = times.clone();
-                for index in 0..times.len() {
-                    if let Some(best) = self.best(&steps.taken(&times, index)) {
-                        times[index] = best.shape;
-                    }
-                }
-                if times == before {
-                    break;
-                }
-            }
-        }
+        let mut further = FurtherSteps {
+            steps: Steps::new(self.system, self.context, self.effect),
+            instants: self,
+            one: first.score,
+        };
+        let Ok(times) = haptical_judge::select(&mut further, first.times.clone());
         if times.len() == 1 {
             return first;
         }
@@ -179,6 +165,55 @@ impl<'s> Instants<'s> {
             times,
             ..candidate.score(self.system)
         }
+    }
+}
+
+/// Further steps of an event.
+struct FurtherSteps<'s> {
+    instants: &'s Instants<'s>,
+    steps: Steps<'s>,
+    /// What the first step explains alone.
+    one: f64,
+}
+
+impl Forward for FurtherSteps<'_> {
+    type State = Vec<f64>;
+    type Further = f64;
+    type Error = Infallible;
+
+    fn proposals(&mut self, times: &Vec<f64>) -> Result<Vec<Proposal<f64>>, Infallible> {
+        if times.len() >= MOST_STEPS_OF_AN_EVENT {
+            return Ok(Vec::new());
+        }
+        let best = (self.instants).best(&self.steps.taken(times, usize::MAX));
+        let proposal = best.map(|best| Proposal {
+            further: best.shape,
+            merit: best.score,
+        });
+        Ok(proposal.into_iter().collect())
+    }
+
+    fn rule(
+        &mut self,
+        times: &Vec<f64>,
+        best: Proposal<f64>,
+    ) -> Result<Ruling<Vec<f64>>, Infallible> {
+        if best.merit <= STEP_SCORE || best.merit <= STEP_SHARE * self.one {
+            return Ok(Ruling::Ended);
+        }
+        let mut times = [times.as_slice(), &[best.further]].concat();
+        for _ in 0..SWEEPS {
+            let before = times.clone();
+            for index in 0..times.len() {
+                if let Some(best) = self.instants.best(&self.steps.taken(&times, index)) {
+                    times[index] = best.shape;
+                }
+            }
+            if times == before {
+                break;
+            }
+        }
+        Ok(Ruling::Taken(times))
     }
 }
 

@@ -11,11 +11,12 @@ pub(crate) mod trim;
 
 mod earlier_laws;
 mod excess;
+mod grow;
 pub(crate) mod partial;
 mod ranking;
 mod springs;
 
-use haptical_effects::{Effect, Family};
+use haptical_effects::Effect;
 
 use crate::DiagnosisError;
 use crate::engine::Engine;
@@ -23,10 +24,8 @@ use crate::engine::model::{Cause, Refit};
 use crate::engine::part::dense;
 use crate::engine::system::{SlowEnergy, System};
 use crate::select::scan::{Candidate, Score, candidates};
-use crate::thresholds::chance::MOST_CAUSES;
-use crate::thresholds::fit::MOVED_FAR;
 use crate::thresholds::rivals::REPLACED_COST;
-use crate::thresholds::selection::{DYNAMIC_RANGE, NEARLY_NOTHING, REFUSALS, STILL_MUCH};
+use crate::thresholds::selection::REFUSALS;
 
 pub(crate) use self::excess::{excess, misfit, worst_excess};
 
@@ -130,84 +129,6 @@ impl<'e> Selector<'e> {
                 }
             }
         }
-    }
-
-    /// Picks without those that were refused.
-    fn grow(
-        &mut self,
-        before: &[SlowEnergy],
-        refused: &mut Refused,
-        may_stop: bool,
-    ) -> Result<Grown, DiagnosisError> {
-        let mut grown = Grown {
-            refit: self.engine.start.clone(),
-            system: self.engine.system.clone(),
-            after: before.to_vec(),
-            explained: Vec::new(),
-            first_scan: Vec::new(),
-            provisional: Vec::new(),
-        };
-        let mut tried = Vec::new();
-        loop {
-            self.engine.base.interrupt.check()?;
-            let mut scan = self.scan(&grown.system, &grown.refit.model);
-            scan.retain(|score| !refused.shut.contains(&score.effect));
-            if grown.refit.model.causes.is_empty() {
-                grown.first_scan.clone_from(&scan);
-            }
-            let full = grown.refit.model.causes.len() >= MOST_CAUSES;
-            if full || refused.shut.len() > REFUSALS {
-                break;
-            }
-            let best = self.best(&grown, &scan, &mut tried)?;
-            refused.note(&tried, &scan);
-            let Some((next, score)) = best else {
-                break;
-            };
-            let system = self.system_of(&next);
-            let after = system.slow_energy(&system.residual);
-            if !self.is_more_than_chance(&score, &after)? {
-                break;
-            }
-            let is_first = grown.refit.model.causes.is_empty();
-            let enough = self.explains_enough(&score, &grown.after, &after);
-            if !enough && is_first {
-                refused.best.get_or_insert(score);
-                break;
-            }
-            let effect = self.effects[score.effect].as_ref();
-            let causes = &grown.refit.model.causes;
-            let beyond_laws = is_first
-                || (score.score > DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
-                    && ((self.is_quiet_there(effect, &after)
-                        && self.is_elsewhere(&score, causes))
-                        || score.score > self.law_errors(causes, &grown.explained, &score)));
-            let strict = !is_first || effect.spec().family == Family::Step;
-            let keeps_its_law = !strict
-                || next.model.causes.last().is_none_or(|cause| {
-                    let broken = self.broken_law(&system, effect, cause, score.score);
-                    Self::law_is_kept(effect, broken)
-                });
-            // while other effects are still to come a law cannot be judged
-            let much_left = excess(&after).0 > STILL_MUCH * excess(before).0;
-            if !enough || !beyond_laws || (!keeps_its_law && !much_left) {
-                refused.add(score);
-                continue;
-            }
-            if !keeps_its_law {
-                grown.provisional.push(score.clone());
-            }
-            grown.explained.push(score.score);
-            (grown.refit, grown.system, grown.after) = (next, system, after);
-            tried.clear();
-            if may_stop
-                && excess(&grown.after).0 < NEARLY_NOTHING * excess(before).0
-                && self.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
-            {
-                break;
-            }
-        }
-        Ok(grown)
     }
 
     /// The first cause that was taken up provisionally and whose law is broken with all others in the model too.

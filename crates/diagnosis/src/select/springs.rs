@@ -2,9 +2,12 @@
 //! others do by the same law, each with a stiffness of its own.
 
 use haptical_effects::{Family, Hook};
+use haptical_judge::{Forward, Proposal, Ruling};
 
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
+use crate::engine::model::Refit;
+use crate::select::contend::Tried;
 use crate::select::scan::Score;
 use crate::thresholds::chance::SHARE_OF_REST;
 
@@ -47,26 +50,17 @@ impl Selector<'_> {
     /// With further causes of some effects, the best first, while each is more than chance.
     fn extended(
         &mut self,
-        mut with: Grown,
+        with: Grown,
         among: fn(&Self, usize) -> bool,
     ) -> Result<Grown, DiagnosisError> {
-        let mut tried = Vec::new();
-        for _ in 0..self.engine.context.device.joints.len() {
-            let mut scan = self.scan(&with.system, &with.refit.model);
-            scan.retain(|score| among(self, score.effect));
-            let Some((refit, score)) = self.best(&with, &scan, &mut tried)? else {
-                break;
-            };
-            let system = self.system_of(&refit);
-            let after = system.slow_energy(&system.residual);
-            if !self.is_more_than_chance(&score, &after)? {
-                break;
-            }
-            with.explained.push(score.score);
-            (with.refit, with.system, with.after) = (refit, system, after);
-            tried.clear();
-        }
-        Ok(with)
+        let fewest = with.refit.model.causes.len();
+        let mut extension = Extension {
+            most: fewest + self.engine.context.device.joints.len(),
+            selector: self,
+            among,
+            tried: Vec::new(),
+        };
+        haptical_judge::select(&mut extension, with)
     }
 
     /// Without the causes of some effects, the others refitted.
@@ -126,5 +120,51 @@ impl Selector<'_> {
         effect.spec().family == Family::Load
             && effect.spec().hook == Hook::Joint
             && effect.joint().is_some()
+    }
+}
+
+/// Further causes of some effects.
+struct Extension<'s, 'e> {
+    selector: &'s mut Selector<'e>,
+    among: fn(&Selector<'e>, usize) -> bool,
+    most: usize,
+    tried: Vec<Tried>,
+}
+
+impl Forward for Extension<'_, '_> {
+    type State = Grown;
+    type Further = (Refit, Score);
+    type Error = DiagnosisError;
+
+    fn proposals(&mut self, with: &Grown) -> Result<Vec<Proposal<(Refit, Score)>>, DiagnosisError> {
+        if with.refit.model.causes.len() >= self.most {
+            return Ok(Vec::new());
+        }
+        let mut scan = self.selector.scan(&with.system, &with.refit.model);
+        scan.retain(|score| (self.among)(self.selector, score.effect));
+        let best = self.selector.best(with, &scan, &mut self.tried)?;
+        let proposal = best.map(|further| Proposal {
+            merit: further.1.score,
+            further,
+        });
+        Ok(proposal.into_iter().collect())
+    }
+
+    fn rule(
+        &mut self,
+        with: &Grown,
+        best: Proposal<(Refit, Score)>,
+    ) -> Result<Ruling<Grown>, DiagnosisError> {
+        let (refit, score) = best.further;
+        let system = self.selector.system_of(&refit);
+        let after = system.slow_energy(&system.residual);
+        if !self.selector.is_more_than_chance(&score, &after)? {
+            return Ok(Ruling::Ended);
+        }
+        let mut next = with.clone();
+        next.explained.push(score.score);
+        (next.refit, next.system, next.after) = (refit, system, after);
+        self.tried.clear();
+        Ok(Ruling::Taken(next))
     }
 }

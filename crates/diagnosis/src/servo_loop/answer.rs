@@ -1,11 +1,12 @@
 //! Joints' answers as one diagnosis.
 
 use haptical_effects::Effect;
+use haptical_judge::Evidence;
 use haptical_model::{Device, Recording};
-use haptical_servo::{Finding, NAMES, Verdict as OfJoint};
+use haptical_servo::{Finding, NAMES};
 
 use super::Asked;
-use super::causes::{TORQUE_GAIN, cause, changed, kept, of_torque};
+use super::causes::{TORQUE_GAIN, cause, changed, of_torque};
 use super::channel::{Joint, channel, gap, held_out, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
@@ -39,7 +40,7 @@ impl Tested {
             scales.extend(torque.map(|found| (index, found)));
             match own.answer {
                 Ok(answer) => {
-                    let kept = kept(&answer, &options.without);
+                    let kept = answer.without(&options.without);
                     // without some of its causes there is no fit to predict with
                     let is_whole = kept.causes.len() == answer.causes.len();
                     let second = match own.second {
@@ -100,7 +101,7 @@ pub(super) fn answer(
         unseen,
     } = Tested::new(asked, options);
     let energy = |joint: &Joint| match joint.answer.verdict {
-        OfJoint::NoGap => 0.0,
+        Verdict::NoGap => 0.0,
         _ => (joint.answer.rms_before / joint.answer.noise_floor.max(LEAST_FLOOR)).powi(2),
     };
     let total: f64 = joints.iter().map(energy).sum();
@@ -130,7 +131,7 @@ pub(super) fn answer(
         not_predicted: unseen,
         is_gap_of_it_alone: false,
     });
-    let is_explained = matches!(verdict, Verdict::Named | Verdict::Ambiguous);
+    let is_explained = verdict.has_causes();
     Diagnosis {
         next_experiment: located.and_then(|joint| {
             let next = joint.answer.next.as_ref();
@@ -188,15 +189,14 @@ pub(super) fn answer(
 
 /// What a device file does not hold: how a joint follows its command is no part of a device.
 fn not_in_file(verdict: Verdict, causes: &[CauseAnswer]) -> Vec<String> {
-    let is_named = matches!(verdict, Verdict::Named | Verdict::Ambiguous);
     let is_on_answer = |cause: &&CauseAnswer| NAMES.contains(&cause.effect.as_str());
-    let named = causes.iter().filter(|_| is_named).filter(is_on_answer);
+    let named = causes
+        .iter()
+        .filter(|_| verdict.has_causes())
+        .filter(is_on_answer);
     let words = |cause: &CauseAnswer| {
         let place = cause.place();
-        format!(
-            "{} at {place}: it is an answer to commands",
-            cause.effect
-        )
+        format!("{} at {place}: it is an answer to commands", cause.effect)
     };
     named.map(words).collect()
 }
@@ -211,12 +211,11 @@ fn causes(
     let mut words = Vec::new();
     let with_gap = joints
         .iter()
-        .filter(|joint| !matches!(joint.answer.verdict, OfJoint::NoGap | OfJoint::Unknown));
+        .filter(|joint| joint.answer.verdict.has_causes());
     for joint in with_gap {
         for finding in &joint.answer.causes {
             let held_out = held_out(device, joint);
-            let own = (joint.index, &joint.answer);
-            let cause = cause(device, own, finding, joint.weight, held_out);
+            let cause = cause(device, joint.index, finding, joint.weight, held_out);
             found.push((finding.since.is_some(), cause));
             words.extend(changed(joint.index, finding).map(|word| (joint.index, word)));
         }
@@ -230,13 +229,12 @@ fn causes(
 }
 
 fn verdict(joints: &[Joint], causes: &[CauseAnswer]) -> Verdict {
-    let has_gap = |joint: &Joint| joint.answer.verdict != OfJoint::NoGap;
-    match causes.first() {
-        None if !joints.iter().any(has_gap) => Verdict::NoGap,
-        Some(first) if first.confusable_with.is_empty() => Verdict::Named,
-        Some(_) => Verdict::Ambiguous,
-        None => Verdict::Unknown,
-    }
+    let has_gap = |joint: &Joint| joint.answer.verdict != Verdict::NoGap;
+    haptical_judge::verdict(Evidence {
+        has_gap: !causes.is_empty() || joints.iter().any(has_gap),
+        is_supported: true,
+        probability: causes.first().map(|first| first.probability),
+    })
 }
 
 /// The joint of the first cause, else the one with most of the gap.

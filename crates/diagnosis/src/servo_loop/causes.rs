@@ -3,40 +3,10 @@
 use std::collections::BTreeMap;
 
 use haptical_model::{Device, JointType};
-use haptical_servo::{Finding, Instant, JointAnswer, Number, Verdict as OfJoint};
+use haptical_servo::{Finding, Instant, Number};
 
 use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
 use crate::thresholds::servo::SURE_CLASS;
-
-/// Causes of a joint without the effects that are left out: a rival takes the place of one, and without a rival it goes.
-pub(super) fn kept(answer: &JointAnswer, without: &[String]) -> JointAnswer {
-    let mut kept = answer.clone();
-    let is_left_out = |name: &str| without.iter().any(|other| other == name);
-    kept.causes.retain_mut(|cause| {
-        let names = std::iter::once(cause.effect).chain(cause.confusable_with.iter().copied());
-        let mut names = names.filter(|name| !is_left_out(name)).collect::<Vec<_>>();
-        if names.is_empty() {
-            return false;
-        }
-        cause.effect = names.remove(0);
-        cause.confusable_with = names;
-        true
-    });
-    if kept.causes.len() < answer.causes.len() {
-        let lost: f64 = answer.causes.iter().map(|cause| cause.share).sum::<f64>()
-            - kept.causes.iter().map(|cause| cause.share).sum::<f64>();
-        kept.closed = (answer.closed - lost).max(0.0);
-        kept.verdict = match kept.causes.first() {
-            _ if answer.verdict == OfJoint::NoGap => OfJoint::NoGap,
-            Some(first) if kept.closed > 0.3 => match first.confusable_with.is_empty() {
-                true => OfJoint::Named,
-                false => OfJoint::Ambiguous,
-            },
-            _ => OfJoint::Unknown,
-        };
-    }
-    kept
-}
 
 /// Name of a torque's scale.
 pub(super) const TORQUE_GAIN: &str = "torque-gain";
@@ -57,16 +27,11 @@ pub(super) fn of_torque(joint: usize, finding: &Finding) -> CauseAnswer {
 /// A finding at a joint; `weight` is the joint's share of the gap.
 pub(super) fn cause(
     device: &Device,
-    (joint, answer): (usize, &JointAnswer),
+    joint: usize,
     finding: &Finding,
     weight: f64,
     held_out: HeldOutAnswer,
 ) -> CauseAnswer {
-    let class = SURE_CLASS * answer.closed.clamp(0.5, 1.0);
-    let own = match finding.confusable_with.len() {
-        0 => class,
-        rivals => class * (0.5 + 0.5 / (1.0 + rivals as f64)),
-    };
     let slides = device.joints[joint].joint_type == JointType::Prismatic;
     let mut parameters: BTreeMap<String, ParameterAnswer> = finding
         .numbers
@@ -75,14 +40,18 @@ pub(super) fn cause(
         .collect();
     parameters.extend(finding.since.map(since));
     CauseAnswer {
-        class_probability: class,
+        class_probability: SURE_CLASS,
         confusable_with: (finding.confusable_with.iter())
             .map(|name| (*name).to_owned())
             .collect(),
         parameters,
         share: finding.share * weight,
         held_out: Some(held_out),
-        ..CauseAnswer::named(finding.effect, Some(joint), own)
+        ..CauseAnswer::named(
+            finding.effect,
+            Some(joint),
+            SURE_CLASS * finding.probability(),
+        )
     }
 }
 

@@ -1,10 +1,12 @@
 //! Joints' positions as channels: what their commands leave of them, before and with the causes.
 
 use haptical_model::{Device, JointType};
-use haptical_servo::{JointAnswer, Predicted, Verdict as OfJoint};
+use haptical_servo::{JointAnswer, Predicted};
 
 use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace};
+use crate::answer::{
+    ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace, Verdict,
+};
 use crate::noise::NoiseSource;
 use crate::thresholds::second::ALLOWED_OF_COMMANDS;
 
@@ -81,17 +83,18 @@ pub(super) fn of_second(device: &Device, joint: &Joint) -> Option<SecondChannel>
 }
 
 fn is_closed(joint: &Joint) -> bool {
-    !matches!(joint.answer.verdict, OfJoint::NoGap | OfJoint::Unknown)
+    joint.answer.verdict.has_causes()
 }
 
 pub(super) fn gap(device: &Device, joint: &Joint) -> ChannelGap {
     let answer = &joint.answer;
-    let has_gap = answer.verdict != OfJoint::NoGap;
+    let has_gap = answer.verdict != Verdict::NoGap;
     let is_closed = is_closed(joint);
     let second = joint.second.as_ref();
     let [before, after] = second.map_or([answer.rms_before, answer.rms_after], Predicted::rms);
     let (closed, closed_ci95) = second.map_or((answer.closed, answer.closed_ci95), |second| {
-        second.closed(answer.noise_floor)
+        let closed = second.closed(answer.noise_floor);
+        (closed.share, closed.ci95)
     });
     let floor = answer.noise_floor;
     // as many independent readings as eighths of a second are few of
@@ -135,7 +138,7 @@ pub(super) fn held_out(device: &Device, joint: &Joint) -> HeldOutAnswer {
 pub(super) fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
     let answer = &joint.answer;
     let course = &answer.course;
-    (answer.verdict != OfJoint::NoGap).then(|| Trace {
+    (answer.verdict != Verdict::NoGap).then(|| Trace {
         channel: channel(joint.index),
         unit: unit(device, joint.index).to_owned(),
         covariate: "t_s".to_owned(),
@@ -143,7 +146,7 @@ pub(super) fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
         at: course.time_s.clone(),
         before: course.before.clone(),
         after: match answer.verdict {
-            OfJoint::Unknown => course.before.clone(),
+            Verdict::Unknown => course.before.clone(),
             _ => course.after.clone(),
         },
     })

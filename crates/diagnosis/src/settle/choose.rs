@@ -1,7 +1,8 @@
 //! The choice of pieces: greedy, then exchanges (Fedorov 1972), for the least odds of any candidate that may be true.
 
+use haptical_judge::NAMED_PROBABILITY;
+
 use super::gram::{Gram, Odds};
-use crate::thresholds::chance::NAMED_PROBABILITY;
 use crate::thresholds::settle::{EXCHANGE_ROUNDS, LEAST_EXCHANGE_NATS};
 
 /// Log-odds from which the first name is given without hedging \[nats\].

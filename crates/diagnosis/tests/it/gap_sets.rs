@@ -75,7 +75,7 @@ fn is_right(truth: &serde_json::Value, diagnosis: &Diagnosis) -> bool {
         .iter()
         .filter(|cause| !of_noise.contains(&cause.effect.as_str()))
         .collect();
-    matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous)
+    diagnosis.verdict.has_causes()
         && mechanical.len() == 1
         && accepted.contains(&mechanical[0].effect)
         && mechanical[0].joint == joint

@@ -100,7 +100,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         (Verdict::Ambiguous, Some(first)) => ambiguous(diagnosis, first),
         _ => unknown(diagnosis),
     };
-    if matches!(diagnosis.verdict, Verdict::Named | Verdict::Ambiguous)
+    if diagnosis.verdict.has_causes()
         && let Some(closing) = closing(diagnosis)
     {
         sentence = format!("{sentence} {closing}");

@@ -151,12 +151,12 @@ fn of_joint(rows: &JointRows, fitted: &Fitted, (chosen, at): (&Chosen, usize)) -
         };
         let near = chosen.rivals[at][index]
             .iter()
-            .filter(|own| own.1 < FAR_RIVAL_NATS);
-        let rivals = near.map(|(rival, behind)| NearRival {
-            effect: rival.name(),
+            .filter(|own| own.behind < FAR_RIVAL_NATS);
+        let rivals = near.map(|rival| NearRival {
+            effect: rival.name.0.name(),
             joint: Some(rows.joint),
-            behind_nats: *behind,
-            share: 1.0 - behind / chosen.nats[at][index].max(1e-300),
+            behind_nats: rival.behind,
+            share: 1.0 - rival.behind / chosen.nats[at][index].max(1e-300),
         });
         found.push(Finding {
             effect: term.name(),

@@ -1,5 +1,11 @@
 //! Which terms a motion shows: one after the other, each where it explains most, a delay that all encoders share among them.
 
+use std::convert::Infallible;
+
+use haptical_judge::{
+    Backward, Forward, InPlace, Other, Others, Proposal, Ruling, Without, rivals, select,
+};
+
 use super::fit::{Fitted, fit};
 use super::rows::JointRows;
 use super::terms::Term;
@@ -17,7 +23,20 @@ pub(super) struct Chosen {
     pub(super) tried: usize,
     /// What each joint's terms explain beside the others \[nats\], as in `fitted`; for each a rival in its place, and how far that is behind.
     pub(super) nats: Vec<Vec<f64>>,
-    pub(super) rivals: Vec<Vec<Vec<(Term, f64)>>>,
+    pub(super) rivals: Vec<Vec<Vec<Rival>>>,
+}
+
+/// Another term in the place of one.
+pub(super) type Rival = haptical_judge::Rival<Kind, ()>;
+
+/// A term, whatever its shape.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kind(pub(super) Term);
+
+impl PartialEq for Kind {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is_like(other.0)
+    }
 }
 
 /// A further term, or a delay of all joints.
@@ -31,6 +50,8 @@ enum Further {
 struct State {
     fitted: Vec<Fitted>,
     is_shared: bool,
+    /// Terms that were taken, a delay of all joints as one.
+    taken: usize,
 }
 
 impl State {
@@ -54,6 +75,7 @@ impl State {
 
     fn with(&self, rows: &[JointRows], further: Further) -> Option<Self> {
         let mut next = self.clone();
+        next.taken += 1;
         match further {
             Further::At(at, term) => {
                 let mut terms = next.fitted[at].terms.clone();
@@ -141,40 +163,24 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
         all.extend(plays.into_iter().filter(is_told).map(|term| (at, term)));
     }
     all.retain(|own| !is_left_out(own.1));
-    let mut state = State {
+    let start = State {
         fitted: rows.iter().map(|own| fit(own, &[], &|_| true)).collect(),
         is_shared: false,
+        taken: 0,
     };
     let has_delays = !is_left_out(Term::Delay) && rows.len() > 1;
-    for _ in 0..MOST_TERMS {
-        let before = state.score(rows);
-        let has = |(at, term): &(usize, Term)| {
-            let own = &state.fitted[*at];
-            let has_more = own.of(Term::PLAY).is_some() || own.hardening().is_some();
-            let is_spring = term.name() == Term::Spring.name();
-            own.of(*term).is_some() || (is_spring && has_more)
-        };
-        let further = all
-            .iter()
-            .filter(|own| !has(own))
-            .map(|own| Further::At(own.0, own.1));
-        let of_all = (has_delays && !state.is_shared).then_some(Further::DelayOfAll);
-        let next = further
-            .chain(of_all)
-            .filter_map(|further| state.with(rows, further))
-            .map(|next| (next.score(rows), next))
-            .max_by(|a, b| a.0.total_cmp(&b.0));
-        match next {
-            Some((score, next)) if score - before > LEAST_NATS => state = next,
-            _ => break,
-        }
-    }
+    let mut search = Search {
+        rows,
+        all,
+        has_delays,
+    };
+    let Ok(mut state) = select(&mut search, start);
     for (own, rows) in state.fitted.iter_mut().zip(rows) {
         if own.hardening().is_some() {
             *own = refined(rows, own);
         }
     }
-    told(rows, &all, state)
+    search.chosen(state)
 }
 
 /// A fit with a spring that hardens, its share settled between those that are tried. The standard deviation of its stiffness counts
@@ -212,67 +218,164 @@ fn refined(rows: &JointRows, fitted: &Fitted) -> Fitted {
     best
 }
 
-/// What each term is worth, and what would do in its place.
-fn told(rows: &[JointRows], all: &[(usize, Term)], state: State) -> Chosen {
-    let whole = state.score(rows);
-    let (mut nats, mut rivals) = (Vec::new(), Vec::new());
-    for (at, own) in state.fitted.iter().enumerate() {
-        let (mut of_joint, mut others) = (Vec::new(), Vec::new());
-        for term in &own.terms {
-            let kept: Vec<Term> = own
+/// The search of terms for a motion.
+struct Search<'r> {
+    rows: &'r [JointRows],
+    /// Terms, and the joints that they may be at.
+    all: Vec<(usize, Term)>,
+    has_delays: bool,
+}
+
+impl Search<'_> {
+    /// A model with other terms at a joint.
+    fn with(&self, whole: &State, at: usize, terms: &[Term]) -> State {
+        let mut there = whole.clone();
+        there.fitted[at] = fit(&self.rows[at], terms, &|_| true);
+        let with_delay = there.fitted.iter().filter(|own| own.delay_s().is_some());
+        there.is_shared &= with_delay.count() > 1;
+        there
+    }
+}
+
+/// The joint of each effect of a model, and its place among that joint's terms.
+fn places(state: &State) -> impl Iterator<Item = [usize; 2]> {
+    let joints = state.fitted.iter().enumerate();
+    joints.flat_map(|(at, own)| (0..own.terms.len()).map(move |place| [at, place]))
+}
+
+/// The joint of an effect, and the terms of that joint but for it.
+fn others(state: &State, effect: usize) -> (usize, Vec<Term>) {
+    let [at, place] = places(state).nth(effect).unwrap_or_default();
+    let mut terms = state.fitted[at].terms.clone();
+    terms.remove(place);
+    (at, terms)
+}
+
+impl Forward for Search<'_> {
+    type State = State;
+    type Further = State;
+    type Error = Infallible;
+
+    fn proposals(&mut self, state: &State) -> Result<Vec<Proposal<State>>, Infallible> {
+        if state.taken >= MOST_TERMS {
+            return Ok(Vec::new());
+        }
+        let has = |(at, term): &(usize, Term)| {
+            let own = &state.fitted[*at];
+            let has_more = own.of(Term::PLAY).is_some() || own.hardening().is_some();
+            let is_spring = term.name() == Term::Spring.name();
+            own.of(*term).is_some() || (is_spring && has_more)
+        };
+        let open = self.all.iter().filter(|own| !has(own));
+        let further = open.map(|own| Further::At(own.0, own.1));
+        let of_all = (self.has_delays && !state.is_shared).then_some(Further::DelayOfAll);
+        let before = state.score(self.rows);
+        let next = further.chain(of_all);
+        let next = next.filter_map(|further| state.with(self.rows, further));
+        Ok(next
+            .map(|further| Proposal {
+                merit: further.score(self.rows) - before,
+                further,
+            })
+            .collect())
+    }
+
+    fn rule(&mut self, _: &State, best: Proposal<State>) -> Result<Ruling<State>, Infallible> {
+        Ok(match best.merit > LEAST_NATS {
+            true => Ruling::Taken(best.further),
+            false => Ruling::Ended,
+        })
+    }
+}
+
+impl Backward for Search<'_> {
+    type State = State;
+    type Error = Infallible;
+
+    fn effects(&self, state: &State) -> usize {
+        places(state).count()
+    }
+
+    fn without(&mut self, state: &State, effect: usize) -> Result<Without<State>, Infallible> {
+        let (at, terms) = others(state, effect);
+        let mut less = self.with(state, at, &terms);
+        if !less.fitted[at].is_possible(&self.rows[at]) {
+            // nature does not allow the other terms without it
+            less = self.with(state, at, &[]);
+        }
+        Ok(Without {
+            worth: state.score(self.rows) - less.score(self.rows),
+            state: less,
+        })
+    }
+}
+
+impl InPlace for Search<'_> {
+    type Name = Kind;
+    type Fit = ();
+
+    fn in_place(
+        &mut self,
+        without: &State,
+        whole: &State,
+        effect: usize,
+    ) -> Result<Others<Self>, Infallible> {
+        let (at, kept) = others(whole, effect);
+        let less = without.score(self.rows);
+        let taken = &whole.fitted[at].terms;
+        let is_open = |(other, rival): &&(usize, Term)| {
+            *other == at && !taken.iter().any(|taken| taken.name() == rival.name())
+        };
+        let open = self.all.iter().filter(is_open);
+        let there = open.map(|(_, rival)| {
+            let terms = [kept.as_slice(), &[*rival]].concat();
+            (Kind(*rival), self.with(whole, at, &terms))
+        });
+        let possible = there.filter(|(_, there)| there.fitted[at].is_possible(&self.rows[at]));
+        Ok(possible
+            .map(|(name, there)| Other {
+                name,
+                merit: there.score(self.rows) - less,
+                fit: (),
+            })
+            .collect())
+    }
+}
+
+impl Search<'_> {
+    /// What each term is worth, and what would do in its place.
+    fn chosen(mut self, state: State) -> Chosen {
+        let (mut nats, mut found) = (Vec::new(), Vec::new());
+        let mut effect = 0;
+        for own in &state.fitted {
+            let (mut of_joint, mut others) = (Vec::new(), Vec::new());
+            for _ in &own.terms {
+                let Ok(without) = self.without(&state, effect);
+                let Ok(near) = rivals(&mut self, &state, effect, &without, 1.0);
+                of_joint.push(without.worth);
+                others.push(near);
+                effect += 1;
+            }
+            nats.push(of_joint);
+            found.push(others);
+        }
+        let rows = self.rows;
+        let bare = (rows.iter().zip(&state.fitted)).map(|(rows, own)| {
+            let shapes: Vec<Term> = own
                 .terms
                 .iter()
-                .filter(|other| *other != term)
+                .filter(|own| **own == Term::Shape)
                 .copied()
                 .collect();
-            let with = |terms: &[Term]| {
-                let mut there = state.clone();
-                there.fitted[at] = fit(&rows[at], terms, &|_| true);
-                there.is_shared &= there
-                    .fitted
-                    .iter()
-                    .filter(|own| own.delay_s().is_some())
-                    .count()
-                    > 1;
-                there.fitted[at]
-                    .is_possible(&rows[at])
-                    .then(|| there.score(rows))
-            };
-            let without = with(&kept).unwrap_or(f64::NEG_INFINITY);
-            of_joint.push(whole - without);
-            let in_place = all.iter().filter(|(other, rival)| {
-                *other == at && !own.terms.iter().any(|taken| taken.name() == rival.name())
-            });
-            let mut near: Vec<(Term, f64)> = Vec::new();
-            for (_, rival) in in_place {
-                let terms: Vec<Term> = kept.iter().copied().chain([*rival]).collect();
-                let Some(score) = with(&terms) else { continue };
-                match near.iter_mut().find(|own| own.0.is_like(*rival)) {
-                    Some(own) => own.1 = own.1.min(whole - score),
-                    None => near.push((*rival, whole - score)),
-                }
-            }
-            near.sort_by(|a, b| a.1.total_cmp(&b.1));
-            others.push(near);
+            fit(rows, &shapes, &|_| true)
+        });
+        Chosen {
+            bare: bare.collect(),
+            shared_s: shared(&state.fitted).filter(|_| state.is_shared),
+            fitted: state.fitted,
+            tried: self.all.len(),
+            nats,
+            rivals: found,
         }
-        nats.push(of_joint);
-        rivals.push(others);
-    }
-    let bare = (rows.iter().zip(&state.fitted)).map(|(rows, own)| {
-        let shapes: Vec<Term> = own
-            .terms
-            .iter()
-            .filter(|own| **own == Term::Shape)
-            .copied()
-            .collect();
-        fit(rows, &shapes, &|_| true)
-    });
-    Chosen {
-        bare: bare.collect(),
-        shared_s: shared(&state.fitted).filter(|_| state.is_shared),
-        fitted: state.fitted,
-        tried: all.len(),
-        nats,
-        rivals,
     }
 }

@@ -8,7 +8,10 @@ mod rivals;
 mod scored;
 mod shape;
 
+use std::convert::Infallible;
 use std::rc::Rc;
+
+use haptical_judge::{Backward, Forward, Needless, Proposal, Ruling, Without, without_needless};
 
 pub(crate) use self::fitted::{Fitted, Frame, within_limits};
 use self::numbers::numbers;
@@ -71,6 +74,14 @@ struct State<'c> {
     early_s: Option<f64>,
 }
 
+impl State<'_> {
+    /// What the last effect explains of what a fit without it leaves, its numbers allowed for \[nats\].
+    fn last_nats(&self, frame: &Frame<'_>, before: &Fitted) -> f64 {
+        let last = self.taken.last().map_or(0.0, |own| penalty(frame, own));
+        before.excess - self.fitted.excess - last
+    }
+}
+
 /// Selects effects; `without`: names that are left out, `refuted`: effects that are not at a joint.
 pub(crate) fn select(
     problem: &Problem,
@@ -96,15 +107,16 @@ pub(crate) fn select(
         shape_sds.push(sd);
     }
     let times = frame.times();
-    let columns = columns_of(&state.taken, None);
+    let columns = columns_of(&state.taken);
     let known = frame.counting_known(times).fitted(&columns, state.early_s);
     let mut first = 0;
     let mut picks = Vec::new();
+    let mut search = Search::new(&frame, &pool, &bare);
     for (index, candidate) in state.taken.iter().enumerate() {
         let columns = first..first + candidate.columns.len();
         first = columns.end;
         let coefficients = state.fitted.effects()[columns.clone()].to_vec();
-        let beside = rivals::rivals(&frame, &pool, &state, index, misfit);
+        let beside = search.compared(&state, index, misfit);
         let widened = ((misfit, times), shape_sds[index]);
         let read_off = known.effects()[columns.clone()].to_vec();
         let mut numbers = numbers(&known, columns, candidate, widened);
@@ -144,49 +156,135 @@ pub(crate) fn select(
     }
 }
 
-/// Effects one by one, each the best beside those before; armatures together where that leaves a gap; less those that a later one stands for.
+/// Effects one by one, each the best with those before; armatures together where that leaves a gap; less those that later ones make needless.
 fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> {
-    let before = bare.excess;
-    let mut state = State {
+    let mut search = Search::new(frame, pool, bare);
+    let start = State {
         taken: Vec::new(),
         fitted: bare.clone(),
         early_s: None,
     };
-    let mut way = Vec::new();
-    while kinds(&state.taken) <= MOST_EFFECTS && state.taken.len() < MOST_PLACES {
-        if !state.taken.is_empty() && is_quiet(frame.problem, &state.fitted) {
-            break;
+    let Ok(mut state) = haptical_judge::select(&mut search, start);
+    search.way.push(state.clone());
+    if !is_quiet(frame.problem, &state.fitted)
+        && let Some(other) = armatures::together(&mut search)
+    {
+        state = other;
+    }
+    let Ok(kept) = without_needless(&mut search, state, 1);
+    kept.state
+}
+
+/// The search of effects for a recording.
+struct Search<'s, 'f, 'c> {
+    frame: &'s Frame<'f>,
+    pool: &'s Pool<'c>,
+    /// What the base model leaves \[nats\].
+    bare_excess: f64,
+    /// States before each effect that was taken.
+    way: Vec<State<'c>>,
+}
+
+impl<'s, 'f, 'c> Search<'s, 'f, 'c> {
+    fn new(frame: &'s Frame<'f>, pool: &'s Pool<'c>, bare: &Fitted) -> Self {
+        Self {
+            frame,
+            pool,
+            bare_excess: bare.excess,
+            way: Vec::new(),
         }
-        let of_whole = LEAST_OF_WHOLE * before;
+    }
+
+    /// What a further effect has to explain.
+    fn least(&self, state: &State<'c>) -> LeastNats {
+        let of_whole = LEAST_OF_WHOLE * self.bare_excess;
         let of_delayed = match state.taken.iter().any(Candidate::is_delay_of_all) {
-            true => LEAST_OF_DELAYED * before,
+            true => LEAST_OF_DELAYED * self.bare_excess,
             false => 0.0,
         };
         let of_rest = of_whole.min(LEAST_OF_REST * state.fitted.excess);
-        let least = LeastNats {
+        LeastNats {
             of_law: LEAST_NATS.max(of_rest).max(of_delayed),
             of_recording: match state.taken.is_empty() {
                 true => LEAST_NATS,
                 false => LEAST_NATS.max(of_whole),
             },
-        };
-        match best(frame, pool, &state, least) {
-            Some(next) if kinds(&next.taken) <= MOST_EFFECTS => {
-                way.push(std::mem::replace(&mut state, next));
-            }
-            _ => break,
         }
     }
-    way.push(state.clone());
-    if !is_quiet(frame.problem, &state.fitted)
-        && let Some(other) = armatures::together(frame, pool, &way)
-    {
-        state = other;
+}
+
+impl<'c> Forward for Search<'_, '_, 'c> {
+    type State = State<'c>;
+    type Further = State<'c>;
+    type Error = Infallible;
+
+    fn proposals(&mut self, state: &State<'c>) -> Result<Vec<Proposal<State<'c>>>, Infallible> {
+        let is_full = kinds(&state.taken) > MOST_EFFECTS || state.taken.len() >= MOST_PLACES;
+        let has_enough = !state.taken.is_empty() && is_quiet(self.frame.problem, &state.fitted);
+        if is_full || has_enough {
+            return Ok(Vec::new());
+        }
+        let least = self.least(state);
+        let near = nearest(self.frame, self.pool, state).into_iter();
+        let proposals = near.map(|further| Proposal {
+            merit: further.last_nats(self.frame, &state.fitted),
+            further,
+        });
+        Ok(proposals
+            .filter(|own| own.merit > least.of(&own.further))
+            .collect())
     }
-    while let Some(fewer) = without_needless(frame, &state) {
-        state = fewer;
+
+    fn rule(
+        &mut self,
+        state: &State<'c>,
+        best: Proposal<State<'c>>,
+    ) -> Result<Ruling<State<'c>>, Infallible> {
+        if kinds(&best.further.taken) > MOST_EFFECTS {
+            return Ok(Ruling::Ended);
+        }
+        self.way.push(state.clone());
+        Ok(Ruling::Taken(best.further))
     }
-    state
+}
+
+impl<'c> Backward for Search<'_, '_, 'c> {
+    type State = State<'c>;
+    type Error = Infallible;
+
+    fn effects(&self, state: &State<'c>) -> usize {
+        state.taken.len()
+    }
+
+    fn without(
+        &mut self,
+        state: &State<'c>,
+        effect: usize,
+    ) -> Result<Without<State<'c>>, Infallible> {
+        let mut taken = state.taken.clone();
+        let gone = taken.remove(effect);
+        // a delay that was taken is in the recorded rows: what is in its place has to do without
+        let early_s = state.early_s.filter(|_| !gone.is_delay_of_all());
+        let fitted = self.frame.fitted(&columns_of(&taken), early_s);
+        let worth = fitted.excess - state.fitted.excess - penalty(self.frame, &gone);
+        let state = State {
+            taken,
+            fitted,
+            early_s,
+        };
+        Ok(Without { state, worth })
+    }
+}
+
+impl<'c> Needless for Search<'_, '_, 'c> {
+    fn is_needless(
+        &mut self,
+        _: &State<'c>,
+        effect: usize,
+        all: &[Without<State<'c>>],
+    ) -> Result<bool, Infallible> {
+        Ok(all[effect].worth < LEAST_NATS)
+    }
 }
 
 /// What a further effect has to explain \[nats\].
@@ -221,52 +319,6 @@ fn is_quiet(problem: &Problem, fitted: &Fitted) -> bool {
     let mut channels = fitted.solved.rest.chunks(rows);
     let rms = |own: &[f64]| (haptical_linalg::dot(own, own) / rows as f64).sqrt();
     !channels.any(|own| crate::examined::is_beyond_noise(rms(own), rows))
-}
-
-/// The state less the effect that explains least, if that is less than an effect has to: a later one may stand in its place.
-fn without_needless<'c>(frame: &Frame<'_>, state: &State<'c>) -> Option<State<'c>> {
-    if state.taken.len() < 2 {
-        return None;
-    }
-    let without = |index: usize| {
-        let mut taken = state.taken.clone();
-        let own = taken.remove(index);
-        let early_s = state.early_s.filter(|_| !own.is_delay_of_all());
-        let fitted = frame.fitted(&columns_of(&taken, None), early_s);
-        let nats = fitted.excess - state.fitted.excess - penalty(frame, &own);
-        let fewer = State {
-            taken,
-            fitted,
-            early_s,
-        };
-        (nats, fewer)
-    };
-    let all = (0..state.taken.len()).map(without);
-    let (nats, fewer) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (nats < LEAST_NATS).then_some(fewer)
-}
-
-/// The state with the further effect that explains most, if it explains enough.
-fn best<'c>(
-    frame: &Frame<'_>,
-    pool: &Pool<'c>,
-    state: &State<'c>,
-    least: LeastNats,
-) -> Option<State<'c>> {
-    let near = nearest(frame, pool, state);
-    let nats = |other: &State<'c>| {
-        let last = other.taken.last();
-        state.fitted.excess - other.fitted.excess - last.map_or(0.0, |own| penalty(frame, own))
-    };
-    near.into_iter()
-        .filter(|other| nats(other) > least.of(other))
-        .reduce(|best, other| {
-            if nats(&other) > nats(&best) {
-                other
-            } else {
-                best
-            }
-        })
 }
 
 /// States with each of the effects that explain most of what a fit leaves, strongest candidates first.
@@ -328,7 +380,7 @@ fn corrected<'c>(frame: &Frame<'_>, before: &State<'c>, next: State<'c>) -> Stat
 fn with<'c>(frame: &Frame<'_>, state: &State<'c>, further: Candidate<'c>) -> Option<State<'c>> {
     let mut taken = state.taken.clone();
     taken.push(further);
-    let columns = columns_of(&taken, None);
+    let columns = columns_of(&taken);
     let mut early_s = state.early_s;
     if taken.iter().any(Candidate::is_delay_of_all) {
         early_s = Some(delay(frame, &taken, &columns, early_s.unwrap_or(0.0)));
@@ -355,14 +407,10 @@ fn with<'c>(frame: &Frame<'_>, state: &State<'c>, further: Candidate<'c>) -> Opt
     })
 }
 
-/// Columns of all effects, but for one that may be left out.
-fn columns_of(taken: &[Candidate<'_>], without: Option<usize>) -> Vec<Rc<Column>> {
-    let all = taken
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| Some(*index) != without);
-    all.flat_map(|(_, own)| own.columns.iter().cloned())
-        .collect()
+/// Columns of all effects.
+fn columns_of(taken: &[Candidate<'_>]) -> Vec<Rc<Column>> {
+    let all = taken.iter().flat_map(|own| own.columns.iter().cloned());
+    all.collect()
 }
 
 fn is_taken(taken: &[Candidate<'_>], candidate: &Candidate<'_>) -> bool {

@@ -1,27 +1,21 @@
 //! What would explain as much in the place of an effect that was taken.
 
+use std::convert::Infallible;
 use std::rc::Rc;
 
+use haptical_judge::{Backward, InPlace, Other, Others, rivals};
 use haptical_linalg::dot;
 
-use super::scored::{Pool, penalty};
-use super::{Frame, State, columns_of, is_taken, nearest};
+use super::scored::Place;
+use super::{Frame, Search, State, columns_of, is_taken, nearest};
 use crate::effect::{Candidate, TORQUE_GAIN, is_of_own_joint};
 use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS};
 
-/// Another effect in the place of a pick.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Rival {
-    pub(crate) effect: &'static str,
-    pub(crate) joint: Option<usize>,
-    /// How far it is behind \[nats\], the misfit that is left allowed for.
-    pub(crate) behind: f64,
-    /// Share of the pick's own gain that it has.
-    pub(crate) share: f64,
-}
+/// Another effect in the place of a pick, and the share of the pick's gain that it has.
+pub(crate) type Rival = haptical_judge::Rival<Place, f64>;
 
-/// What is known of a pick beside the other picks.
-pub(super) struct Beside {
+/// What is known of a pick with the others in the model.
+pub(super) struct Compared {
     /// What it explains \[nats\].
     pub(super) nats: f64,
     pub(super) rivals: Vec<Rival>,
@@ -29,46 +23,44 @@ pub(super) struct Beside {
     pub(super) is_told: bool,
 }
 
-/// What a pick explains beside the other picks and the rivals in its place.
-pub(super) fn rivals<'c>(
-    frame: &Frame<'_>,
-    pool: &Pool<'c>,
-    whole: &State<'c>,
-    index: usize,
-    misfit: f64,
-) -> Beside {
-    let mut taken = whole.taken.clone();
-    let own = taken.remove(index);
-    // a delay that was taken is in the recorded rows: rivals in its place have to do without
-    let early_s = whole.early_s.filter(|_| !own.is_delay_of_all());
-    let others = State {
-        fitted: frame.fitted(&columns_of(&taken, None), early_s),
-        taken,
-        early_s,
-    };
-    let nats = others.fitted.excess - whole.fitted.excess - penalty(frame, &own);
-    let mut found = Vec::new();
-    for other in nearest(frame, pool, &others) {
-        let Some(candidate) = other
-            .taken
-            .last()
-            .filter(|own| !is_taken(&whole.taken, own))
-        else {
-            continue;
-        };
-        let of_other = others.fitted.excess - other.fitted.excess - penalty(frame, candidate);
-        found.push(Rival {
-            effect: candidate.effect,
-            joint: candidate.joint,
-            behind: (nats - of_other) / misfit,
-            share: of_other / nats.max(1e-9),
-        });
+impl<'c> Search<'_, '_, 'c> {
+    /// What a pick explains with the others in the model, and its rivals.
+    pub(super) fn compared(&mut self, whole: &State<'c>, index: usize, misfit: f64) -> Compared {
+        let Ok(without) = self.without(whole, index);
+        let Ok(mut found) = rivals(self, whole, index, &without, misfit);
+        for rival in &mut found {
+            rival.fit /= without.worth.max(1e-9);
+        }
+        Compared {
+            nats: without.worth,
+            rivals: found,
+            is_told: is_told(self.frame, &without.state, whole, &whole.taken[index]),
+        }
     }
-    found.sort_by(|a, b| a.behind.total_cmp(&b.behind));
-    Beside {
-        nats,
-        rivals: found,
-        is_told: is_told(frame, &others, whole, &own),
+}
+
+impl<'c> InPlace for Search<'_, '_, 'c> {
+    type Name = Place;
+    type Fit = f64;
+
+    fn in_place(
+        &mut self,
+        without: &State<'c>,
+        whole: &State<'c>,
+        _: usize,
+    ) -> Result<Others<Self>, Infallible> {
+        let near = nearest(self.frame, self.pool, without);
+        let others = near.iter().filter_map(|other| {
+            let last = other.taken.last()?;
+            let merit = other.last_nats(self.frame, &without.fitted);
+            let other = Other {
+                name: (last.effect, last.joint),
+                merit,
+                fit: merit,
+            };
+            (!is_taken(&whole.taken, last)).then_some(other)
+        });
+        Ok(others.collect())
     }
 }
 
@@ -116,7 +108,7 @@ fn is_scale(
         return true;
     };
     let excess = |columns: &[_]| frame.fitted(columns, others.early_s).excess;
-    let mut columns = columns_of(&others.taken, None);
+    let mut columns = columns_of(&others.taken);
     columns.push(Rc::new(inertia));
     let of_inertia = excess(&columns);
     columns.extend(own.columns.iter().cloned());

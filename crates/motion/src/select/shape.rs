@@ -24,7 +24,9 @@ pub(super) fn settled<'c>(
     let Finer::Shape { at, .. } = own.finer.clone() else {
         return (state, 0.0);
     };
-    let others = frame.fitted(&columns_of(&state.taken, Some(index)), state.early_s);
+    let mut others = state.taken.clone();
+    others.remove(index);
+    let others = frame.fitted(&columns_of(&others), state.early_s);
     let mut sd = alone(frame, &others, own, misfit);
     let mut best = state;
     // how far the number would still go, where the search ends before it converges
@@ -76,7 +78,7 @@ fn replaced<'c>(
     let count = own.columns.len();
     taken[index] = own;
     let first: usize = taken[..index].iter().map(|own| own.columns.len()).sum();
-    let fitted = frame.fitted(&columns_of(&taken, None), state.early_s);
+    let fitted = frame.fitted(&columns_of(&taken), state.early_s);
     let is_possible = taken[index].is_possible(&fitted.effects()[first..first + count]);
     is_possible.then_some(State {
         taken,

@@ -6,6 +6,10 @@ mod still;
 mod sums;
 mod torque;
 
+use std::convert::Infallible;
+
+use haptical_judge::{Forward, Proposal, Ruling};
+
 use self::scan::{Likely, Scan};
 pub(crate) use self::still::of_a_still_joint;
 use self::still::{between_runs, by_means};
@@ -161,16 +165,48 @@ fn instant(series: &Series, rows: [usize; 3]) -> Instant {
 
 /// Changes of a joint that moves, in the order in which they were found.
 pub(crate) fn find(series: &Series) -> Vec<Change> {
-    let mut rest = series.clone();
-    let mut found = Vec::new();
-    while found.len() < MOST_CHANGES {
-        let Some(change) = next(&rest, found.is_empty()) else {
-            break;
-        };
-        change.undo(&mut rest);
-        found.push(change);
+    let start = Found {
+        rest: series.clone(),
+        changes: Vec::new(),
+    };
+    let Ok(found) = haptical_judge::select(&mut Changes, start);
+    found.changes
+}
+
+/// Changes that were found so far, and the log without them.
+struct Found {
+    rest: Series,
+    changes: Vec<Change>,
+}
+
+/// The search of changes.
+struct Changes;
+
+impl Forward for Changes {
+    type State = Found;
+    type Further = Change;
+    type Error = Infallible;
+
+    fn proposals(&mut self, found: &Found) -> Result<Vec<Proposal<Change>>, Infallible> {
+        if found.changes.len() >= MOST_CHANGES {
+            return Ok(Vec::new());
+        }
+        let next = next(&found.rest, found.changes.is_empty());
+        let proposal = next.map(|further| Proposal {
+            further,
+            merit: 0.0,
+        });
+        Ok(proposal.into_iter().collect())
     }
-    found
+
+    fn rule(&mut self, found: &Found, next: Proposal<Change>) -> Result<Ruling<Found>, Infallible> {
+        let mut rest = found.rest.clone();
+        next.further.undo(&mut rest);
+        Ok(Ruling::Taken(Found {
+            rest,
+            changes: [found.changes.as_slice(), &[next.further]].concat(),
+        }))
+    }
 }
 
 /// The likeliest change; a delay only of a log of one level, since a level that is not quite right looks like one.

@@ -1,7 +1,7 @@
 //! Words, table and pictures of the paper's own gap.
 
 use anyhow::{Context, Result};
-use haptical_diagnosis::{Diagnosis, Verdict, plausible_range};
+use haptical_diagnosis::{Diagnosis, plausible_range};
 use haptical_model::Device;
 use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
 use xtask_output::{Output, Progress};
@@ -83,7 +83,7 @@ fn said(kind: &Kind, found: &Found) -> Said {
     let Some(cause) = answer.causes.first() else {
         return Said::Wrong;
     };
-    let named = matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous);
+    let named = answer.verdict.has_causes();
     if named && cause.effect == kind.name && cause.joint == kind.joint {
         return Said::Right;
     }

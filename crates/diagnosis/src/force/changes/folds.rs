@@ -3,12 +3,12 @@
 //! Normal equations per fold and channel are formed once; every hypothesis is then a small system of them. A channel weighs
 //! by what the fullest hypothesis leaves of it, so that torques which no hypothesis describes do not drown the others.
 
+use haptical_judge::{Gain, closed_share};
 use haptical_linalg::NormalEquations;
 use nalgebra::DMatrix;
 
 use super::blocks::Pair;
 use super::columns::Columns;
-use super::gain::Gain;
 use crate::thresholds::payload::{FOLDS, RIDGE};
 
 /// The rows of a comparison in folds of blocks that follow each other.
@@ -219,6 +219,12 @@ impl Folds {
         self.sd[column] = sd;
     }
 
+    /// Weighted squares of some channels by noise alone; `variance`: of a block's reading, per channel.
+    pub(in crate::force) fn noise(&self, channels: &[usize], variance: &[f64]) -> f64 {
+        let of = |&channel: &usize| self.weight[channel] * variance[channel] * self.rows(channel);
+        channels.iter().map(of).sum()
+    }
+
     /// Rows of each channel.
     pub(in crate::force) fn rows(&self, channel: usize) -> f64 {
         self.parts.iter().map(|parts| parts[channel].1).sum()
@@ -241,20 +247,26 @@ impl Fitted {
         place.map_or(0.0, |place| numbers[place])
     }
 
+    /// What it leaves of some channels, fold by fold.
+    pub(in crate::force) fn by_fold(&self, channels: &[usize]) -> Vec<f64> {
+        let of = |left: &Vec<f64>| channels.iter().map(|&channel| left[channel]).sum();
+        self.left.iter().map(of).collect()
+    }
+
     /// What it leaves of some channels, all folds.
     pub(in crate::force) fn left_on(&self, channels: &[usize]) -> f64 {
-        let folds = self.left.iter();
-        folds
-            .map(|left| channels.iter().map(|&channel| left[channel]).sum::<f64>())
-            .sum()
+        self.by_fold(channels).iter().sum()
+    }
+
+    /// Share of the squares beyond noise that `other` leaves of some channels and this does not.
+    pub(in crate::force) fn closed_of(&self, other: &Self, channels: &[usize], noise: f64) -> f64 {
+        let (before, after) = (other.by_fold(channels), self.by_fold(channels));
+        closed_share(&before, &after, noise).share.clamp(0.0, 1.0)
     }
 
     /// What `other` leaves more than this on some channels.
     pub(in crate::force) fn gain_over(&self, other: &Self, channels: &[usize]) -> Gain {
-        let sum = |left: &Vec<f64>| channels.iter().map(|&channel| left[channel]).sum::<f64>();
-        let pairs = self.left.iter().zip(&other.left);
-        let gains: Vec<f64> = pairs.map(|(own, other)| sum(other) - sum(own)).collect();
-        Gain::new(&gains)
+        Gain::between(&other.by_fold(channels), &self.by_fold(channels))
     }
 }
 

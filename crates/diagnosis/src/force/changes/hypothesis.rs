@@ -1,7 +1,12 @@
 //! Where a mass may be that changed between two groups of runs: at the flange or on a link, beside what the drives changed by.
 
+use std::convert::Infallible;
+
+use haptical_judge::{Forward, Proposal, Ruling};
+
 use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
+use super::gain::is_beyond_chance;
 use crate::force::along::Along;
 use crate::thresholds::payload::{FLANGE_REACH_M, KINDS_WITH_PAYLOAD};
 
@@ -56,32 +61,23 @@ impl Hypothesis {
         folds: &mut Folds,
         every: &[usize],
     ) -> Option<Self> {
-        let mut common: Vec<usize> = columns.common.clone().collect();
+        let common: Vec<usize> = columns.common.clone().collect();
         know_flange(columns, folds, &common);
         let scale_sds = along.scale_sds();
         let carriers: Vec<Carrier> = carriers(columns)
             .map(|carrier| carrier.scaled(folds, &common, &scale_sds))
             .collect();
         let kinds = KINDS[..KINDS_WITH_PAYLOAD].iter();
-        let mut kinds: Vec<Vec<usize>> = kinds.map(|kind| columns.every(kind)).collect();
-        let mut found = Self::beside(&carriers, folds, &common, every)?;
-        loop {
-            let with_kind = kinds.iter().map(|kind| {
-                let all = [common.as_slice(), kind, &found.carrier.all()].concat();
-                folds.fit(&all)
-            });
-            let supported = with_kind.enumerate().filter(|(_, fitted)| {
-                let gain = fitted.gain_over(&found.fitted, every);
-                gain.is_beyond_chance()
-            });
-            let left = |fitted: &Fitted| fitted.left_on(every);
-            let best = supported.min_by(|(_, a), (_, b)| left(a).total_cmp(&left(b)));
-            let Some((kind, _)) = best else {
-                return Some(found);
-            };
-            common.extend(kinds.swap_remove(kind));
-            found = Self::beside(&carriers, folds, &common, every)?;
-        }
+        let mut drives = Drives {
+            kinds: kinds.map(|kind| columns.every(kind)).collect(),
+            carriers: &carriers,
+            folds,
+            common,
+            every,
+        };
+        let start = Self::beside(&carriers, folds, &drives.common, every);
+        let Ok(found) = haptical_judge::select(&mut drives, start);
+        found
     }
 
     /// The same beside some columns: the flange, unless a link does much better.
@@ -92,7 +88,7 @@ impl Hypothesis {
         every: &[usize],
     ) -> Option<Self> {
         let null = folds.fit(common);
-        let gains = |own: &Fitted, other: &Fitted| own.gain_over(other, every).is_beyond_chance();
+        let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, every));
         let tried = carriers.iter().map(|carrier| {
             let fitted = folds.fit(&[common, &carrier.all()].concat());
             (carrier, fitted)
@@ -114,6 +110,55 @@ impl Hypothesis {
             null,
             links: links.map(|link| link.unwrap_or(own)),
         })
+    }
+}
+
+/// What drives changed by with a mass, one kind on all joints after the other.
+struct Drives<'d> {
+    /// Columns of the kinds that are still to be tried.
+    kinds: Vec<Vec<usize>>,
+    carriers: &'d [Carrier],
+    folds: &'d Folds,
+    /// Columns of the base model and of the kinds that were taken.
+    common: Vec<usize>,
+    every: &'d [usize],
+}
+
+impl Forward for Drives<'_> {
+    type State = Option<Hypothesis>;
+    type Further = Vec<usize>;
+    type Error = Infallible;
+
+    fn proposals(
+        &mut self,
+        found: &Option<Hypothesis>,
+    ) -> Result<Vec<Proposal<Vec<usize>>>, Infallible> {
+        let Some(found) = found else {
+            return Ok(Vec::new());
+        };
+        let gains = self.kinds.iter().map(|kind| {
+            let all = [self.common.as_slice(), kind, &found.carrier.all()].concat();
+            let with_kind = self.folds.fit(&all);
+            (kind, with_kind.gain_over(&found.fitted, self.every))
+        });
+        let supported = gains.filter(|(_, gain)| is_beyond_chance(*gain));
+        Ok(supported
+            .map(|(kind, gain)| Proposal {
+                merit: gain.sum,
+                further: kind.clone(),
+            })
+            .collect())
+    }
+
+    fn rule(
+        &mut self,
+        _: &Option<Hypothesis>,
+        best: Proposal<Vec<usize>>,
+    ) -> Result<Ruling<Option<Hypothesis>>, Infallible> {
+        self.kinds.retain(|kind| *kind != best.further);
+        self.common.extend(best.further);
+        let next = Hypothesis::beside(self.carriers, self.folds, &self.common, self.every);
+        Ok(Ruling::Taken(next))
     }
 }
 

@@ -6,6 +6,7 @@ use nalgebra::DVector;
 use super::blocks::Pair;
 use super::columns::{Columns, Own, flange};
 use super::folds::{Fitted, Folds};
+use super::gain::{is_beyond_chance, is_steady};
 use super::hypothesis::{Carrier, Hypothesis, KINDS};
 use super::size::{Size, size};
 use crate::force::along::{Along, numbers};
@@ -73,7 +74,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let drives = columns.every(Own::all);
     let beside = with(&drives);
     let both = with(&[drives.as_slice(), &carrier.all()].concat());
-    let is_more = both.gain_over(&beside, &every).is_beyond_chance();
+    let is_more = is_beyond_chance(both.gain_over(&beside, &every));
     if !is_more || !agree(&folds, &carrier, &beside.columns, [&fitted, &both]) {
         return None;
     }
@@ -97,10 +98,6 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let gain_of = |channel: usize| fitted.gain_over(&null, &[channel]).sum;
     let channels = shown.iter().copied();
     let channel = channels.max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
-    let beyond = |left: &Fitted| {
-        let of = |&channel: &usize| folds.weight[channel] * noise[channel] * folds.rows(channel);
-        (left.left_on(&every) - every.iter().map(of).sum::<f64>()).max(0.0)
-    };
     Some(Payload {
         run,
         link: carrier.link,
@@ -114,7 +111,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
             after: squares(&fitted, channel),
             floor: noise[channel],
         },
-        closed_share: (1.0 - beyond(&fitted) / beyond(&null).max(1e-300)).clamp(0.0, 1.0),
+        closed_share: fitted.closed_of(&null, &every, folds.noise(&every, &noise)),
         size,
     })
 }
@@ -146,7 +143,7 @@ fn is_large(along: &Along<'_>, torque_nm: &[f64], from: usize) -> bool {
 fn shown_on(fitted: &Fitted, null: &Fitted, every: &[usize]) -> Vec<usize> {
     let is_shown = |channel: &usize| {
         let gain = fitted.gain_over(null, &[*channel]);
-        gain.sum >= LEAST_GAIN_OF_CHANNEL && gain.is_steady(LEAST_T_OF_CHANNEL)
+        gain.sum >= LEAST_GAIN_OF_CHANNEL && is_steady(gain, LEAST_T_OF_CHANNEL)
     };
     every.iter().copied().filter(is_shown).collect()
 }

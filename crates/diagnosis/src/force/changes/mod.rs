@@ -18,6 +18,7 @@ use std::ops::Range;
 pub(super) use self::blocks::Pair;
 pub(super) use self::columns::{Column, Columns, only};
 pub(super) use self::folds::{Fitted, Folds};
+pub(super) use self::gain::is_beyond_choice;
 pub(super) use self::judge::{Payload, UnseenBlocks};
 use super::along::Along;
 use super::base::Base;

@@ -1,6 +1,9 @@
 //! Terms one by one.
 
 use std::collections::BTreeMap;
+use std::convert::Infallible;
+
+use haptical_judge::{Forward, Proposal, Ruling};
 
 use super::displaced::Displaced;
 use super::groups::{Group, chance};
@@ -45,41 +48,32 @@ impl Earlier<'_, '_> {
 
     /// Terms one by one, each time the one that explains most of the rest; sensors at another place are terms beside the links.
     pub(super) fn forward(&self, in_drive: bool, given: &[usize], total: f64) -> Vec<BaseTerm> {
-        let mut chosen = given.to_vec();
-        let mut have = self.explained(&chosen);
         let own = self
             .groups
             .iter()
             .filter(|group| group.in_drive == in_drive);
-        let mut left: Vec<Term<'_>> = own.map(Term::Group).collect();
+        let mut open: Vec<Term<'_>> = own.map(Term::Group).collect();
         if !in_drive {
             let sensors = self.sensors.iter();
-            left.extend(sensors.map(|(sensor, columns)| Term::Place(sensor, columns)));
+            open.extend(sensors.map(|(sensor, columns)| Term::Place(sensor, columns)));
             let zeros = self.zeros.iter();
-            left.extend(zeros.map(|(zero, column)| Term::Zero(zero, [*column])));
+            open.extend(zeros.map(|(zero, column)| Term::Zero(zero, [*column])));
         }
-        let mut picked = Vec::new();
-        while !left.is_empty() {
-            let gains: Vec<f64> = left
-                .iter()
-                .map(|term| {
-                    let with: Vec<usize> = chosen.iter().chain(term.columns()).copied().collect();
-                    self.explained(&with) - have
-                })
-                .collect();
-            let best = (0..left.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]));
-            let Some(best) = best else {
-                break;
-            };
-            let rank = left[best].columns().len();
-            if gains[best] < chance(rank) || gains[best] < TERM_SHARE * total {
-                break;
-            }
-            let term = left.remove(best);
-            chosen.extend(term.columns());
-            have += gains[best];
-            picked.push((term, gains[best]));
-        }
+        let mut search = Search {
+            earlier: self,
+            open,
+            total,
+        };
+        let start = Picked {
+            chosen: given.to_vec(),
+            have: self.explained(given),
+            terms: Vec::new(),
+        };
+        let Ok(Picked {
+            chosen,
+            terms: picked,
+            ..
+        }) = haptical_judge::select(&mut search, start);
         let terms = picked.into_iter().filter_map(|(term, gain)| match term {
             Term::Group(group) => Some(self.term(group, gain)),
             Term::Place(sensor, columns) => {
@@ -128,8 +122,62 @@ impl Earlier<'_, '_> {
     }
 }
 
+/// Terms that were picked so far.
+struct Picked<'t> {
+    /// Columns of the model.
+    chosen: Vec<usize>,
+    /// What these explain.
+    have: f64,
+    /// Each term with what it explained when it was picked.
+    terms: Vec<(Term<'t>, f64)>,
+}
+
+/// The search of terms.
+struct Search<'t, 'a, 'b> {
+    earlier: &'t Earlier<'a, 'b>,
+    open: Vec<Term<'t>>,
+    total: f64,
+}
+
+impl<'t> Forward for Search<'t, '_, '_> {
+    type State = Picked<'t>;
+    type Further = Term<'t>;
+    type Error = Infallible;
+
+    fn proposals(&mut self, state: &Picked<'t>) -> Result<Vec<Proposal<Term<'t>>>, Infallible> {
+        let proposal = |term: &Term<'t>| {
+            let with: Vec<usize> = (state.chosen.iter().chain(term.columns()))
+                .copied()
+                .collect();
+            Proposal {
+                merit: self.earlier.explained(&with) - state.have,
+                further: *term,
+            }
+        };
+        Ok(self.open.iter().map(proposal).collect())
+    }
+
+    fn rule(
+        &mut self,
+        state: &Picked<'t>,
+        best: Proposal<Term<'t>>,
+    ) -> Result<Ruling<Picked<'t>>, Infallible> {
+        let Proposal { further, merit } = best;
+        let columns = further.columns();
+        if merit < chance(columns.len()) || merit < TERM_SHARE * self.total {
+            return Ok(Ruling::Ended);
+        }
+        self.open.retain(|term| term.columns() != columns);
+        Ok(Ruling::Taken(Picked {
+            chosen: [state.chosen.as_slice(), columns].concat(),
+            have: state.have + merit,
+            terms: [state.terms.as_slice(), &[(further, merit)]].concat(),
+        }))
+    }
+}
+
 /// What a step of a search may take.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 enum Term<'t> {
     Group(&'t Group),
     Place(&'t Displaced, &'t [usize]),

@@ -7,13 +7,15 @@ mod replaceable;
 mod support;
 mod taken;
 
+use haptical_judge::{Forward, Proposal, Ruling};
+
 use crate::DiagnosisError;
 use crate::engine::model::Model;
 use crate::engine::segments::Segments;
 use crate::select::partial::hypotheses::Hypothesis;
 use crate::select::partial::taken::{Taken, With};
 use crate::select::rival::Rival;
-use crate::select::scan::{Candidate, Score};
+use crate::select::scan::Candidate;
 use crate::select::{Selection, Selector};
 use crate::thresholds::partial::{
     BEYOND_CHANCE_SD, LEAST_FURTHER_SHARE, LEAST_SHARE, MOST_HYPOTHESES,
@@ -41,7 +43,7 @@ impl Selection<'_> {
         }
         let segments = Segments::new(&engine.context, &engine.system);
         let alone = segments.unseen(&engine.system);
-        let mut taken = Taken {
+        let nothing = Taken {
             refit: engine.start.clone(),
             system: engine.system.clone(),
             unseen: alone.clone(),
@@ -50,20 +52,17 @@ impl Selection<'_> {
         };
         let noise = engine.system.layout.count() as f64;
         let gap = (alone.sum() - noise).max(0.0);
-        for _ in 0..MOST_HYPOTHESES {
-            let scan = self.selector.scan(&taken.system, &taken.refit.model);
-            let Some(next) = self
-                .selector
-                .next(&taken, &scan, &segments, (gap, alone.sum()))?
-            else {
-                break;
-            };
-            taken = next;
-        }
+        let mut partly = Partly {
+            selector: &mut self.selector,
+            segments: &segments,
+            energies: (gap, alone.sum()),
+            hypotheses: 0,
+        };
+        let taken = haptical_judge::select(&mut partly, nothing)?;
         if taken.refit.model.causes.is_empty() {
             return Ok(None);
         }
-        let share = (taken.unseen.gain_on(&alone).sum / gap).clamp(0.0, 1.0);
+        let share = taken.unseen.closed_of(&alone, noise);
         self.explained = self.selector.explained_alone(&taken.refit.model);
         self.after = taken.system.slow_energy(&taken.system.residual);
         (self.refit, self.system) = (taken.refit, taken.system);
@@ -76,34 +75,65 @@ impl Selection<'_> {
     }
 }
 
-impl Selector<'_> {
-    /// The next hypothesis with all before it, where unseen rows support it.
-    fn next(
-        &self,
-        taken: &Taken,
-        scan: &[Score],
-        segments: &Segments,
-        (gap, alone): (f64, f64),
-    ) -> Result<Option<Taken>, DiagnosisError> {
-        let found = self.hypotheses(scan, &taken.refit.model.causes, &taken.system, segments);
-        let Some(best) = simplest_of_the_best(&found) else {
-            return Ok(None);
-        };
-        let mut model = taken.refit.model.clone();
-        model.causes.extend(best.causes.iter().cloned());
-        let refit = self.engine.refit(self.effects, &model)?;
-        if !refit.has_converged() || !self.is_possible(&refit.model) {
-            return Ok(None);
+/// Hypotheses that are taken up one after the other.
+struct Partly<'s, 'e> {
+    selector: &'s mut Selector<'e>,
+    segments: &'s Segments,
+    /// Squares beyond noise that the base model leaves of unseen rows, and all that it leaves.
+    energies: (f64, f64),
+    hypotheses: usize,
+}
+
+/// A hypothesis, and its rivals.
+type Found = (Hypothesis, Vec<Vec<Rival>>);
+
+impl Forward for Partly<'_, '_> {
+    type State = Taken;
+    type Further = Found;
+    type Error = DiagnosisError;
+
+    fn proposals(&mut self, taken: &Taken) -> Result<Vec<Proposal<Found>>, DiagnosisError> {
+        if self.hypotheses >= MOST_HYPOTHESES {
+            return Ok(Vec::new());
         }
-        let system = self.system_of(&refit);
+        self.hypotheses += 1;
+        let causes = &taken.refit.model.causes;
+        let scan = self.selector.scan(&taken.system, &taken.refit.model);
+        let found = (self.selector).hypotheses(&scan, causes, &taken.system, self.segments);
+        let best = simplest_of_the_best(&found).map(|best| Proposal {
+            merit: best.unseen.gain_on(&taken.unseen).sum,
+            further: (
+                best.clone(),
+                self.selector.rivals_of(best, &found, &taken.unseen),
+            ),
+        });
+        Ok(best.into_iter().collect())
+    }
+
+    /// The hypothesis with all before it, where unseen rows support it.
+    fn rule(
+        &mut self,
+        taken: &Taken,
+        best: Proposal<Found>,
+    ) -> Result<Ruling<Taken>, DiagnosisError> {
+        let (selector, segments) = (&*self.selector, self.segments);
+        let (hypothesis, rivals) = best.further;
+        let mut model = taken.refit.model.clone();
+        model.causes.extend(hypothesis.causes);
+        let refit = selector.engine.refit(selector.effects, &model)?;
+        if !refit.has_converged() || !selector.is_possible(&refit.model) {
+            return Ok(Ruling::Ended);
+        }
+        let system = selector.system_of(&refit);
         let unseen = segments.unseen(&system);
         let gain = unseen.gain_on(&taken.unseen);
+        let (gap, alone) = self.energies;
         let least = match taken.refit.model.causes.is_empty() {
             true => LEAST_SHARE * gap,
             false => LEAST_FURTHER_SHARE * (gap - (alone - taken.unseen.sum())),
         };
         if gain.deviations() < BEYOND_CHANCE_SD || gain.sum < least {
-            return Ok(None);
+            return Ok(Ruling::Ended);
         }
         let first = taken.refit.model.causes.len();
         let causes = &refit.model.causes[first..];
@@ -112,23 +142,22 @@ impl Selector<'_> {
             unseen: &unseen,
             gain: gain.sum,
         };
-        if !self.laws_hold(causes, taken, with, segments)
-            || self.lies_elsewhere(causes, taken, with, segments)
+        if !selector.laws_hold(causes, taken, with, segments)
+            || selector.lies_elsewhere(causes, taken, with, segments)
         {
-            return Ok(None);
+            return Ok(Ruling::Ended);
         }
-        let wrong = taken.wrong + self.wrong_by_law(causes, gain.sum);
-        let mut rivals = taken.rivals.clone();
-        rivals.extend(self.rivals_of(best, &found, &taken.unseen));
-        Ok(Some(Taken {
+        Ok(Ruling::Taken(Taken {
+            wrong: taken.wrong + selector.wrong_by_law(causes, gain.sum),
+            rivals: [taken.rivals.clone(), rivals].concat(),
             refit,
             system,
             unseen,
-            rivals,
-            wrong,
         }))
     }
+}
 
+impl Selector<'_> {
     /// What each cause explains beside the others.
     fn explained_alone(&self, model: &Model) -> Vec<f64> {
         let context = &self.engine.context;

@@ -3,6 +3,7 @@
 use haptical_effects::{Effect, Family};
 
 use crate::engine::segments::Unseen;
+use crate::judge::rivals::with_probabilities;
 use crate::select::Selector;
 use crate::select::partial::hypotheses::Hypothesis;
 use crate::select::rival::Rival;
@@ -27,7 +28,7 @@ impl Selector<'_> {
                 joint: effect.joint(),
                 share: hypothesis.unseen.gain_on(before).sum / gained,
                 nats_behind,
-                probability: (-nats_behind).exp(),
+                probability: 0.0,
             }
         };
         let others = found
@@ -35,7 +36,11 @@ impl Selector<'_> {
             .filter(|other| !other.is_part_of(best) && !best.is_part_of(other));
         let mut others: Vec<Rival> = others
             .filter_map(|other| {
-                let lead = best.unseen.surely_gains_on(&other.unseen).max(0.0);
+                let lead = best
+                    .unseen
+                    .gain_on(&other.unseen)
+                    .deviations_by_sign()
+                    .max(0.0);
                 let first = other.causes.first()?;
                 let more = other.numbers() as f64 - best.numbers() as f64;
                 let nats_behind = LEAD_NATS * (lead * lead + more * (SEGMENTS as f64).ln());
@@ -45,13 +50,10 @@ impl Selector<'_> {
         others.extend(self.loops_between_postures(best));
         others.sort_by(|a, b| a.nats_behind.total_cmp(&b.nats_behind));
         merge_names(&mut others);
-        let sum: f64 = 1.0 + others.iter().map(|other| other.probability).sum::<f64>();
         let lists = best.causes.iter().map(|cause| {
             let mut list = vec![rival(best, cause.effect, 0.0)];
             list.extend_from_slice(&others);
-            for rival in &mut list {
-                rival.probability /= sum;
-            }
+            with_probabilities(&mut list);
             list
         });
         lists.collect()
@@ -90,7 +92,7 @@ impl Selector<'_> {
                     joint: other.joint(),
                     share: 1.0,
                     nats_behind,
-                    probability: (-nats_behind).exp(),
+                    probability: 0.0,
                 }
             })
             .collect()

@@ -62,7 +62,9 @@ impl Drive<'_> {
             let others = self.with_causes(causes, Some(place));
             let angle = [(Covariate::Angle(from), COUPLING_KNOTS)];
             let coupled = self.with_free_functions(&others, angle);
-            all.surely_gains_on(&self.segments.unseen(&coupled)) >= BEYOND_CHANCE_SD
+            all.gain_on(&self.segments.unseen(&coupled))
+                .deviations_by_sign()
+                >= BEYOND_CHANCE_SD
         })
     }
 

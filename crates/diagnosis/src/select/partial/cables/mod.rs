@@ -4,7 +4,10 @@
 mod laws;
 mod rivals;
 
+use std::convert::Infallible;
+
 use haptical_effects::{Effect, Family, Hook, Shape, Signal};
+use haptical_judge::{Forward, Proposal, Ruling};
 use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
@@ -48,9 +51,8 @@ impl Selection<'_> {
         let system = self.selector.system_of(&refit);
         let segments = Segments::new(&engine.context, &engine.system);
         let alone = segments.unseen(&engine.system);
-        let gap = alone.sum() - engine.system.layout.count() as f64;
-        let gain = segments.unseen(&system).gain_on(&alone).sum;
-        let share = (gain / gap.max(gain.abs())).clamp(0.0, 1.0);
+        let noise = engine.system.layout.count() as f64;
+        let share = segments.unseen(&system).closed_of(&alone, noise);
         self.explained = self.selector.explained_alone(&refit.model);
         self.after = system.slow_energy(&system.residual);
         (self.refit, self.system) = (refit, system);
@@ -159,8 +161,8 @@ impl<'d> Drive<'d> {
         } else {
             LEAST_PREDICTED
         };
-        let is_enough =
-            unseen.surely_gains_on(&self.alone) >= BEYOND_CHANCE_SD && gain.sum >= least * gap;
+        let is_enough = unseen.gain_on(&self.alone).deviations_by_sign() >= BEYOND_CHANCE_SD
+            && gain.sum >= least * gap;
         if !is_enough || !self.laws_hold(causes, &system, &unseen, gain.sum) {
             return Ok(None);
         }
@@ -220,35 +222,18 @@ impl<'d> Drive<'d> {
     /// tried.
     fn chosen(&self, gap: f64) -> (Vec<Cable>, Vec<Cable>) {
         let all = self.cables();
-        let mut open = all.clone();
-        let mut chosen: Vec<Cable> = Vec::new();
-        let (mut system, mut unseen) = (self.base.clone(), self.alone.clone());
-        while chosen.len() < MOST_CABLES {
-            let scores = open.iter().map(|cable| cable.score(&system));
-            let best = scores.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
-            let Some((best, score)) = best else { break };
-            if score <= 0.0 {
-                break;
-            }
-            let cable = open[best].clone();
-            let mut next = system.clone();
-            next.take(cable.column.clone());
-            let unseen_next = self.segments.unseen(&next);
-            let gain = unseen_next.gain_on(&unseen);
-            let sure = unseen_next.surely_gains_on(&unseen);
-            if sure < LEAST_CABLE_SD || gain.sum < LEAST_CABLE_SHARE * gap {
-                break;
-            }
-            (system, unseen) = (next, unseen_next);
-            open.retain(|other| !other.is_instead_of(&cable));
-            if let Some(direction) = system.basis.last() {
-                for other in &mut open {
-                    direction.take_off(&mut other.left);
-                }
-            }
-            chosen.push(cable);
-        }
-        (chosen, all)
+        let mut search = Search {
+            drive: self,
+            gap,
+            open: all.clone(),
+        };
+        let start = Chosen {
+            cables: Vec::new(),
+            system: self.base.clone(),
+            unseen: self.alone.clone(),
+        };
+        let Ok(chosen) = haptical_judge::select(&mut search, start);
+        (chosen.cables, all)
     }
 
     /// The effects with the sizes that fit best together; none where there are none.
@@ -285,5 +270,67 @@ impl<'d> Drive<'d> {
         mask(&mut residual, system.layout.range(self.stream));
         system.project_reading(residual);
         system
+    }
+}
+
+/// Effects of a joint's cables that were added so far.
+struct Chosen {
+    cables: Vec<Cable>,
+    system: System,
+    unseen: Unseen,
+}
+
+/// The search of what a joint's cables do.
+struct Search<'s, 'd> {
+    drive: &'s Drive<'d>,
+    /// Squares beyond noise that the base model leaves of unseen rows.
+    gap: f64,
+    /// Effects that may be added, across those that were.
+    open: Vec<Cable>,
+}
+
+impl Forward for Search<'_, '_> {
+    type State = Chosen;
+    type Further = Cable;
+    type Error = Infallible;
+
+    fn proposals(&mut self, chosen: &Chosen) -> Result<Vec<Proposal<Cable>>, Infallible> {
+        if chosen.cables.len() >= MOST_CABLES {
+            return Ok(Vec::new());
+        }
+        let scores = (self.open.iter()).map(|cable| (cable, cable.score(&chosen.system)));
+        let scores = scores.filter(|(_, score)| *score > 0.0);
+        Ok(scores
+            .map(|(cable, merit)| Proposal {
+                merit,
+                further: cable.clone(),
+            })
+            .collect())
+    }
+
+    fn rule(
+        &mut self,
+        chosen: &Chosen,
+        best: Proposal<Cable>,
+    ) -> Result<Ruling<Chosen>, Infallible> {
+        let cable = best.further;
+        let mut system = chosen.system.clone();
+        system.take(cable.column.clone());
+        let unseen = self.drive.segments.unseen(&system);
+        let gain = unseen.gain_on(&chosen.unseen);
+        if gain.deviations_by_sign() < LEAST_CABLE_SD || gain.sum < LEAST_CABLE_SHARE * self.gap {
+            return Ok(Ruling::Ended);
+        }
+        self.open.retain(|other| !other.is_instead_of(&cable));
+        if let Some(direction) = system.basis.last() {
+            for other in &mut self.open {
+                direction.take_off(&mut other.left);
+            }
+        }
+        Ok(Ruling::Taken(Chosen {
+            cables: [chosen.cables.as_slice(), &[cable]].concat(),
+            system,
+            unseen,
+        }))
     }
 }

@@ -1,6 +1,7 @@
 //! Names that could be in the place of one that a joint's cables have.
 
 use crate::engine::segments::Unseen;
+use crate::judge::rivals::with_probabilities;
 use crate::select::partial::cables::{Cable, Drive};
 use crate::select::rival::Rival;
 use crate::thresholds::partial::LEAD_NATS;
@@ -30,10 +31,7 @@ impl Drive<'_> {
             }
             let mut list = vec![self.rival(cable.effect, 0.0)];
             list.extend(others);
-            let sum: f64 = list.iter().map(|rival| (-rival.nats_behind).exp()).sum();
-            for rival in &mut list {
-                rival.probability = (-rival.nats_behind).exp() / sum;
-            }
+            with_probabilities(&mut list);
             list
         };
         (0..chosen.len()).map(of_place).collect()

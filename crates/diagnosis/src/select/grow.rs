@@ -1,0 +1,159 @@
+//! Causes that are picked one after the other.
+
+use haptical_effects::Family;
+use haptical_judge::{Forward, Proposal, Ruling};
+
+use crate::DiagnosisError;
+use crate::engine::model::Refit;
+use crate::engine::system::{SlowEnergy, System};
+use crate::select::contend::Tried;
+use crate::select::scan::Score;
+use crate::select::{Grown, Refused, Selector, excess};
+use crate::thresholds::chance::MOST_CAUSES;
+use crate::thresholds::fit::MOVED_FAR;
+use crate::thresholds::selection::{DYNAMIC_RANGE, NEARLY_NOTHING, REFUSALS, STILL_MUCH};
+
+impl Selector<'_> {
+    /// Picks without those that were refused.
+    pub(super) fn grow(
+        &mut self,
+        before: &[SlowEnergy],
+        refused: &mut Refused,
+        may_stop: bool,
+    ) -> Result<Grown, DiagnosisError> {
+        let start = Grown {
+            refit: self.engine.start.clone(),
+            system: self.engine.system.clone(),
+            after: before.to_vec(),
+            explained: Vec::new(),
+            first_scan: Vec::new(),
+            provisional: Vec::new(),
+        };
+        let mut growth = Growth {
+            selector: self,
+            before,
+            refused,
+            may_stop,
+            first_scan: Vec::new(),
+            tried: Vec::new(),
+        };
+        let grown = haptical_judge::select(&mut growth, start)?;
+        Ok(Grown {
+            first_scan: growth.first_scan,
+            ..grown
+        })
+    }
+}
+
+/// The growth of a model.
+struct Growth<'s, 'e> {
+    selector: &'s mut Selector<'e>,
+    before: &'s [SlowEnergy],
+    refused: &'s mut Refused,
+    /// Whether to end where the first cause has explained the gap and moved the base model far.
+    may_stop: bool,
+    first_scan: Vec<Score>,
+    /// Refits with the causes so far.
+    tried: Vec<Tried>,
+}
+
+impl Growth<'_, '_> {
+    /// Whether the causes explain the gap, and moved the base model so far that all must be computed anew.
+    fn has_moved_far(&self, grown: &Grown) -> bool {
+        self.may_stop
+            && !grown.refit.model.causes.is_empty()
+            && excess(&grown.after).0 < NEARLY_NOTHING * excess(self.before).0
+            && self.selector.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
+    }
+
+    /// Whether a pick is none of what the laws of those before it may get wrong.
+    fn is_beyond_laws(&self, grown: &Grown, score: &Score, after: &[SlowEnergy]) -> bool {
+        let selector = &self.selector;
+        let effect = selector.effects[score.effect].as_ref();
+        let causes = &grown.refit.model.causes;
+        causes.is_empty()
+            || (score.score > DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
+                && ((selector.is_quiet_there(effect, after)
+                    && selector.is_elsewhere(score, causes))
+                    || score.score > selector.law_errors(causes, &grown.explained, score)))
+    }
+
+    /// Whether what a pick leaves breaks no law of its effect.
+    fn keeps_its_law(&self, score: &Score, is_first: bool, next: &Refit, system: &System) -> bool {
+        let selector = &self.selector;
+        let effect = selector.effects[score.effect].as_ref();
+        let is_strict = !is_first || effect.spec().family == Family::Step;
+        !is_strict
+            || next.model.causes.last().is_none_or(|cause| {
+                let broken = selector.broken_law(system, effect, cause, score.score);
+                Selector::law_is_kept(effect, broken)
+            })
+    }
+}
+
+impl Forward for Growth<'_, '_> {
+    type State = Grown;
+    type Further = (Refit, Score);
+    type Error = DiagnosisError;
+
+    fn proposals(
+        &mut self,
+        grown: &Grown,
+    ) -> Result<Vec<Proposal<(Refit, Score)>>, DiagnosisError> {
+        self.selector.engine.base.interrupt.check()?;
+        if self.has_moved_far(grown) {
+            return Ok(Vec::new());
+        }
+        let mut scan = self.selector.scan(&grown.system, &grown.refit.model);
+        scan.retain(|score| !self.refused.shut.contains(&score.effect));
+        if grown.refit.model.causes.is_empty() {
+            self.first_scan.clone_from(&scan);
+        }
+        let is_full = grown.refit.model.causes.len() >= MOST_CAUSES;
+        if is_full || self.refused.shut.len() > REFUSALS {
+            return Ok(Vec::new());
+        }
+        let best = self.selector.best(grown, &scan, &mut self.tried)?;
+        self.refused.note(&self.tried, &scan);
+        let proposal = best.map(|further| Proposal {
+            merit: further.1.score,
+            further,
+        });
+        Ok(proposal.into_iter().collect())
+    }
+
+    fn rule(
+        &mut self,
+        grown: &Grown,
+        best: Proposal<(Refit, Score)>,
+    ) -> Result<Ruling<Grown>, DiagnosisError> {
+        let (next, score) = best.further;
+        let system = self.selector.system_of(&next);
+        let after = system.slow_energy(&system.residual);
+        if !self.selector.is_more_than_chance(&score, &after)? {
+            return Ok(Ruling::Ended);
+        }
+        let is_first = grown.refit.model.causes.is_empty();
+        let is_enough = (self.selector).explains_enough(&score, &grown.after, &after);
+        if !is_enough && is_first {
+            self.refused.best.get_or_insert(score);
+            return Ok(Ruling::Ended);
+        }
+        let is_beyond_laws = self.is_beyond_laws(grown, &score, &after);
+        let keeps_its_law = self.keeps_its_law(&score, is_first, &next, &system);
+        // while other effects are still to come a law cannot be judged
+        let much_left = excess(&after).0 > STILL_MUCH * excess(self.before).0;
+        if !is_enough || !is_beyond_laws || (!keeps_its_law && !much_left) {
+            self.refused.add(score);
+            return Ok(Ruling::Refused);
+        }
+        let mut with = grown.clone();
+        if !keeps_its_law {
+            with.provisional.push(score.clone());
+        }
+        with.explained.push(score.score);
+        (with.refit, with.system, with.after) = (next, system, after);
+        self.tried.clear();
+        Ok(Ruling::Taken(with))
+    }
+}

@@ -1,0 +1,25 @@
+#![doc = include_str!("../README.md")]
+
+mod gain;
+mod needless;
+mod question;
+mod rivals;
+mod select;
+mod thresholds;
+mod verdict;
+
+#[cfg(test)]
+mod tests;
+
+pub use gain::{Closed, Gain, closed_share};
+pub use needless::{Kept, without_needless};
+pub use question::{
+    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without,
+};
+pub use rivals::{Rival, Rivals, probability, rivals};
+pub use select::select;
+pub use thresholds::NAMED_PROBABILITY;
+pub use verdict::{Evidence, Verdict, verdict};
+
+/// Texts of the files with the numbers that decide.
+pub const THRESHOLDS: [&str; 1] = [include_str!("thresholds.rs")];
