@@ -9,8 +9,8 @@ use haptical_motion::why_not;
 use crate::answer::corrected::{not_in_file, of_drives};
 use crate::answer::place::in_torques;
 use crate::answer::{
-    CauseAnswer, Diagnosis, FitRows, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING,
-    Trace, Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING, Trace,
+    Untestable, Verdict,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{OnSecond, examine_both};
@@ -102,9 +102,7 @@ pub(crate) fn diagnose(
     let devices = (device, corrected.as_ref());
     let not_held = not_in_file(verdict, &causes, devices, (&force.changes, is_moving));
     Ok(Diagnosis {
-        verdict,
         not_in_file: not_held,
-        fit_rows: FitRows::default(),
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: traces(&force, verdict),
         unexplained_share: match (by_log, verdict) {
@@ -114,20 +112,9 @@ pub(crate) fn diagnose(
         closed_unseen_share: force
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
-        own_effects_leave: None,
         second,
-        steps: Vec::new(),
-        correction: None,
-        correction_refused: None,
-        probability_unknown: probability_unknown(verdict, &causes),
         untestable: untestable(effects, &force, is_moving),
-        invisible: Vec::new(),
-        detectable: Vec::new(),
-        noise: Vec::new(),
-        whiteness: Whiteness::default(),
         candidates,
-        absorbed: None,
-        plausibility: Vec::new(),
         warnings,
         held_out,
         provenance: Provenance {
@@ -136,15 +123,13 @@ pub(crate) fn diagnose(
             base_identifiable: force.numbers,
             tested: force.tested,
             thresholds: crate::version::version(),
-            last_step: 0.0,
             without: options.without.clone(),
+            ..Provenance::default()
         },
-        device: model.clone(),
         corrected,
         predictions,
-        gap,
         place,
-        causes,
+        ..Diagnosis::of_causes(verdict, gap, causes, model.clone())
     })
 }
 
@@ -154,14 +139,6 @@ fn warnings_of(force: &ForceAnswer, slow: Option<&str>) -> Vec<String> {
     let not_tested = not_tested.map(|why| format!("the torques were not tested: {why}"));
     let warnings = force.warnings.iter().cloned().chain(not_tested);
     warnings.chain(slow.map(said_of_slow)).collect()
-}
-
-fn probability_unknown(verdict: Verdict, causes: &[CauseAnswer]) -> f64 {
-    match (verdict, causes.first()) {
-        (Verdict::NoGap, _) => 0.0,
-        (Verdict::Unknown, _) | (_, None) => 1.0,
-        (_, Some(first)) => 1.0 - first.class_probability,
-    }
 }
 
 /// Which rows of the log were held out; nothing where none were.

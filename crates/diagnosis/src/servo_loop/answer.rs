@@ -10,8 +10,8 @@ use super::causes::{TORQUE_GAIN, cause, changed, of_torque};
 use super::channel::{Joint, channel, gap, held_out, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
-    CauseAnswer, Diagnosis, FitRows, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer,
-    Untestable, Verdict, Whiteness,
+    CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
+    Verdict,
 };
 use crate::judge::verdict::on_unseen;
 use crate::thresholds::servo::{ALL_CLOSED, LEAST_FLOOR};
@@ -143,26 +143,11 @@ pub(super) fn answer(
             .collect(),
         unexplained_share: left,
         closed_unseen_share: Some(1.0 - left).filter(|closed| is_explained && *closed < ALL_CLOSED),
-        own_effects_leave: None,
         second,
         not_in_file: not_in_file(verdict, &causes),
-        fit_rows: FitRows::default(),
-        steps: Vec::new(),
-        correction: None,
-        correction_refused: None,
-        probability_unknown: match (verdict, causes.first()) {
-            (Verdict::NoGap, _) => 0.0,
-            (Verdict::Unknown, _) | (_, None) => 1.0,
-            (_, Some(first)) => 1.0 - first.class_probability,
-        },
         untestable: untestable(effects, &untested, &causes),
-        invisible: Vec::new(),
-        detectable: Vec::new(),
         noise: joints.iter().map(noise).collect(),
-        whiteness: Whiteness::default(),
         candidates,
-        absorbed: None,
-        plausibility: Vec::new(),
         warnings: [warnings(&joints, &untested, words, options), refused].concat(),
         held_out: match options.validation {
             Some(_) => SECOND_RECORDING.to_owned(),
@@ -170,20 +155,19 @@ pub(super) fn answer(
         },
         provenance: Provenance {
             rows: recording.len(),
-            base_parameters: 0,
-            base_identifiable: 0,
             tested: joints.iter().map(|joint| joint.answer.tried).sum(),
             thresholds: crate::version::version(),
-            last_step: 0.0,
             without: options.without.clone(),
+            ..Provenance::default()
         },
-        device: options.model.unwrap_or(device).clone(),
-        corrected: None,
         predictions: joints.iter().flat_map(predictions).collect(),
-        verdict,
-        gap,
         place,
-        causes,
+        ..Diagnosis::of_causes(
+            verdict,
+            gap,
+            causes,
+            options.model.unwrap_or(device).clone(),
+        )
     }
 }
 
