@@ -5,7 +5,6 @@
     reason = "a command talks to its terminal"
 )]
 
-mod command;
 mod real_arms;
 
 use std::process::ExitCode;

@@ -17,7 +17,7 @@ const UNSTEADY: f64 = 0.25;
 #[derive(Debug)]
 pub struct Again {
     pub(crate) device: Device,
-    pub(crate) effects: Vec<Box<dyn Effect>>,
+    pub(crate) effects: Vec<Effect>,
     pub(crate) plan: MotionPlan,
     pub(crate) noise: NoisePlan,
     pub(crate) scales: Vec<f64>,

@@ -13,166 +13,113 @@ use crate::rig::motion::MotionPlan;
 use crate::trial::{Order, Trial};
 use crate::{arms, colour, moving, wrist};
 
-/// A suite.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Suite {
+/// One row per suite: its name, the number of its streams, its place among the salts, its trials in a scored batch and in a
+/// quick one, what it holds. A suite keeps its numbers when others are added.
+macro_rules! suites {
+    ($($(#[$doc:meta])* $variant:ident $name:literal $stream:literal $salt:literal $scored:literal $quick:literal $about:literal;)*) => {
+        /// A suite.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Suite {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl Suite {
+            /// All suites, in the order of a batch.
+            pub const ALL: [Self; 27] = [$(Self::$variant,)*];
+
+            /// Short name: `s0`, `s1`, `s1n`, ...
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $name,)*
+                }
+            }
+
+            /// What it holds.
+            pub const fn about(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $about,)*
+                }
+            }
+
+            /// Number of its streams, and its place among the salts.
+            pub const fn numbers(self) -> [u64; 2] {
+                match self {
+                    $(Self::$variant => [$stream, $salt],)*
+                }
+            }
+
+            /// Trials of a scored batch, and of a quick check: each kind of clean recording once, a third of the strong effects,
+            /// one or two of all other suites.
+            pub const fn trials(self) -> [u64; 2] {
+                match self {
+                    $(Self::$variant => [$scored, $quick],)*
+                }
+            }
+        }
+    };
+}
+
+suites! {
     /// S0: clean, with white, coloured, unequal noise, outliers, rounding.
-    Clean,
+    Clean "s0" 1 0 300 6 "clean";
     /// S1: one strong effect.
-    Singles,
+    Singles "s1" 2 1 300 11 "one strong effect";
     /// S1n: one effect a tenth as strong.
-    NearSingles,
+    NearSingles "s1n" 3 2 150 1 "one effect, a tenth as strong";
     /// S2: one strong effect whose names are withheld from the catalogue.
-    Withheld,
+    Withheld "s2" 4 3 150 2 "one strong effect, withheld from the catalogue";
     /// S3: effects that are in no catalogue.
-    Unknown,
+    Unknown "s3" 5 4 100 2 "an effect in no catalogue";
     /// S4: two effects.
-    Pairs,
+    Pairs "s4" 6 5 100 1 "two effects";
     /// S5: one effect at seven sizes from a hundredth to strong.
-    Ladder,
+    Ladder "s5" 7 6 70 1 "one effect, 1/100 to strong";
     /// S6: effects with structural twins.
-    Twins,
+    Twins "s6" 8 7 40 1 "an effect with structural twins";
     /// S7: pathologies of the noise.
-    Noise,
+    Noise "s7" 9 8 60 1 "a pathology of the noise";
     /// S8: the model has the kinematics alone.
-    Ablation,
-    /// SF: effects on the force and torque channels.
-    Force,
-    /// SFW: the same with their names withheld from the catalogue.
-    ForceWithheld,
-    /// SFU: force and torque effects that are in no catalogue.
-    ForceUnknown,
+    Ablation "s8" 10 9 20 1 "ablation: kinematics only";
     /// S10: effects a hundred times beyond their physical bound.
-    Wrong,
+    Wrong "s10" 11 13 30 1 "100 times beyond the physical bound";
+    /// SF: effects on the force and torque channels.
+    Force "sf" 12 10 40 1 "an effect on force or torque";
+    /// SFW: the same with their names withheld from the catalogue.
+    ForceWithheld "sfw" 13 11 45 1 "the same, withheld from the catalogue";
+    /// SFU: force and torque effects that are in no catalogue.
+    ForceUnknown "sfu" 14 12 36 2 "an effect on force or torque in no catalogue";
     /// SP: torques alone, another payload from a run on.
-    Payload,
+    Payload "sp" 31 14 120 1 "torques alone, another payload from a run on";
     /// SPW: the same with its name withheld from the catalogue.
-    PayloadWithheld,
+    PayloadWithheld "spw" 32 15 40 1 "the same, withheld from the catalogue";
     /// SPC: torques alone, the same payload in all runs.
-    PayloadSame,
+    PayloadSame "spc" 33 16 100 1 "torques alone, nothing changed between runs";
     /// SE: arms of which several joints yield to their weight, posture by posture.
-    Elastic,
+    Elastic "se" 15 17 100 1 "an arm that yields to its weight";
     /// SR: postures that are recorded several times each.
-    Repeats,
+    Repeats "sr" 16 18 80 1 "postures with repeats";
     /// SM: runs between which a tracker was set up anew, or was not.
-    Moved,
+    Moved "sm" 17 19 80 1 "runs with a moved tracker";
     /// SC: noise with a memory, with an effect or without.
-    Coloured,
+    Coloured "sc" 18 20 80 1 "noise with a memory";
     /// SW: wrists with play and coupling in several cables.
-    Wrist,
+    Wrist "sw" 19 21 100 1 "a wrist of several cables";
     /// SL: one strong effect, and a second recording that the corrected device must predict.
-    Loop,
+    Loop "sl" 20 22 96 1 "one strong effect, corrected and predicted";
     /// SLP: the same with two effects.
-    LoopPairs,
+    LoopPairs "slp" 21 23 50 1 "two effects, corrected and predicted";
     /// SLA: clean, and an effect that is not there is asked for.
-    Absent,
+    Absent "sla" 22 24 100 1 "clean, and an effect asked for";
     /// Arms that a controller moves: clean, with effects of all kinds, with torques of something else.
-    Moving,
+    Moving "moving" 23 25 400 1 "arms that a controller moves";
     /// The same arms, clean, with torque noise that remembers a little.
-    MovingMemory,
+    MovingMemory "moving-memory" 24 26 40 1 "the same, clean, noise with a memory";
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
 const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
-    /// All suites.
-    pub const ALL: [Self; 27] = [
-        Self::Clean,
-        Self::Singles,
-        Self::NearSingles,
-        Self::Withheld,
-        Self::Unknown,
-        Self::Pairs,
-        Self::Ladder,
-        Self::Twins,
-        Self::Noise,
-        Self::Ablation,
-        Self::Force,
-        Self::ForceWithheld,
-        Self::ForceUnknown,
-        Self::Wrong,
-        Self::Payload,
-        Self::PayloadWithheld,
-        Self::PayloadSame,
-        Self::Elastic,
-        Self::Repeats,
-        Self::Moved,
-        Self::Coloured,
-        Self::Wrist,
-        Self::Loop,
-        Self::LoopPairs,
-        Self::Absent,
-        Self::Moving,
-        Self::MovingMemory,
-    ];
-
-    /// Short name: `s0`, `s1`, `s1n`, ...
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Clean => "s0",
-            Self::Singles => "s1",
-            Self::NearSingles => "s1n",
-            Self::Withheld => "s2",
-            Self::Unknown => "s3",
-            Self::Pairs => "s4",
-            Self::Ladder => "s5",
-            Self::Twins => "s6",
-            Self::Noise => "s7",
-            Self::Ablation => "s8",
-            Self::Force => "sf",
-            Self::ForceWithheld => "sfw",
-            Self::ForceUnknown => "sfu",
-            Self::Wrong => "s10",
-            Self::Payload => "sp",
-            Self::PayloadWithheld => "spw",
-            Self::PayloadSame => "spc",
-            Self::Elastic => "se",
-            Self::Repeats => "sr",
-            Self::Moved => "sm",
-            Self::Coloured => "sc",
-            Self::Wrist => "sw",
-            Self::Loop => "sl",
-            Self::LoopPairs => "slp",
-            Self::Absent => "sla",
-            Self::Moving => "moving",
-            Self::MovingMemory => "moving-memory",
-        }
-    }
-
-    /// Number of its streams; a suite keeps its number when others are added.
-    const fn stream(self) -> u64 {
-        match self {
-            Self::Clean => 1,
-            Self::Singles => 2,
-            Self::NearSingles => 3,
-            Self::Withheld => 4,
-            Self::Unknown => 5,
-            Self::Pairs => 6,
-            Self::Ladder => 7,
-            Self::Twins => 8,
-            Self::Noise => 9,
-            Self::Ablation => 10,
-            Self::Wrong => 11,
-            Self::Force => 12,
-            Self::ForceWithheld => 13,
-            Self::ForceUnknown => 14,
-            Self::Payload => 31,
-            Self::PayloadWithheld => 32,
-            Self::PayloadSame => 33,
-            Self::Elastic => 15,
-            Self::Repeats => 16,
-            Self::Moved => 17,
-            Self::Coloured => 18,
-            Self::Wrist => 19,
-            Self::Loop => 20,
-            Self::LoopPairs => 21,
-            Self::Absent => 22,
-            Self::Moving => 23,
-            Self::MovingMemory => 24,
-        }
-    }
-
     /// Whether the diagnosis must not see the second recording: what it made of the first is tried on it.
     pub const fn keeps_second_back(self) -> bool {
         matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)
@@ -180,7 +127,7 @@ impl Suite {
 
     /// The random numbers of a trial.
     pub(crate) fn random(self, index: u64, batch_seed: u64) -> Random {
-        Random::new(batch_seed, SUITE_STREAM * self.stream() + index)
+        Random::new(batch_seed, SUITE_STREAM * self.numbers()[0] + index)
     }
 
     /// The suite of that name.
@@ -202,7 +149,18 @@ impl Suite {
     /// [`BlindError`] where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
         let mut random = self.random(index, batch_seed);
-        let of_its_own = match self {
+        match self.draws() {
+            Some(draw) => draw(self.name(), index, batch_seed, &mut random),
+            None => {
+                let order = self.order(index, &mut random)?;
+                order.make(self.name(), index, batch_seed, &mut random)
+            }
+        }
+    }
+
+    /// How a suite draws that has no orders.
+    fn draws(self) -> Option<fn(&str, u64, u64, &mut Random) -> Result<Trial, BlindError>> {
+        Some(match self {
             Self::Elastic => arms::elastic,
             Self::Repeats => arms::repeats,
             Self::Moved => arms::moved,
@@ -210,12 +168,8 @@ impl Suite {
             Self::Absent => loop_suites::absent,
             Self::Moving => moving::draw,
             Self::MovingMemory => moving::with_memory,
-            _ => {
-                let order = self.order(index, &mut random)?;
-                return order.make(self.name(), index, batch_seed, &mut random);
-            }
-        };
-        of_its_own(self.name(), index, batch_seed, &mut random)
+            _ => return None,
+        })
     }
 
     /// The same trial with its device, for further recordings; none for suites that are not drawn as a device with effects
@@ -228,17 +182,7 @@ impl Suite {
         index: u64,
         batch_seed: u64,
     ) -> Result<Option<(Trial, Again)>, BlindError> {
-        let is_of_its_own = matches!(
-            self,
-            Self::Elastic
-                | Self::Repeats
-                | Self::Moved
-                | Self::Wrist
-                | Self::Absent
-                | Self::Moving
-                | Self::MovingMemory
-        );
-        if is_of_its_own {
+        if self.draws().is_some() {
             return Ok(None);
         }
         let mut random = self.random(index, batch_seed);
@@ -249,7 +193,6 @@ impl Suite {
 
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
         match self {
-            Self::Clean => clean(index, random),
             Self::Singles | Self::Loop => single(index, random),
             Self::NearSingles => near(index, random),
             Self::Withheld => Ok(Order {
@@ -289,14 +232,8 @@ impl Suite {
             }),
             Self::PayloadSame => payload_suites::unchanged(index, random),
             Self::Coloured => colour::order(index, random),
-            // drawn without an order
-            Self::Elastic
-            | Self::Repeats
-            | Self::Moved
-            | Self::Wrist
-            | Self::Absent
-            | Self::Moving
-            | Self::MovingMemory => clean(index, random),
+            // those that are drawn without an order too
+            _ => clean(index, random),
         }
     }
 }

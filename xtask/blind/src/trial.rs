@@ -104,7 +104,7 @@ impl Order {
         let nominal = self.nominal.device()?;
         let mut device = perturbed(&nominal, random);
         let scales = torque_scales(&nominal, random);
-        let effects: Vec<Box<dyn Effect>> = self
+        let effects: Vec<Effect> = self
             .effects
             .iter()
             .zip(0..)
@@ -167,11 +167,11 @@ impl Order {
         Ok((trial, again))
     }
 
-    fn truth(&self, effects: &[Box<dyn Effect>], facts: &[Vec<Facts>]) -> Truth {
+    fn truth(&self, effects: &[Effect], facts: &[Vec<Facts>]) -> Truth {
         let owned = |names: &[&str]| -> Vec<String> {
             names.iter().map(|name| (*name).to_owned()).collect()
         };
-        let infos: Vec<_> = effects.iter().map(|effect| effect.info()).collect();
+        let infos: Vec<_> = effects.iter().map(|effect| &effect.info).collect();
         let groups: Vec<_> = infos.iter().filter(|info| !info.right.is_empty()).collect();
         let mut right: Vec<Vec<String>> = groups.iter().map(|info| owned(&info.right)).collect();
         let joints: Vec<Option<usize>> = groups

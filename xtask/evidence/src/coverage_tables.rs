@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use haptical_metrics::{binomial_two_sided_p, holm_adjusted, wilson_interval};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
-use xtask_output::Output;
+use xtask_output::{Output, or_none};
 
 use super::intervals::{LEVEL, POSTURES, Quantity, TRIALS};
 use super::rigs::{Errors, Rig};
@@ -134,14 +134,6 @@ fn left_out(
             "one cable fixes no coordinate of the handle: {refused} of {asked} got no interval"
         ),
     );
-}
-
-fn or_none(names: &[String]) -> String {
-    if names.is_empty() {
-        "none".to_owned()
-    } else {
-        names.join(", ")
-    }
 }
 
 /// Every quantity's coverage with its own 95 % interval, trial by trial.

@@ -72,11 +72,7 @@ fn root() -> PathBuf {
 
 /// Runs the job.
 pub fn evidence(arguments: &Arguments) -> Result<()> {
-    let mut output = Output::new(Layout {
-        stem: "evidence",
-        figures: "figures/",
-        tables: "tables/",
-    });
+    let mut output = Output::new(Layout::in_folders("evidence"));
     let runs = |name: &str| arguments.only.as_deref().is_none_or(|only| only == name);
     if runs("solver") {
         let progress = Progress::new("solver", 2);
@@ -139,11 +135,7 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("mutants") && !arguments.quick {
         project::quality::mutants(&mut output, &arguments.out)?;
     }
-    let lines = output.write(&arguments.out, "Evidence", LEAD)?;
-    for text in lines {
-        println!("{text}");
-    }
-    println!("report: {}", arguments.out.join("report.html").display());
+    output.write(&arguments.out, "Evidence", LEAD)?;
     if arguments.quick && !arguments.check {
         return Ok(());
     }

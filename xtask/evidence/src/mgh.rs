@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use haptical_identification::{Convergence, Problem, Settings};
 use haptical_report::{Cell, Table};
-use xtask_output::Output;
+use xtask_output::{Output, or_none};
 
 use set::judge::{Outcome, run};
 use set::{Instance, START_FACTORS, Tables};
@@ -139,10 +139,7 @@ fn table(runs: &[Run<'_>], tables: &Tables) -> Result<Table> {
 fn verdicts(output: &mut Output, runs: &[Run<'_>]) {
     let names = |of: &dyn Fn(&&Run<'_>) -> bool| {
         let names: Vec<String> = runs.iter().filter(of).map(Run::name).collect();
-        match names.is_empty() {
-            true => "none".to_owned(),
-            false => names.join(", "),
-        }
+        or_none(&names)
     };
     let claims = runs.iter().filter(|run| run.outcome.claims()).count();
     let is_false = |run: &&Run<'_>| run.outcome.false_claim().is_some();

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use haptical_identification::Settings;
 use haptical_report::{Cell, Table};
-use xtask_output::Output;
+use xtask_output::{Output, or_none};
 
 use set::digits::{CERTIFIED_DIGITS, Score};
 use set::{Certified, read_all};
@@ -79,10 +79,7 @@ fn verdicts(output: &mut Output, title: &str, scores: &[Score], bar: usize) {
             .filter(|score| of(score))
             .map(|score| score.name)
             .collect();
-        match names.is_empty() {
-            true => "none".to_owned(),
-            false => names.join(", "),
-        }
+        or_none(&names)
     };
     let solved = scores
         .iter()

@@ -1,4 +1,5 @@
 //! Reports, tables and progress of the jobs of the project.
+#![allow(clippy::print_stdout, reason = "reports talk to a terminal")]
 #![allow(
     clippy::missing_errors_doc,
     reason = "the errors are texts for a person"
@@ -10,6 +11,6 @@ mod page;
 mod progress;
 
 pub use command::built_command;
-pub use output::{Layout, Output};
+pub use output::{Layout, Output, or_none};
 pub use page::put_between;
 pub use progress::Progress;

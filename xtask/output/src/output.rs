@@ -19,6 +19,25 @@ pub struct Layout {
     pub tables: &'static str,
 }
 
+impl Layout {
+    /// A file name, with folders for figures and tables.
+    pub fn in_folders(stem: &'static str) -> Self {
+        Self {
+            stem,
+            figures: "figures/",
+            tables: "tables/",
+        }
+    }
+}
+
+/// Names with commas between, or `none`.
+pub fn or_none<S: std::borrow::Borrow<str>>(names: &[S]) -> String {
+    match names.is_empty() {
+        true => "none".to_owned(),
+        false => names.join(", "),
+    }
+}
+
 /// A report that grows section by section.
 #[derive(Debug, Default)]
 pub struct Output {
@@ -154,8 +173,8 @@ impl Output {
         self.json.push((name.to_owned(), value));
     }
 
-    /// Writes everything below `directory`; nothing is added that depends on time or place.
-    pub fn write(self, directory: &Path, title: &str, lead: &str) -> Result<Vec<String>> {
+    /// Writes everything below `directory`, and shows the terminal its part; nothing is added that depends on time or place.
+    pub fn write(self, directory: &Path, title: &str, lead: &str) -> Result<()> {
         let document = Document::new(title, lead, self.sections);
         let mut files = self.files;
         files.push(("report.html".to_owned(), document.to_html().into_bytes()));
@@ -170,6 +189,10 @@ impl Output {
         for (name, bytes) in &files {
             write_atomically(&directory.join(name), bytes)?;
         }
-        Ok(self.terminal)
+        for text in self.terminal {
+            println!("{text}");
+        }
+        println!("report: {}", directory.join("report.html").display());
+        Ok(())
     }
 }

@@ -8,9 +8,8 @@ mod sets;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use xtask_output::put_between;
+use xtask_output::{built_command, put_between};
 
-use crate::command::command;
 use sets::{Folders, Sets};
 
 /// The page with the table.
@@ -40,7 +39,7 @@ pub(crate) struct Arguments {
 /// Runs the job.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let sets = Sets::load()?;
-    let program = command()?;
+    let program = built_command(Path::new("."))?;
     let folders = Folders {
         shared: arguments.shared.clone(),
         fetched: arguments.fetched.clone(),

@@ -204,12 +204,8 @@ fn publish(
         run.commit,
         run.date
     );
-    for text in output.write(&arguments.out, title, &lead)? {
-        println!("{text}");
-    }
-    println!("{kind}");
-    println!("report: {}", arguments.out.join("report.html").display());
-    Ok(())
+    output.terminal(kind);
+    output.write(&arguments.out, title, &lead)
 }
 
 fn write_json(path: &Path, what: &impl Serialize) -> Result<()> {

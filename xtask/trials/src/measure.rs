@@ -132,6 +132,31 @@ impl Value {
     }
 }
 
+/// Figures under one heading.
+#[derive(Debug)]
+pub(crate) struct Group {
+    heading: &'static str,
+    pub(crate) measures: Vec<Measure>,
+}
+
+impl Group {
+    pub(crate) fn new(heading: &'static str) -> Self {
+        let measures = Vec::new();
+        Self { heading, measures }
+    }
+
+    /// Adds a figure, with a bar or none.
+    pub(crate) fn add(
+        &mut self,
+        name: impl Into<String>,
+        value: Value,
+        bar: impl Into<Option<Bar>>,
+    ) {
+        let measure = Measure::new(self.heading, name, value, bar.into());
+        self.measures.push(measure);
+    }
+}
+
 impl Measure {
     pub(crate) fn new(
         group: &'static str,

@@ -2,8 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::effects::added::{Added, Law, Place};
-use crate::effects::{Draw, Effect, Facts, Info};
+use crate::effects::{Act, Draw, Effect, Facts, Stage, fixed};
 use crate::laws::slope_of;
 use crate::rig::scene::{CablePath, Scene};
 
@@ -11,30 +10,41 @@ use crate::rig::scene::{CablePath, Scene};
 /// the lengths of the chain are fitted.
 const EXIT: [&str; 3] = ["cable-exit-geometry", "cable-twist", "cable-zero-offset"];
 
-/// What the cable's path does to its length.
-#[derive(Debug, Clone, Copy)]
-enum Path {
-    /// Wraps a rounded guide of this radius \[m\], in the plane of exit axis and handle.
-    Guide { radius_m: f64 },
-    /// Shortens as it twists: half this times the squared angle from the exit axis, saturating at an
-    /// angle \[m/rad^2, rad\].
-    Twist {
-        m_per_rad2: f64,
-        saturation_rad: f64,
-    },
-    /// Hangs: parabola of weight over tension \[1/m\].
-    Sag { weight_per_tension_per_m: f64 },
-    /// A constant \[m\].
-    Zero { offset_m: f64 },
-    /// Scale of the drum \[m/m\].
-    Scale { scale: f64 },
+/// The straight line from the exit to the handle, and the cable's length.
+struct Line {
+    /// Along the exit axis, and across it.
+    along_m: f64,
+    across_m: f64,
+    chord_m: f64,
+    /// Sine of its angle to the ground.
+    rise: f64,
+    length_m: f64,
 }
 
-/// An effect of the path.
-#[derive(Debug)]
-struct Routed {
-    info: Info,
-    path: Path,
+/// An effect of the cable's path: what it adds to the cable's length.
+fn routed(
+    draw: &Draw<'_>,
+    name: &'static str,
+    right: &[&'static str],
+    facts: Facts,
+    extra_m: impl Fn(&Line) -> f64 + Send + Sync + 'static,
+) -> Effect {
+    let act = move |scene: &Scene<'_>, path: &CablePath, cable_m: &mut [f64]| {
+        let up = -Vector3::from(scene.device.gravity_mps2.unwrap_or([0.0, 0.0, -1.0])).normalize();
+        for (length_m, handle) in cable_m.iter_mut().zip(&path.handle) {
+            let straight = handle.position_m - path.anchor_m;
+            let along_m = straight.dot(&path.exit_axis);
+            *length_m += extra_m(&Line {
+                along_m,
+                across_m: (straight - path.exit_axis * along_m).norm(),
+                chord_m: straight.norm(),
+                rise: straight.dot(&up) / straight.norm(),
+                length_m: *length_m,
+            });
+        }
+    };
+    let info = draw.anywhere(name, right);
+    Effect::new(info, fixed(facts), Act::Path(Box::new(act)))
 }
 
 /// Length of a cable from a guide to `(along, across)` in the plane of the exit axis: the free part is
@@ -55,170 +65,84 @@ pub(crate) fn wrapped_length_m(along_m: f64, across_m: f64, radius_m: f64) -> f6
     free_m + radius_m * wrapped_rad
 }
 
-impl Routed {
-    /// What is added to a length, for the straight line from the exit to the handle.
-    fn extra_m(
-        &self,
-        straight: &Vector3<f64>,
-        exit: &Vector3<f64>,
-        up: &Vector3<f64>,
-        length_m: f64,
-    ) -> f64 {
-        let along_m = straight.dot(exit);
-        let across_m = (straight - exit * along_m).norm();
-        match self.path {
-            Path::Guide { radius_m } => {
-                wrapped_length_m(along_m, across_m, radius_m) - straight.norm()
-            }
-            Path::Twist {
-                m_per_rad2,
-                saturation_rad,
-            } => {
-                let angle = libm::atan2(across_m, along_m) / saturation_rad;
-                let square = saturation_rad * saturation_rad;
-                m_per_rad2 * square * (libm::sqrt(1.0 + angle * angle) - 1.0)
-            }
-            Path::Sag {
-                weight_per_tension_per_m,
-            } => {
-                // parabola: length - chord = (w cos)^2 L^3 / (24 T^2)
-                let rise = straight.dot(up) / straight.norm();
-                let load = weight_per_tension_per_m * weight_per_tension_per_m;
-                load * (1.0 - rise * rise) * length_m * length_m * length_m / 24.0
-            }
-            Path::Zero { offset_m } => offset_m,
-            Path::Scale { scale } => scale * length_m,
-        }
-    }
+/// The guide's rounded edge: the cable wraps it, in the plane of exit axis and handle.
+pub(crate) fn exit_geometry(draw: &mut Draw<'_>) -> Effect {
+    let radius_m = draw.amplitude(6e-3);
+    let facts = Facts::default().with("radius_m", radius_m);
+    routed(draw, "cable-exit-geometry", &EXIT, facts, move |line| {
+        wrapped_length_m(line.along_m, line.across_m, radius_m) - line.chord_m
+    })
 }
 
-impl Effect for Routed {
-    fn info(&self) -> &Info {
-        &self.info
-    }
-
-    fn facts(&self, _scene: &Scene<'_>) -> Facts {
-        let facts = Facts::default();
-        match self.path {
-            Path::Guide { radius_m } => facts.with("radius_m", radius_m),
-            Path::Twist {
-                m_per_rad2,
-                saturation_rad,
-            } => facts
-                .law("curvature_m_per_rad2", m_per_rad2)
-                .law("saturation_rad", saturation_rad),
-            Path::Sag {
-                weight_per_tension_per_m,
-            } => facts.with("weight_n_per_m_over_tension", weight_per_tension_per_m),
-            Path::Zero { offset_m } => facts.with("offset_m", offset_m),
-            Path::Scale { scale } => facts.with("scale", scale),
-        }
-    }
-
-    fn path(&self, scene: &Scene<'_>, path: &CablePath, cable_m: &mut [f64]) {
-        let up = -Vector3::from(scene.device.gravity_mps2.unwrap_or([0.0, 0.0, -1.0])).normalize();
-        for (length_m, handle) in cable_m.iter_mut().zip(&path.handle) {
-            let straight = handle.position_m - path.anchor_m;
-            *length_m += self.extra_m(&straight, &path.exit_axis, &up, *length_m);
-        }
-    }
-}
-
-/// The guide's rounded edge.
-pub(crate) fn exit_geometry(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Guide {
-        radius_m: draw.amplitude(6e-3),
-    };
-    let info = draw.anywhere("cable-exit-geometry", &EXIT);
-    Box::new(Routed { info, path })
-}
-
-/// Twist of the cable off its exit axis.
-pub(crate) fn twist(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Twist {
-        m_per_rad2: draw.signed(2e-3),
-        saturation_rad: draw.random.uniform(1.5, 3.0),
-    };
-    let info = draw.anywhere("cable-twist", &EXIT);
-    Box::new(Routed { info, path })
+/// Twist of the cable off its exit axis: it shortens by half a number times the squared angle from the axis, which saturates.
+pub(crate) fn twist(draw: &mut Draw<'_>) -> Effect {
+    let m_per_rad2 = draw.signed(2e-3);
+    let saturation_rad = draw.random.uniform(1.5, 3.0);
+    let facts = Facts::default()
+        .law("curvature_m_per_rad2", m_per_rad2)
+        .law("saturation_rad", saturation_rad);
+    routed(draw, "cable-twist", &EXIT, facts, move |line| {
+        let angle = libm::atan2(line.across_m, line.along_m) / saturation_rad;
+        let square = saturation_rad * saturation_rad;
+        m_per_rad2 * square * (libm::sqrt(1.0 + angle * angle) - 1.0)
+    })
 }
 
 /// The cable's zero.
-pub(crate) fn zero_offset(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Zero {
-        offset_m: draw.signed(3e-3),
-    };
-    let info = draw.anywhere("cable-zero-offset", &EXIT);
-    Box::new(Routed { info, path })
+pub(crate) fn zero_offset(draw: &mut Draw<'_>) -> Effect {
+    let offset_m = draw.signed(3e-3);
+    let facts = Facts::default().with("offset_m", offset_m);
+    routed(draw, "cable-zero-offset", &EXIT, facts, move |_| offset_m)
 }
 
-/// A cable that hangs; at physical tensions nothing can be seen of it.
-pub(crate) fn sag(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Sag {
-        weight_per_tension_per_m: draw.amplitude(0.1),
-    };
-    let info = draw.anywhere("cable-sag", &["cable-sag"]);
-    Box::new(Routed { info, path })
+/// A cable that hangs; at physical tensions nothing can be seen of it. Parabola of weight over tension:
+/// length - chord = (w cos)^2 L^3 / (24 T^2).
+pub(crate) fn sag(draw: &mut Draw<'_>) -> Effect {
+    let weight_per_tension_per_m = draw.amplitude(0.1);
+    let facts = Facts::default().with("weight_n_per_m_over_tension", weight_per_tension_per_m);
+    routed(draw, "cable-sag", &["cable-sag"], facts, move |line| {
+        let load = weight_per_tension_per_m * weight_per_tension_per_m;
+        let length_m = line.length_m;
+        load * (1.0 - line.rise * line.rise) * length_m * length_m * length_m / 24.0
+    })
+}
+
+fn scaled(draw: &Draw<'_>, name: &'static str, scale: f64) -> Effect {
+    let facts = Facts::default().with("scale", scale);
+    routed(draw, name, &[], facts, move |line| scale * line.length_m)
 }
 
 /// The drum's radius: the chain's lengths take it up.
-pub(crate) fn scale(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Scale {
-        scale: draw.signed(2e-3),
-    };
-    let info = draw.anywhere("cable-scale", &[]);
-    Box::new(Routed { info, path })
+pub(crate) fn scale(draw: &mut Draw<'_>) -> Effect {
+    let scale = draw.signed(2e-3);
+    scaled(draw, "cable-scale", scale)
 }
 
 /// Stretch under a spring of constant force: like the scale.
-pub(crate) fn stretch(draw: &mut Draw<'_>) -> Box<dyn Effect> {
-    let path = Path::Scale {
-        scale: -draw.amplitude(5e-4),
-    };
-    let info = draw.anywhere("cable-stretch", &[]);
-    Box::new(Routed { info, path })
+pub(crate) fn stretch(draw: &mut Draw<'_>) -> Effect {
+    let scale = -draw.amplitude(5e-4);
+    scaled(draw, "cable-stretch", scale)
 }
 
-/// The cable and its housing grow with temperature.
-#[derive(Debug)]
-struct Warmth {
-    per_degc: f64,
-    housing_m: f64,
-}
-
-impl Law for Warmth {
-    fn deviation(&self, scene: &Scene<'_>, _place: Place, signal: &[f64]) -> Vec<f64> {
-        let start_degc = scene.cold_degc;
-        scene
-            .temperature_degc
-            .iter()
-            .zip(signal)
-            .map(|(degc, length_m)| {
-                -self.per_degc * (degc - start_degc) * (length_m + self.housing_m)
-            })
-            .collect()
-    }
-
-    fn facts(&self, scene: &Scene<'_>, place: Place) -> Facts {
-        // the mean length is a guess of the order of the device's
-        let lengths = vec![0.3; scene.len()];
-        let deviation = self.deviation(scene, place, &lengths);
-        Facts::default()
-            .law("per_degc", self.per_degc)
-            .law("housing_m", self.housing_m)
-            .law("m_per_degc", slope_of(&scene.temperature_degc, &deviation))
-    }
-}
-
-/// Thermal drift of the measuring cable: mostly that of its housing.
-pub(crate) fn thermal(draw: &mut Draw<'_>) -> Box<dyn Effect> {
+/// Thermal drift of the measuring cable: it and its housing grow with temperature, mostly the housing.
+pub(crate) fn thermal(draw: &mut Draw<'_>) -> Effect {
     let housing_m = draw.random.uniform(0.6, 2.0);
-    let law = Warmth {
-        per_degc: draw.amplitude(40e-6) / (housing_m + 0.3),
-        housing_m,
+    let per_degc = draw.amplitude(40e-6) / (housing_m + 0.3);
+    let law = move |scene: &Scene<'_>, signal: &[f64]| -> Vec<f64> {
+        let rows = scene.temperature_degc.iter().zip(signal);
+        rows.map(|(degc, length_m)| -per_degc * (degc - scene.cold_degc) * (length_m + housing_m))
+            .collect()
+    };
+    let facts = move |scene: &Scene<'_>| {
+        // the mean length is a guess of the order of the device's
+        let deviation = law(scene, &vec![0.3; scene.len()]);
+        Facts::default()
+            .law("per_degc", per_degc)
+            .law("housing_m", housing_m)
+            .law("m_per_degc", slope_of(&scene.temperature_degc, &deviation))
     };
     let info = draw.anywhere("thermal-drift", &["thermal-drift"]);
-    Added::boxed(info, Place::Cable, law)
+    Effect::added(info, Stage::Cable, facts, law)
 }
 
 #[cfg(test)]

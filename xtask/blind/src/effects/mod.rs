@@ -69,51 +69,134 @@ impl Facts {
         self.law.insert(name, value);
         self
     }
+
+    /// With events; the time and the size of one alone are parameters.
+    #[must_use]
+    pub(crate) fn happening(mut self, size_name: &'static str, events: Vec<Event>) -> Self {
+        if let [event] = &events[..] {
+            self = self
+                .with(size_name, event.size)
+                .with("time_s", event.time_s);
+        }
+        self.events = events;
+        self
+    }
 }
 
-/// An effect: hooks in the order in which a recording comes about. Each does nothing unless it says so.
-pub trait Effect: std::fmt::Debug + Send + Sync {
-    /// Name and right answers.
-    fn info(&self) -> &Info;
+/// Columns that effects change, in the order in which a recording comes about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// What the transmission has to turn beyond the output angle \[rad\].
+    Upstream,
+    /// Motor-side readings \[rad\] before they are rounded to counts.
+    Motor,
+    /// External encoders' readings \[rad\].
+    External,
+    /// Angles of the links behind the external encoders \[rad\].
+    Link,
+    /// What the first cable's encoder reads \[m\].
+    Cable,
+    /// Torque readings \[N m\].
+    Torque,
+    /// Force readings \[N\].
+    Force,
+}
 
-    /// Numbers of this recording.
-    fn facts(&self, _scene: &Scene<'_>) -> Facts {
-        Facts::default()
+/// Changes something of a recording.
+type Change<T> = Box<dyn Fn(&Scene<'_>, &mut T) + Send + Sync>;
+
+/// What an effect does.
+pub(crate) enum Act {
+    /// Changes the true device (effects that the base model knows).
+    Device(Box<dyn Fn(&mut Device) + Send + Sync>),
+    Columns(Stage, Change<[Vec<f64>]>),
+    /// Flexes the structure.
+    Flex(Change<Flex>),
+    /// Replaces the straight path of the first cable \[m\].
+    Path(Box<dyn Fn(&Scene<'_>, &CablePath, &mut [f64]) + Send + Sync>),
+    Noise(Change<NoisePlan>),
+}
+
+/// An effect: its name and right answers, its numbers in a recording, and what it does as one comes about.
+pub struct Effect {
+    /// Name and right answers.
+    pub info: Info,
+    facts: Box<dyn Fn(&Scene<'_>) -> Facts + Send + Sync>,
+    act: Act,
+}
+
+impl std::fmt::Debug for Effect {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut shown = formatter.debug_struct("Effect");
+        shown.field("info", &self.info).finish_non_exhaustive()
+    }
+}
+
+/// Numbers that are the same in every recording.
+pub(crate) fn fixed(facts: Facts) -> impl Fn(&Scene<'_>) -> Facts + Send + Sync {
+    move |_| facts.clone()
+}
+
+impl Effect {
+    pub(crate) fn new(
+        info: Info,
+        facts: impl Fn(&Scene<'_>) -> Facts + Send + Sync + 'static,
+        act: Act,
+    ) -> Self {
+        let facts = Box::new(facts);
+        Self { info, facts, act }
     }
 
-    /// Changes the true device (effects that the base model knows).
-    fn device(&self, _device: &mut Device) {}
+    /// Numbers of this recording.
+    pub fn facts(&self, scene: &Scene<'_>) -> Facts {
+        (self.facts)(scene)
+    }
 
-    /// Adds to what the transmission has to turn beyond the output angle \[rad\].
-    fn upstream(&self, _scene: &Scene<'_>, _windup_rad: &mut [Vec<f64>]) {}
+    /// Changes the true device.
+    pub fn device(&self, device: &mut Device) {
+        if let Act::Device(act) = &self.act {
+            act(device);
+        }
+    }
 
-    /// Changes the motor-side readings \[rad\] before they are rounded to counts.
-    fn motor(&self, _scene: &Scene<'_>, _reading_rad: &mut [Vec<f64>]) {}
-
-    /// Changes the external encoders' readings \[rad\].
-    fn external(&self, _scene: &Scene<'_>, _output_rad: &mut [Vec<f64>]) {}
-
-    /// Changes the angles of the links behind the external encoders \[rad\].
-    fn link(&self, _scene: &Scene<'_>, _angle_rad: &mut [Vec<f64>]) {}
+    /// Changes the columns of a stage.
+    pub(crate) fn columns(&self, stage: Stage, scene: &Scene<'_>, columns: &mut [Vec<f64>]) {
+        if let Act::Columns(of, act) = &self.act
+            && *of == stage
+        {
+            act(scene, columns);
+        }
+    }
 
     /// Flexes the structure.
-    fn flex(&self, _scene: &Scene<'_>, _flex: &mut Flex) {}
+    pub(crate) fn flex(&self, scene: &Scene<'_>, flex: &mut Flex) {
+        if let Act::Flex(act) = &self.act {
+            act(scene, flex);
+        }
+    }
 
-    /// Replaces the straight path of the first cable \[m\].
-    fn path(&self, _scene: &Scene<'_>, _path: &CablePath, _cable_m: &mut [f64]) {}
-
-    /// Changes what the first cable's encoder reads \[m\].
-    fn cable(&self, _scene: &Scene<'_>, _cable_m: &mut Vec<f64>) {}
+    /// Changes the length of the first cable along its path.
+    pub(crate) fn path(&self, scene: &Scene<'_>, path: &CablePath, cable_m: &mut [f64]) {
+        if let Act::Path(act) = &self.act {
+            act(scene, path, cable_m);
+        }
+    }
 
     /// Changes the noise.
-    fn noise(&self, _scene: &Scene<'_>, _plan: &mut NoisePlan) {}
-
-    /// Changes the torque readings \[N m\].
-    fn torque(&self, _scene: &Scene<'_>, _torque_nm: &mut [Vec<f64>]) {}
-
-    /// Changes the force readings \[N\].
-    fn force(&self, _scene: &Scene<'_>, _force_n: &mut [Vec<f64>; 3]) {}
+    pub(crate) fn noise(&self, scene: &Scene<'_>, plan: &mut NoisePlan) {
+        if let Act::Noise(act) = &self.act {
+            act(scene, plan);
+        }
+    }
 }
+
+/// Stem of a joint's column.
+pub(crate) fn theta(joint: usize) -> String {
+    format!("theta{}", joint + 1)
+}
+
+/// The names that are right of an effect in no catalogue.
+pub(crate) const UNKNOWN: [&str; 1] = ["unknown"];
 
 /// What is at hand when an effect is drawn.
 #[derive(Debug)]
@@ -171,5 +254,12 @@ impl Draw<'_> {
     /// Whether the joint has an external encoder.
     pub(crate) fn has_external(&self) -> bool {
         self.device.joints[self.joint].output_sd_rad().is_some()
+    }
+
+    /// Another joint than this one.
+    pub(crate) fn other_joint(&mut self) -> usize {
+        let joints = 0..self.device.joints.len();
+        let others: Vec<usize> = joints.filter(|joint| *joint != self.joint).collect();
+        self.random.choose(&others).unwrap_or(0)
     }
 }

@@ -36,7 +36,7 @@ pub struct Kind {
     /// What it is to a diagnosis.
     pub group: Group,
     sites: Sites,
-    draw: fn(&mut Draw<'_>) -> Box<dyn Effect>,
+    draw: fn(&mut Draw<'_>) -> Effect,
 }
 
 impl std::fmt::Debug for Kind {
@@ -108,7 +108,7 @@ impl Kind {
     }
 
     /// Draws an effect of this kind.
-    pub fn draw(&self, draw: &mut Draw<'_>) -> Box<dyn Effect> {
+    pub fn draw(&self, draw: &mut Draw<'_>) -> Effect {
         (self.draw)(draw)
     }
 }

@@ -84,7 +84,7 @@ pub(crate) fn changes(
 fn left_by_arm(plain: &Specimen, ticks: &Ticks) -> Vec<Vec<f64>> {
     let joints = ticks.joints();
     let start: Vec<f64> = ticks.angle.iter().map(|column| column[0]).collect();
-    let mut plant = Plant::new(plain, Vec::new(), &start);
+    let mut plant = Plant::new(plain, &[], &start);
     let mut at = At::default();
     let mut left = vec![Vec::with_capacity(ticks.len()); joints];
     for tick in 0..ticks.len() {

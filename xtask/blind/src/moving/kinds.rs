@@ -49,23 +49,21 @@ pub(crate) struct Kind {
     pub(crate) draw: fn(&mut Draw<'_>) -> Drawn,
 }
 
-const fn kind(
-    label: &'static str,
-    right: &'static [&'static str],
-    site: Site,
-    draw: fn(&mut Draw<'_>) -> Drawn,
-) -> Kind {
-    Kind {
-        label,
-        right,
-        twins: &[],
-        site,
-        need: Need::Nothing,
-        scales: true,
-        is_sized: true,
-        hides: false,
-        draw,
-    }
+/// Kinds, a row each: label, right names, site, law, and what else there is to say of it.
+macro_rules! kinds {
+    ($($label:literal $right:tt $site:ident $draw:path $(, $further:ident($($value:tt)*))*;)*) => {
+        [$(Kind {
+            label: $label,
+            right: &$right,
+            twins: &[],
+            site: Site::$site,
+            need: Need::Nothing,
+            scales: true,
+            is_sized: true,
+            hides: false,
+            draw: $draw,
+        }$(.$further($($value)*))*,)*]
+    };
 }
 
 impl Kind {
@@ -120,150 +118,41 @@ impl Kind {
     }
 }
 
-/// What twists between motor and link goes by either name: a log of torques and angles does not say whose spring it is.
-const TWIST: &[&str] = &["capstan-compliance", "joint-compliance"];
-
-/// In the catalogue.
-pub(crate) const NAMED: [Kind; 23] = [
-    kind("payload", &["payload"], Site::Whole, masses::payload).like(&["link-inertia"]),
-    kind("torque-gain", &["torque-gain"], Site::Loaded, sensing::gain),
-    kind(
-        "stribeck-friction",
-        &["stribeck-friction"],
-        Site::Any,
-        friction::stribeck,
-    ),
-    kind(
-        "encoder-latency",
-        &["encoder-latency"],
-        Site::Whole,
-        sensing::encoder_latency,
-    ),
-    kind("contact", &["contact"], Site::Whole, contact::wall),
-    kind(
-        "motor-cogging",
-        &["motor-cogging"],
-        Site::Any,
-        torques::cogging,
-    ),
-    kind(
-        "link-inertia",
-        &["link-inertia"],
-        Site::Link,
-        masses::link_inertia,
-    ),
-    kind(
-        "elastic-second-encoder",
-        TWIST,
-        Site::Proximal,
-        drives::elastic,
-    )
-    .needs(Need::Outputs)
-    .unsized_by_torque(),
-    kind(
-        "load-friction",
-        &["load-friction"],
-        Site::Loaded,
-        friction::load,
-    ),
-    kind("torque-offset", OFFSET, Site::Any, sensing::offset),
-    kind(
-        "gravity-direction",
-        &["gravity-direction"],
-        Site::Whole,
-        masses::gravity_direction,
-    ),
-    kind(
-        "friction-asymmetry",
-        &["friction-asymmetry"],
-        Site::Any,
-        friction::asymmetry,
-    )
-    .like(&["torque-offset"]),
-    kind(
-        "command-latency",
-        &["command-latency"],
-        Site::Whole,
-        sensing::command_latency,
-    )
-    .needs(Need::Command),
-    kind("armature", &["armature"], Site::Any, masses::armature).like(&["link-inertia"]),
-    kind(
-        "backlash-second-encoder",
-        &["backlash"],
-        Site::Proximal,
-        drives::backlash,
-    )
-    .like(&["hysteresis"])
-    .needs(Need::Outputs)
-    .unsized_by_torque(),
-    kind(
-        "friction-drift",
-        &["friction-drift"],
-        Site::Any,
-        friction::drift,
-    ),
-    kind(
-        "torque-gain-of-four",
-        &["torque-gain"],
-        Site::Loaded,
-        sensing::gain_of_four,
-    )
-    .as_it_is(),
-    kind(
-        "presliding",
-        &["presliding"],
-        Site::Any,
-        friction::presliding,
-    ),
-    kind(
-        "gravity-spring",
-        &["gravity-spring"],
-        Site::Loaded,
-        torques::spring,
-    )
-    .like(&["link-inertia"]),
-    kind(
-        "torque-saturation",
-        &["torque-saturation"],
-        Site::Loaded,
-        sensing::saturation,
-    ),
-    kind(
-        "sampling-dropped",
-        &["sampling"],
-        Site::Whole,
-        sensing::dropped,
-    )
-    .unsized_by_torque(),
-    kind("elastic", TWIST, Site::Proximal, drives::elastic)
-        .needs(Need::NoOutputs)
-        .hidden(),
-    kind(
-        "sampling-repeated",
-        &["sampling"],
-        Site::Whole,
-        sensing::repeated,
-    )
-    .unsized_by_torque(),
-];
-
-/// A constant on a reading, and Coulomb friction that differs by direction, are the same torque while a joint moves.
-const OFFSET: &[&str] = &["torque-offset", "friction-asymmetry"];
+/// In the catalogue. What twists between motor and link goes by either name: a log of torques and angles does not say whose
+/// spring it is. A constant on a reading, and Coulomb friction that differs by direction, are the same torque while a joint
+/// moves.
+pub(crate) const NAMED: [Kind; 23] = kinds! {
+    "payload" ["payload"] Whole masses::payload, like(&["link-inertia"]);
+    "torque-gain" ["torque-gain"] Loaded sensing::gain;
+    "stribeck-friction" ["stribeck-friction"] Any friction::stribeck;
+    "encoder-latency" ["encoder-latency"] Whole sensing::encoder_latency;
+    "contact" ["contact"] Whole contact::wall;
+    "motor-cogging" ["motor-cogging"] Any torques::cogging;
+    "link-inertia" ["link-inertia"] Link masses::link_inertia;
+    "elastic-second-encoder" ["capstan-compliance", "joint-compliance"] Proximal drives::elastic, needs(Need::Outputs), unsized_by_torque();
+    "load-friction" ["load-friction"] Loaded friction::load;
+    "torque-offset" ["torque-offset", "friction-asymmetry"] Any sensing::offset;
+    "gravity-direction" ["gravity-direction"] Whole masses::gravity_direction;
+    "friction-asymmetry" ["friction-asymmetry"] Any friction::asymmetry, like(&["torque-offset"]);
+    "command-latency" ["command-latency"] Whole sensing::command_latency, needs(Need::Command);
+    "armature" ["armature"] Any masses::armature, like(&["link-inertia"]);
+    "backlash-second-encoder" ["backlash"] Proximal drives::backlash, like(&["hysteresis"]), needs(Need::Outputs), unsized_by_torque();
+    "friction-drift" ["friction-drift"] Any friction::drift;
+    "torque-gain-of-four" ["torque-gain"] Loaded sensing::gain_of_four, as_it_is();
+    "presliding" ["presliding"] Any friction::presliding;
+    "gravity-spring" ["gravity-spring"] Loaded torques::spring, like(&["link-inertia"]);
+    "torque-saturation" ["torque-saturation"] Loaded sensing::saturation;
+    "sampling-dropped" ["sampling"] Whole sensing::dropped, unsized_by_torque();
+    "elastic" ["capstan-compliance", "joint-compliance"] Proximal drives::elastic, needs(Need::NoOutputs), hidden();
+    "sampling-repeated" ["sampling"] Whole sensing::repeated, unsized_by_torque();
+};
 
 /// In no catalogue.
-pub(crate) const FOREIGN: [Kind; 6] = [
-    kind("dent", &[], Site::Any, friction::dent),
-    kind("sloshing", &[], Site::Whole, torques::sloshing),
-    kind("coloured-disturbance", &[], Site::Any, torques::coloured),
-    kind(
-        "controller-mode",
-        &[],
-        Site::Whole,
-        sensing::controller_mode,
-    )
-    .needs(Need::Command)
-    .hidden(),
-    kind("cable-bundle", &[], Site::Pair, torques::bundle),
-    kind("torque-dead-band", &[], Site::Loaded, sensing::dead_band),
-];
+pub(crate) const FOREIGN: [Kind; 6] = kinds! {
+    "dent" [] Any friction::dent;
+    "sloshing" [] Whole torques::sloshing;
+    "coloured-disturbance" [] Any torques::coloured;
+    "controller-mode" [] Whole sensing::controller_mode, needs(Need::Command), hidden();
+    "cable-bundle" [] Pair torques::bundle;
+    "torque-dead-band" [] Loaded sensing::dead_band;
+};

@@ -6,7 +6,7 @@ use crate::error::BlindError;
 use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER};
 use crate::moving::change::{Changes, changes, every};
 use crate::moving::kinds::{Kind, Need, Site};
-use crate::moving::laws::{ANGLES_PER_S, Draw, Drawn, Law};
+use crate::moving::laws::{ANGLES_PER_S, Draw, Drawn};
 use crate::moving::motion::control::Design;
 use crate::moving::motion::course::{Course, loads};
 use crate::moving::motion::log::Ticks;
@@ -115,29 +115,28 @@ impl Scene {
     ) -> ([(Ticks, Vec<usize>); 2], Changes) {
         let mut plain = self.specimen.clone();
         for effect in effects {
-            effect.law.prepare(&mut plain);
+            effect.prepare(&mut plain);
         }
         let mut built = plain.clone();
         for effect in effects {
-            effect.law.build(&mut built);
+            effect.build(&mut built);
         }
-        let laws: Vec<&dyn Law> = effects.iter().map(|effect| &*effect.law).collect();
         let rig = Rig {
             arm: self.arm,
             specimen: &built,
             design: &self.design,
-            laws,
+            effects,
             steps: if built.soft.is_some() { 4 } else { 2 },
         };
         let recorded = self.courses.each_ref().map(|course| {
             let mut ticks = rig.run(course);
             for effect in effects {
-                effect.law.readings(&mut ticks);
+                effect.readings(&mut ticks);
             }
             let every = every(self.sensors.rate_hz);
             let mut rows: Vec<usize> = (0..ticks.len()).step_by(every).collect();
             for effect in effects {
-                effect.law.rows(&mut rows, random);
+                effect.rows(&mut rows, random);
             }
             (ticks, rows)
         });

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::effects::Effect;
+use crate::effects::{Effect, Stage};
 use crate::random::Random;
 use crate::rig::noise::NoisePlan;
 use crate::rig::scene::{Recorded, Scene, stream};
@@ -65,18 +65,13 @@ impl Scene<'_> {
         }
     }
 
-    pub(crate) fn read_covariates(
-        &self,
-        effects: &[Box<dyn Effect>],
-        scale: &[f64],
-        log: &mut Recording,
-    ) {
+    pub(crate) fn read_covariates(&self, effects: &[Effect], scale: &[f64], log: &mut Recording) {
         let mut torque_nm = self.torque_nm.clone();
         let mut force_n: [Vec<f64>; 3] =
             [0, 1, 2].map(|axis| self.force_n.iter().map(|force| force[axis]).collect());
         for effect in effects {
-            effect.torque(self, &mut torque_nm);
-            effect.force(self, &mut force_n);
+            effect.columns(Stage::Torque, self, &mut torque_nm);
+            effect.columns(Stage::Force, self, &mut force_n);
         }
         let mut random = Random::new(self.seed(), stream::TORQUE);
         let mut read = |column: Vec<f64>, scale: f64, sd: f64, digits: f64| -> Vec<f64> {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Recording};
 
-use crate::effects::Effect;
+use crate::effects::{Effect, Stage};
 use crate::error::BlindError;
 use crate::gap::rounding;
 use crate::random::Random;
@@ -190,7 +190,7 @@ impl<'d> Scene<'d> {
     /// [`BlindError::Model`] where a transmission has no value.
     pub fn record(
         &self,
-        effects: &[Box<dyn Effect>],
+        effects: &[Effect],
         noise: &NoisePlan,
         torque_scale: &[f64],
     ) -> Result<Recorded, BlindError> {
@@ -209,8 +209,8 @@ impl<'d> Scene<'d> {
             tool_m: None,
         };
         for effect in effects {
-            effect.external(self, &mut clean_output);
-            effect.link(self, &mut link);
+            effect.columns(Stage::External, self, &mut clean_output);
+            effect.columns(Stage::Link, self, &mut link);
             effect.flex(self, &mut flex);
         }
         let path = self.cable_path(&link, &flex);
@@ -240,10 +240,10 @@ impl<'d> Scene<'d> {
         Ok(recorded)
     }
 
-    fn motor_readings(&self, effects: &[Box<dyn Effect>]) -> Result<Vec<Vec<f64>>, BlindError> {
+    fn motor_readings(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>, BlindError> {
         let mut windup = vec![vec![0.0; self.len()]; self.device.joints.len()];
         for effect in effects {
-            effect.upstream(self, &mut windup);
+            effect.columns(Stage::Upstream, self, &mut windup);
         }
         let mut readings = Vec::with_capacity(windup.len());
         for (index, joint) in self.device.joints.iter().enumerate() {
@@ -256,7 +256,7 @@ impl<'d> Scene<'d> {
             readings.push(column?);
         }
         for effect in effects {
-            effect.motor(self, &mut readings);
+            effect.columns(Stage::Motor, self, &mut readings);
         }
         Ok(readings)
     }
@@ -295,11 +295,7 @@ impl<'d> Scene<'d> {
 
     /// Lengths that an encoder without noise would read, one column per cable; effects act on the
     /// first cable.
-    fn cable_lengths(
-        &self,
-        effects: &[Box<dyn Effect>],
-        path: Option<&CablePath>,
-    ) -> Vec<Vec<f64>> {
+    fn cable_lengths(&self, effects: &[Effect], path: Option<&CablePath>) -> Vec<Vec<f64>> {
         let Some(path) = path else {
             return Vec::new();
         };
@@ -320,7 +316,7 @@ impl<'d> Scene<'d> {
                 effect.path(self, path, first);
             }
             for effect in effects {
-                effect.cable(self, first);
+                effect.columns(Stage::Cable, self, std::slice::from_mut(first));
             }
         }
         lengths

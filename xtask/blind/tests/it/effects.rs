@@ -23,7 +23,7 @@ fn plan(kind: &Kind, rows: usize) -> MotionPlan {
     }
 }
 
-fn effect(nominal: &Device, kind: &Kind, joint: usize, size: f64, seed: u64) -> Box<dyn Effect> {
+fn effect(nominal: &Device, kind: &Kind, joint: usize, size: f64, seed: u64) -> Effect {
     kind.draw(&mut Draw {
         device: nominal,
         joint,
@@ -34,7 +34,7 @@ fn effect(nominal: &Device, kind: &Kind, joint: usize, size: f64, seed: u64) -> 
 }
 
 /// A recording of a manufactured device with these effects, and the scene's device.
-fn record(nominal: &Device, plan: &MotionPlan, effects: &[Box<dyn Effect>]) -> (Recorded, Device) {
+fn record(nominal: &Device, plan: &MotionPlan, effects: &[Effect]) -> (Recorded, Device) {
     let mut device = perturbed(nominal, &mut Random::new(40, 0));
     for effect in effects {
         effect.device(&mut device);

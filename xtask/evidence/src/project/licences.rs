@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use cargo_metadata::MetadataCommand;
 use haptical_report::{Cell, Table};
 use spdx::{Expression, LicenseReq};
-use xtask_output::Output;
+use xtask_output::{Output, or_none};
 
 /// Licences under which a dependency may come: permissive ones, whose only demand is that their text is kept, if that.
 const ALLOWED: [&str; 9] = [
@@ -78,14 +78,12 @@ pub(crate) fn section(output: &mut Output) -> Result<()> {
         ALLOWED.join(", ")
     ));
     output.table("licences", table)?;
-    let found = if refused.is_empty() {
-        "none".to_owned()
-    } else {
-        refused.join(", ")
-    };
     output.verdict(
         refused.is_empty(),
-        format!("packages under a licence that is not allowed: {found}"),
+        format!(
+            "packages under a licence that is not allowed: {}",
+            or_none(&refused)
+        ),
     );
     Ok(())
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use haptical_diagnosis::{Diagnosis, plausible_range};
 use haptical_model::Device;
 use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, or_none};
 
 use super::gap_kinds::{CABLE_NOISE, KINDS, Kind};
 use super::own_gap::{Errors, Explained, Found, explain};
@@ -256,11 +256,7 @@ fn likely(all: &[Explained], nominal: &Device) -> String {
             })
             .map(|one| one.kind.label())
             .collect();
-        if names.is_empty() {
-            "none".to_owned()
-        } else {
-            names.join(", ")
-        }
+        or_none(&names)
     };
     format!(
         "Alone and at a usual size the gap could come from: {}. At a size that is hardly met: {}. Ruled out by their \

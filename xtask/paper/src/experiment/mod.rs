@@ -55,11 +55,7 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
     };
     let paper = Paper::load()?;
     let nominal = nominal_device(arguments.device.as_deref())?;
-    let mut output = Output::new(Layout {
-        stem: "experiment",
-        figures: "figures/",
-        tables: "tables/",
-    });
+    let mut output = Output::new(Layout::in_folders("experiment"));
     sections(&mut output, nominal, &paper, arguments.seed, extent)?;
     let command = format!(
         "cargo xtask reproduce-experiment --seed {} --seeds {}{}",
@@ -72,11 +68,7 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
         env!("CARGO_PKG_VERSION"),
     );
     let title = "Baser & Konukseven's experiment on a virtual device";
-    for text in output.write(&arguments.out, title, &lead)? {
-        println!("{text}");
-    }
-    println!("report: {}", arguments.out.join("report.html").display());
-    Ok(())
+    output.write(&arguments.out, title, &lead)
 }
 
 /// What every report of the experiment says first.

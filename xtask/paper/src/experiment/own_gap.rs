@@ -6,7 +6,7 @@ use haptical_calibration::{Options, Weighting};
 use haptical_diagnosis::{Diagnosis, diagnose};
 use haptical_metrics::rms;
 use haptical_model::{Device, Recording};
-use haptical_simulator::{Effects, HandMotion, MotionSettings, record_motion};
+use haptical_simulator::{HandMotion, MotionSettings, record_motion};
 use rayon::prelude::*;
 use xtask_blind::Random;
 use xtask_output::Progress;
@@ -72,7 +72,9 @@ pub(crate) fn errors(scenario: &Scenario, kind: &Kind, size: f64, seed: u64) -> 
         },
         ..MotionSettings::default()
     };
-    let effects = Effects::new(kind.effects(size))?.with_assumed_roughness(&scenario.truth)?;
+    let effects = kind
+        .effects(size)?
+        .with_assumed_roughness(&scenario.truth)?;
     let mut recording = record_motion(&scenario.truth, &effects, &settings, seed)?;
     kind.disturb(&mut recording, size, seed);
     let device = calibrated(scenario, &recording, seed)?;

@@ -96,11 +96,7 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
         paper,
         scenario,
     };
-    let mut output = Output::new(Layout {
-        stem: "tables",
-        figures: "figures/",
-        tables: "tables/",
-    });
+    let mut output = Output::new(Layout::in_folders("tables"));
     sections::summary(&mut output, &results)?;
     sections::table1(&mut output, &results)?;
     sections::identifiability(&mut output, &results, arguments.seed)?;
@@ -136,9 +132,5 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
         experiment::LEAD,
     );
     let title = "Baser & Konukseven's simulation, reproduced";
-    for text in output.write(&arguments.out, title, &lead)? {
-        println!("{text}");
-    }
-    println!("report: {}", arguments.out.join("report.html").display());
-    Ok(())
+    output.write(&arguments.out, title, &lead)
 }

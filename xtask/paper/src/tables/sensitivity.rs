@@ -4,7 +4,7 @@ use anyhow::Result;
 use haptical_model::Device;
 use haptical_report::{Cell, Table};
 use haptical_simulator::{CableSigma, Noise, Sampling};
-use xtask_output::Progress;
+use xtask_output::{Progress, or_none};
 
 use super::sweeps::{Seeds, summarise};
 use crate::published::Paper;
@@ -117,11 +117,7 @@ pub(crate) fn table(
             Cell::number(summary.lowest.1, 1),
             summary.lowest.0.into(),
             Cell::number(summary.good as f64, 0),
-            if summary.lost.is_empty() {
-                "none".into()
-            } else {
-                summary.lost.join(", ").into()
-            },
+            or_none(&summary.lost).into(),
         ])?;
     }
     Ok(table)

@@ -21,57 +21,31 @@ struct Bar {
 }
 
 const BARS: [Bar; 7] = [
-    Bar {
-        work: SMALL.name,
-        ours: COLD,
-        family: "Ceres",
-        threads: (1, 1),
-        least: 15.0,
-    },
-    Bar {
-        work: SMALL.name,
-        ours: COLD,
-        family: "SciPy",
-        threads: (1, 1),
-        least: 400.0,
-    },
-    Bar {
-        work: LARGE.name,
-        ours: COLD,
-        family: "Ceres",
-        threads: (1, 1),
-        least: 15.0,
-    },
-    Bar {
-        work: LARGE.name,
-        ours: WARM,
-        family: "Ceres",
-        threads: (1, 1),
-        least: 30.0,
-    },
-    Bar {
-        work: LARGE.name,
-        ours: COLD,
-        family: COLD,
-        threads: (2, 1),
-        least: 1.7,
-    },
+    bar(SMALL.name, COLD, "Ceres", (1, 1), 15.0),
+    bar(SMALL.name, COLD, "SciPy", (1, 1), 400.0),
+    bar(LARGE.name, COLD, "Ceres", (1, 1), 15.0),
+    bar(LARGE.name, WARM, "Ceres", (1, 1), 30.0),
+    bar(LARGE.name, COLD, COLD, (2, 1), 1.7),
     // at most 0.25 and 0.15 of the peer's time
-    Bar {
-        work: ONE_POSE,
-        ours: COLD,
-        family: "Pinocchio",
-        threads: (1, 1),
-        least: 1.0 / 0.25,
-    },
-    Bar {
-        work: BATCH,
-        ours: COLD,
-        family: "Pinocchio",
-        threads: (1, 1),
-        least: 1.0 / 0.15,
-    },
+    bar(ONE_POSE, COLD, "Pinocchio", (1, 1), 1.0 / 0.25),
+    bar(BATCH, COLD, "Pinocchio", (1, 1), 1.0 / 0.15),
 ];
+
+const fn bar(
+    work: &'static str,
+    ours: &'static str,
+    family: &'static str,
+    threads: (usize, usize),
+    least: f64,
+) -> Bar {
+    Bar {
+        work,
+        ours,
+        family,
+        threads,
+        least,
+    }
+}
 
 /// Whether each bar that this run can judge is reached, in words. The fastest way of a family counts, so
 /// a bar is not judged where any way of the family has no ratio.

@@ -42,11 +42,7 @@ const REPEATED_S: f64 = 0.4;
 
 /// Runs the job.
 pub fn measure(arguments: &Arguments) -> Result<()> {
-    let mut output = Output::new(Layout {
-        stem: "scaling",
-        figures: "figures/",
-        tables: "tables/",
-    });
+    let mut output = Output::new(Layout::in_folders("scaling"));
     let seed = arguments.seed;
     let progress = Progress::new("scaling", HELD.len() + ARMS.len() + 2);
     let peak = peak::flops_per_s();
@@ -84,11 +80,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
     )?;
     let lead = "How time and memory of the 28-parameter distance identification grow, on the machine that ran it. Times \
                 are the least of several; exponents are slopes of straight lines through logarithms.";
-    for text in output.write(&arguments.out, "Scaling", lead)? {
-        println!("{text}");
-    }
-    println!("report: {}", arguments.out.join("report.html").display());
-    Ok(())
+    output.write(&arguments.out, "Scaling", lead)
 }
 
 /// Flops of a pass, a pose.

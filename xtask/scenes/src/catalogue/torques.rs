@@ -12,73 +12,37 @@ use crate::table::Table;
 pub(crate) const SCENES: &[Scene] = &[
     scene("moving-clean", &[], || made(&Truth::default())),
     scene("moving-payload", &["payload"], || {
-        let truth = Truth {
-            payload_kg: 0.8,
-            ..Truth::default()
-        };
-        with_second(&truth, &truth)
+        let loaded = truth(|own| own.payload_kg = 0.8);
+        with_second(&loaded, &loaded)
     }),
     scene("moving-second-of-another", &["payload"], || {
-        let loaded = Truth {
-            payload_kg: 2.0,
-            ..Truth::default()
-        };
-        with_second(&Truth::default(), &loaded)
+        with_second(&Truth::default(), &truth(|own| own.payload_kg = 2.0))
     }),
     scene("moving-stribeck", &["stribeck-friction"], || {
-        made(&Truth {
-            stribeck_nm: 1.5,
-            ..Truth::default()
-        })
+        made(&truth(|own| own.stribeck_nm = 1.5))
     }),
     scene("moving-late-encoders", &["encoder-latency"], || {
-        made(&Truth {
-            late_s: 0.012,
-            ..Truth::default()
-        })
+        made(&truth(|own| own.late_s = 0.012))
     }),
     scene("moving-saturation", &["torque-saturation"], || {
-        made(&Truth {
-            end_nm: Some(4.0),
-            ..Truth::default()
-        })
+        made(&truth(|own| own.end_nm = Some(4.0)))
     }),
     scene("moving-cogging", &["motor-cogging"], || {
-        made(&Truth {
-            cogging_nm: 0.6,
-            ..Truth::default()
-        })
+        made(&truth(|own| own.cogging_nm = 0.6))
     }),
     scene("moving-unknown", &[], || {
-        made(&Truth {
-            dent_nm: 3.0,
-            ..Truth::default()
-        })
+        made(&truth(|own| own.dent_nm = 3.0))
     }),
     scene(
         "link-elastic",
         &["capstan-compliance", "joint-compliance"],
-        || {
-            let elastic = Truth {
-                yields_nm_per_rad: Some(3000.0),
-                ..Truth::default()
-            };
-            made(&elastic)
-        },
+        || made(&truth(|own| own.yields_nm_per_rad = Some(3000.0))),
     ),
     scene("link-play", &["backlash"], || {
-        let play = Truth {
-            play_rad: Some(0.004),
-            ..Truth::default()
-        };
-        made(&play)
+        made(&truth(|own| own.play_rad = Some(0.004)))
     }),
     scene("loop-late-commands", &["command-latency"], || {
-        let late = Truth {
-            command_late_s: Some(0.04),
-            ..Truth::default()
-        };
-        made(&late)
+        made(&truth(|own| own.command_late_s = Some(0.04)))
     }),
 ];
 
@@ -103,6 +67,13 @@ pub(crate) struct Truth {
     play_rad: Option<f64>,
     /// How late the drives follow, where commands are logged.
     command_late_s: Option<f64>,
+}
+
+/// An arm that has one thing of these.
+fn truth(change: fn(&mut Truth)) -> Truth {
+    let mut truth = Truth::default();
+    change(&mut truth);
+    truth
 }
 
 /// Length and rate of each recording.

@@ -4,7 +4,7 @@ use xtask_blind::{Rate, TrialScore, Verdict};
 
 use crate::batch::Case;
 use crate::calibration::{calibration_error, probabilities};
-use crate::measure::{Bar, Measure, Value, mean, number, quantile};
+use crate::measure::{Bar, Group, Measure, Value, mean, number, quantile};
 
 /// Clean recordings whose noise is not white, of the stated size and free of outliers.
 const ROUGH: [(&str, &str); 4] = [
@@ -70,37 +70,26 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
 }
 
 fn answered(cases: &[Case]) -> Vec<Measure> {
+    let mut group = Group::new("every trial");
     let answers = Rate::of_cases(cases.iter().map(|case| case.error.is_none()));
-    vec![Measure::new(
-        "every trial",
+    group.add(
         "the diagnosis answers",
         Value::Share(answers),
-        Some(Bar::AtLeast(1.0)),
-    )]
+        Bar::AtLeast(1.0),
+    );
+    group.measures
 }
 
 fn clean(cases: &[Case]) -> Vec<Measure> {
-    let group = "clean sets";
+    let mut group = Group::new("clean sets");
     let scores = scores_of(cases, &["s0"]);
-    let mut all = Vec::new();
     let mut add = |what: &str, keep: &dyn Fn(&str) -> bool| {
-        let kept: Vec<&TrialScore> = scores
-            .iter()
-            .copied()
-            .filter(|score| keep(&score.name))
-            .collect();
-        all.push(Measure::new(
-            group,
-            format!("named, {what}"),
-            share(&kept, any, named),
-            Some(Bar::AtMost(0.01)),
-        ));
-        all.push(Measure::new(
-            group,
-            format!("any verdict but no-gap, {what}"),
-            share(&kept, any, detected),
-            Some(Bar::AtMost(0.03)),
-        ));
+        let kept = scores.iter().copied().filter(|score| keep(&score.name));
+        let kept: Vec<&TrialScore> = kept.collect();
+        let name = format!("named, {what}");
+        group.add(name, share(&kept, any, named), Bar::AtMost(0.01));
+        let name = format!("any verdict but no-gap, {what}");
+        group.add(name, share(&kept, any, detected), Bar::AtMost(0.03));
     };
     add("all", &|_| true);
     add("white noise", &|name| name == "clean-white");
@@ -110,7 +99,7 @@ fn clean(cases: &[Case]) -> Vec<Measure> {
     for (label, what) in ROUGH {
         add(what, &|name| name == label);
     }
-    all
+    group.measures
 }
 
 fn class_sizes(scores: &[&TrialScore]) -> Value {
@@ -124,49 +113,42 @@ fn joints(scores: &[&TrialScore]) -> Value {
     Value::Share(Rate::of_cases(judged))
 }
 
+pub(super) fn confidently_wrong(score: &TrialScore) -> bool {
+    score.confidently_wrong
+}
+
 fn singles(cases: &[Case]) -> Vec<Measure> {
     let scores = scores_of(cases, &["s1"]);
-    let strong = "strong singles";
-    let family = "detected singles";
-    vec![
-        Measure::new(strong, "detected", share(&scores, any, detected), None),
-        Measure::new(
-            strong,
-            "answered `named`",
-            share(&scores, any, named),
-            Some(Bar::AtLeast(0.7)),
-        ),
-        Measure::new(
-            strong,
-            "size of the declared class",
-            class_sizes(&scores),
-            Some(Bar::AtMost(2.0)),
-        ),
-        Measure::new(
-            strong,
-            "top name alone right",
-            share(&scores, any, |score| score.top_right),
-            Some(Bar::AtLeast(0.8)),
-        ),
-        Measure::new(
-            family,
-            "family right up to the declared class",
-            share(&scores, detected, right),
-            Some(Bar::AtLeast(0.97)),
-        ),
-        Measure::new(
-            family,
-            "joint right, of those found",
-            joints(&scores),
-            Some(Bar::AtLeast(0.95)),
-        ),
-        Measure::new(
-            family,
-            "named and wrong",
-            share(&scores, detected, |score| score.confidently_wrong),
-            None,
-        ),
-    ]
+    let top = share(&scores, any, |score| score.top_right);
+    let mut strong = Group::new("strong singles");
+    strong.add("detected", share(&scores, any, detected), None);
+    strong.add(
+        "answered `named`",
+        share(&scores, any, named),
+        Bar::AtLeast(0.7),
+    );
+    strong.add(
+        "size of the declared class",
+        class_sizes(&scores),
+        Bar::AtMost(2.0),
+    );
+    strong.add("top name alone right", top, Bar::AtLeast(0.8));
+    let family = share(&scores, detected, right);
+    let wrong = share(&scores, detected, confidently_wrong);
+    let mut seen = Group::new("detected singles");
+    seen.add(
+        "family right up to the declared class",
+        family,
+        Bar::AtLeast(0.97),
+    );
+    seen.add(
+        "joint right, of those found",
+        joints(&scores),
+        Bar::AtLeast(0.95),
+    );
+    seen.add("named and wrong", wrong, None);
+    strong.measures.extend(seen.measures);
+    strong.measures
 }
 
 /// Whether a verdict `named` is right: one name of every effect is there, or of two effects one alone, with
@@ -176,125 +158,76 @@ pub(super) fn name_is_right(score: &TrialScore) -> bool {
 }
 
 fn precision(cases: &[Case]) -> Vec<Measure> {
-    let group = "precision of `named`";
-    let everywhere: Vec<&TrialScore> = cases
-        .iter()
-        .filter_map(|case| case.score.as_ref())
-        .collect();
-    let bar = Some(Bar::AtLeast(0.98));
-    vec![
-        Measure::new(
-            group,
-            "strong singles",
-            share(&scores_of(cases, &["s1"]), named, name_is_right),
-            bar,
-        ),
-        Measure::new(
-            group,
-            "all suites together",
-            share(&everywhere, named, name_is_right),
-            bar,
-        ),
-        Measure::new(
-            group,
-            "all suites together, and nothing else named",
-            share(&everywhere, named, |score| {
-                name_is_right(score) && score.false_causes == 0
-            }),
-            None,
-        ),
-    ]
+    let mut group = Group::new("precision of `named`");
+    let strong = scores_of(cases, &["s1"]);
+    let everywhere = cases.iter().filter_map(|case| case.score.as_ref());
+    let everywhere: Vec<&TrialScore> = everywhere.collect();
+    let bar = Bar::AtLeast(0.98);
+    group.add("strong singles", share(&strong, named, name_is_right), bar);
+    let all = share(&everywhere, named, name_is_right);
+    group.add("all suites together", all, bar);
+    let alone = share(&everywhere, named, |score| {
+        name_is_right(score) && score.false_causes == 0
+    });
+    group.add("all suites together, and nothing else named", alone, None);
+    group.measures
 }
 
 fn withheld(cases: &[Case]) -> Vec<Measure> {
-    let group = "withheld and never in the catalogue";
-    let mut all = Vec::new();
+    let mut group = Group::new("withheld and never in the catalogue");
     for (what, suites) in [
         ("together", &["s2", "s3"][..]),
         ("withheld", &["s2"]),
         ("never in the catalogue", &["s3"]),
-    ] {
-        let scores = scores_of(cases, suites);
-        let bar = Some(Bar::AtLeast(0.92));
-        let name = format!("unknown or a twin class, {what}");
-        all.push(Measure::new(
-            group,
-            name,
-            share(&scores, detected, right),
-            bar,
-        ));
-        let bar = Some(Bar::AtMost(0.03));
-        let name = format!("confidently wrong, {what}");
-        let wrong = share(&scores, detected, |score| score.confidently_wrong);
-        all.push(Measure::new(group, name, wrong, bar));
-    }
-    for (what, suites) in [
         ("torques and forces, withheld", &["sfw"]),
         ("torques and forces, never in the catalogue", &["sfu"]),
     ] {
         let scores = scores_of(cases, suites);
-        let mut add = |name: String, value: Value, bar: Option<Bar>| {
-            all.push(Measure::new(group, name, value, bar));
-        };
-        let seen = share(&scores, any, detected);
-        add(format!("any verdict but no-gap, {what}"), seen, None);
-        let unknown = share(&scores, detected, right);
-        add(format!("unknown or a twin class, {what}"), unknown, None);
-        let wrong = share(&scores, detected, |score| score.confidently_wrong);
-        let bar = Some(Bar::AtMost(0.03));
-        add(format!("confidently wrong, {what}"), wrong, bar);
+        let of_torques = what.starts_with("torques");
+        if of_torques {
+            let name = format!("any verdict but no-gap, {what}");
+            group.add(name, share(&scores, any, detected), None);
+        }
+        let bar = (!of_torques).then_some(Bar::AtLeast(0.92));
+        let name = format!("unknown or a twin class, {what}");
+        group.add(name, share(&scores, detected, right), bar);
+        let wrong = share(&scores, detected, confidently_wrong);
+        group.add(
+            format!("confidently wrong, {what}"),
+            wrong,
+            Bar::AtMost(0.03),
+        );
     }
     let s3 = scores_of(cases, &["s3"]);
     let judged = s3.iter().filter_map(|score| score.dependence_right);
-    all.push(Measure::new(
-        group,
-        "what the gap depends on, never in the catalogue",
-        Value::Share(Rate::of_cases(judged)),
-        None,
-    ));
-    all
+    let name = "what the gap depends on, never in the catalogue";
+    group.add(name, Value::Share(Rate::of_cases(judged)), None);
+    group.measures
 }
 
 fn pairs(cases: &[Case]) -> Vec<Measure> {
-    let group = "two effects";
+    let mut group = Group::new("two effects");
     let scores = scores_of(cases, &["s4"]);
     let false_causes = |scores: &[&TrialScore]| {
-        let counts: Vec<f64> = scores
-            .iter()
-            .map(|score| score.false_causes as f64)
-            .collect();
-        number(&counts, 2, "", mean)
+        let counts = scores.iter().map(|score| score.false_causes as f64);
+        number(&counts.collect::<Vec<f64>>(), 2, "", mean)
     };
-    vec![
-        Measure::new(
-            group,
-            "both found",
-            share(&scores, any, |score| score.groups_found == score.groups),
-            Some(Bar::AtLeast(0.8)),
-        ),
-        Measure::new(
-            group,
-            "at least one found",
-            share(&scores, any, |score| score.groups_found > 0),
-            None,
-        ),
-        Measure::new(
-            group,
-            "false extra causes per set",
-            false_causes(&scores),
-            Some(Bar::AtMost(0.15)),
-        ),
-        Measure::new(
-            group,
-            "false extra causes per strong single",
-            false_causes(&scores_of(cases, &["s1"])),
-            None,
-        ),
-    ]
+    let both = share(&scores, any, |score| score.groups_found == score.groups);
+    let one = share(&scores, any, |score| score.groups_found > 0);
+    group.add("both found", both, Bar::AtLeast(0.8));
+    group.add("at least one found", one, None);
+    group.add(
+        "false extra causes per set",
+        false_causes(&scores),
+        Bar::AtMost(0.15),
+    );
+    let single = false_causes(&scores_of(cases, &["s1"]));
+    group.add("false extra causes per strong single", single, None);
+    group.measures
 }
 
 fn shrink(cases: &[Case]) -> Vec<Measure> {
-    let group = "held-out gap where the name is right";
+    let mut group = Group::new("held-out gap where the name is right");
     let of_right = |suites: &[&str]| {
         let scores = scores_of(cases, suites);
         let right = scores.into_iter().filter(|score| score.top_right);
@@ -307,116 +240,80 @@ fn shrink(cases: &[Case]) -> Vec<Measure> {
         let stated = shrinks.iter().filter_map(|shrink| shrink.covered);
         Value::Share(Rate::of_cases(stated))
     };
-    let stated: Vec<f64> = strong
-        .iter()
-        .filter_map(|shrink| shrink.stated_percent)
-        .collect();
-    let truly: Vec<f64> = strong.iter().map(|shrink| shrink.true_percent).collect();
-    let median = |values: &[&f64]| quantile(values, 0.5);
-    vec![
-        Measure::new(
-            group,
-            "truly closed, median, strong singles",
-            number(&truly, 1, "%", median),
-            Some(Bar::AtLeast(90.0)),
-        ),
-        Measure::new(
-            group,
-            "stated as closed, median, strong singles",
-            number(&stated, 1, "%", median),
-            None,
-        ),
-        Measure::new(
-            group,
-            "interval holds the true shrink, strong singles",
-            covered(&strong),
-            Some(Bar::AtLeast(0.9)),
-        ),
-        Measure::new(
-            group,
-            "interval holds the true shrink, all with names",
-            covered(&all),
-            Some(Bar::AtLeast(0.9)),
-        ),
-    ]
+    let median = |percents: Vec<f64>| number(&percents, 1, "%", |values| quantile(values, 0.5));
+    let truly = median(strong.iter().map(|own| own.true_percent).collect());
+    let stated = median(strong.iter().filter_map(|own| own.stated_percent).collect());
+    group.add(
+        "truly closed, median, strong singles",
+        truly,
+        Bar::AtLeast(90.0),
+    );
+    group.add("stated as closed, median, strong singles", stated, None);
+    let bar = Bar::AtLeast(0.9);
+    let name = "interval holds the true shrink, strong singles";
+    group.add(name, covered(&strong), bar);
+    let name = "interval holds the true shrink, all with names";
+    group.add(name, covered(&all), bar);
+    group.measures
 }
 
 fn calibration(cases: &[Case]) -> Vec<Measure> {
-    let group = "expected calibration error, unknown included";
+    let mut group = Group::new("expected calibration error, unknown included");
     let error =
         |suites: Option<&[&str]>| number(&probabilities(cases, suites), 3, "", calibration_error);
-    vec![
-        Measure::new(
-            group,
-            "all suites together",
-            error(None),
-            Some(Bar::AtMost(0.05)),
-        ),
-        Measure::new(group, "strong singles", error(Some(&["s1"])), None),
-        Measure::new(
-            group,
-            "withheld and never in the catalogue",
-            error(Some(&["s2", "s3"])),
-            None,
-        ),
-    ]
+    group.add("all suites together", error(None), Bar::AtMost(0.05));
+    group.add("strong singles", error(Some(&["s1"])), None);
+    let nameless = error(Some(&["s2", "s3"]));
+    group.add("withheld and never in the catalogue", nameless, None);
+    group.measures
 }
 
 fn parameters(cases: &[Case]) -> Vec<Measure> {
-    let group = "95 % intervals of effect parameters hold the truth";
+    let mut group = Group::new("95 % intervals of effect parameters hold the truth");
     let covered = |suites: &[&str]| {
         let scores = scores_of(cases, suites);
         let all = scores.iter().flat_map(|score| &score.coverage);
         let with_interval = all.filter(|one| !CHOICES.contains(&one.parameter.as_str()));
         Value::Share(Rate::of_cases(with_interval.map(|one| one.covered)))
     };
-    let bar = Some(Bar::Between(0.9, 0.99));
-    vec![
-        Measure::new(group, "all suites with names", covered(&NAMED), bar),
-        Measure::new(group, "strong singles", covered(&["s1"]), None),
-        Measure::new(group, "near-threshold singles", covered(&["s1n"]), None),
-    ]
+    group.add(
+        "all suites with names",
+        covered(&NAMED),
+        Bar::Between(0.9, 0.99),
+    );
+    group.add("strong singles", covered(&["s1"]), None);
+    group.add("near-threshold singles", covered(&["s1n"]), None);
+    group.measures
 }
 
 fn near(cases: &[Case]) -> Vec<Measure> {
-    let group = "near-threshold effects";
+    let mut group = Group::new("near-threshold effects");
     let scores = scores_of(cases, &["s1n"]);
-    vec![
-        Measure::new(
-            group,
-            "detected",
-            share(&scores, any, detected),
-            Some(Bar::AtLeast(0.85)),
-        ),
-        Measure::new(
-            group,
-            "right, of detected",
-            share(&scores, detected, right),
-            Some(Bar::AtLeast(0.9)),
-        ),
-        Measure::new(group, "joint right, of those found", joints(&scores), None),
-    ]
+    group.add(
+        "detected",
+        share(&scores, any, detected),
+        Bar::AtLeast(0.85),
+    );
+    group.add(
+        "right, of detected",
+        share(&scores, detected, right),
+        Bar::AtLeast(0.9),
+    );
+    group.add("joint right, of those found", joints(&scores), None);
+    group.measures
 }
 
 /// Suites without a bar of their own.
 fn others(cases: &[Case]) -> Vec<Measure> {
-    let group = "other suites";
+    let mut group = Group::new("other suites");
     let flagged = scores_of(cases, &["s10"]);
     let flagged = flagged.iter().filter_map(|score| score.implausible_flagged);
-    let plain = |name: &str, suite: &str| {
-        let value = share(&scores_of(cases, &[suite]), any, right);
-        Measure::new(group, name, value, None)
-    };
-    vec![
-        plain("twins: right up to the declared class", "s6"),
-        plain("pathologies of the noise: right", "s7"),
-        plain("ablation: every missing base term named", "s8"),
-        Measure::new(
-            group,
-            "impossible magnitudes flagged",
-            Value::Share(Rate::of_cases(flagged)),
-            None,
-        ),
-        plain("force and torque: right", "sf"),
-    ]
+    let plain = |suite: &str| share(&scores_of(cases, &[suite]), any, right);
+    group.add("twins: right up to the declared class", plain("s6"), None);
+    group.add("pathologies of the noise: right", plain("s7"), None);
+    group.add("ablation: every missing base term named", plain("s8"), None);
+    let flagged = Value::Share(Rate::of_cases(flagged));
+    group.add("impossible magnitudes flagged", flagged, None);
+    group.add("force and torque: right", plain("sf"), None);
+    group.measures
 }

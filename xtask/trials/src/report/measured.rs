@@ -3,7 +3,7 @@
 use xtask_blind::{TrialScore, Verdict};
 
 use crate::batch::Case;
-use crate::measure::{Bar, Measure, Value};
+use crate::measure::{Bar, Group, Measure, Value};
 use crate::report::bars::{detected, name_is_right, right, scores_of, share};
 
 /// Suites that are like measured sets, with what is in them: names, withheld ones, clean recordings.
@@ -17,12 +17,11 @@ const LIKE_MEASURED: [(&str, &str); 5] = [
 
 /// Named rightly, confidently wrong, clean flagged, of each.
 pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let group = "suites like measured sets";
-    let mut all = Vec::new();
+    let mut group = Group::new("suites like measured sets");
     for (suite, what) in LIKE_MEASURED {
         let scores = scores_of(cases, &[suite]);
         let mut add = |name: &str, value: Value, bar: Option<Bar>| {
-            all.push(Measure::new(group, format!("{name}, {what}"), value, bar));
+            group.add(format!("{name}, {what}"), value, bar);
         };
         let is_gap = |score: &TrialScore| !score.is_clean;
         let is_seen_gap = |score: &TrialScore| !score.is_clean && score.detected;
@@ -39,5 +38,5 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
         let found = share(&scores, is_listed, right);
         add("every effect found", found, None);
     }
-    all
+    group.measures
 }

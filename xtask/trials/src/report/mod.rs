@@ -12,7 +12,7 @@ pub(crate) mod wrong;
 use anyhow::Result;
 use haptical_report::{Cell, Table};
 use serde_json::json;
-use xtask_blind::{Rate, TrialScore, summarise};
+use xtask_blind::{Rate, Suite, TrialScore, summarise};
 use xtask_output::Output;
 
 use self::wrong::Fault;
@@ -22,40 +22,6 @@ use crate::measure::Measure;
 
 /// Suites in which not seeing a small effect is no fault.
 const SMALL: [&str; 2] = ["s1n", "s5"];
-
-/// What a suite holds.
-fn about(suite: &str) -> &'static str {
-    match suite {
-        "s0" => "clean",
-        "s1" => "one strong effect",
-        "s1n" => "one effect, a tenth as strong",
-        "s2" => "one strong effect, withheld from the catalogue",
-        "s3" => "an effect in no catalogue",
-        "s4" => "two effects",
-        "s5" => "one effect, 1/100 to strong",
-        "s6" => "an effect with structural twins",
-        "s7" => "a pathology of the noise",
-        "s8" => "ablation: kinematics only",
-        "s10" => "100 times beyond the physical bound",
-        "sf" => "an effect on force or torque",
-        "sfw" => "the same, withheld from the catalogue",
-        "sfu" => "an effect on force or torque in no catalogue",
-        "sp" => "torques alone, another payload from a run on",
-        "spw" => "the same, withheld from the catalogue",
-        "spc" => "torques alone, nothing changed between runs",
-        "se" => "an arm that yields to its weight",
-        "sr" => "postures with repeats",
-        "sm" => "runs with a moved tracker",
-        "sc" => "noise with a memory",
-        "sw" => "a wrist of several cables",
-        "sl" => "one strong effect, corrected and predicted",
-        "slp" => "two effects, corrected and predicted",
-        "sla" => "clean, and an effect asked for",
-        "moving" => "arms that a controller moves",
-        "moving-memory" => "the same, clean, noise with a memory",
-        _ => "",
-    }
-}
 
 /// Everything, section by section.
 pub(crate) fn write(output: &mut Output, cases: &[Case], measures: &[Measure]) -> Result<()> {
@@ -148,7 +114,7 @@ fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
         let wrong = scores.iter().map(|score| score.confidently_wrong);
         table.push(vec![
             suite.into(),
-            about(suite).into(),
+            Suite::named(suite).map_or("", Suite::about).into(),
             Cell::number(of_suite.len() as f64, 0),
             Cell::number((of_suite.len() - scores.len()) as f64, 0),
             percent(&summary.detected),

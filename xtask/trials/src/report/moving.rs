@@ -6,8 +6,8 @@ use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Rate, TrialScore};
 
 use crate::batch::Case;
-use crate::measure::{Bar, Measure, Value, number, quantile};
-use crate::report::bars::{any, detected, named, right, scores_of, share};
+use crate::measure::{Bar, Group, Measure, Value, number, quantile};
+use crate::report::bars::{any, confidently_wrong, detected, named, right, scores_of, share};
 
 /// The suite, and that of clean arms whose noise has a memory.
 const SUITE: &str = "moving";
@@ -68,122 +68,85 @@ fn scores<'c>(cases: &[&'c Case]) -> Vec<&'c TrialScore> {
         .collect()
 }
 
-fn figure(name: &str, value: Value, bar: Option<Bar>) -> Measure {
-    Measure::new("moving arms", name, value, bar)
-}
-
-fn wrong(score: &TrialScore) -> bool {
-    score.confidently_wrong
-}
-
 /// All figures of the suite.
 pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let mut all = clean(cases);
-    all.extend(listed(cases));
-    all.extend(nameless(cases));
-    let times = cases
-        .iter()
-        .filter(|case| [SUITE, MEMORY].contains(&case.suite));
-    let times_s: Vec<f64> = times.map(|case| case.time_s).collect();
+    let mut group = Group::new("moving arms");
+    clean(cases, &mut group);
+    listed(cases, &mut group);
+    nameless(cases, &mut group);
+    let is_moving = |case: &&Case| [SUITE, MEMORY].contains(&case.suite);
+    let times_s = cases.iter().filter(is_moving).map(|case| case.time_s);
+    let times_s: Vec<f64> = times_s.collect();
     let time = number(&times_s, 2, "s", |values| quantile(values, 0.5));
-    all.push(figure("time of a diagnosis, median", time, None));
-    all
+    group.add("time of a diagnosis, median", time, None);
+    group.measures
 }
 
-fn clean(cases: &[Case]) -> Vec<Measure> {
+fn clean(cases: &[Case], group: &mut Group) {
     let own = scores(&of(cases, &[Stratum::Clean]));
+    let alarms = share(&own, any, detected);
+    group.add("clean: any verdict but no-gap", alarms, Bar::AtMost(0.03));
+    group.add("clean: named", share(&own, any, named), Bar::AtMost(0.01));
     let memory = scores_of(cases, &[MEMORY]);
-    vec![
-        figure(
-            "clean: any verdict but no-gap",
-            share(&own, any, detected),
-            Some(Bar::AtMost(0.03)),
-        ),
-        figure(
-            "clean: named",
-            share(&own, any, named),
-            Some(Bar::AtMost(0.01)),
-        ),
-        figure(
-            "noise with a memory: named",
-            share(&memory, any, named),
-            Some(Bar::AtMost(0.02)),
-        ),
-        figure(
-            "noise with a memory: any verdict but no-gap",
-            share(&memory, any, detected),
-            None,
-        ),
-    ]
+    let is_named = share(&memory, any, named);
+    group.add("noise with a memory: named", is_named, Bar::AtMost(0.02));
+    let name = "noise with a memory: any verdict but no-gap";
+    group.add(name, share(&memory, any, detected), None);
 }
 
 /// Effects that the catalogue has.
-fn listed(cases: &[Case]) -> Vec<Measure> {
+fn listed(cases: &[Case], group: &mut Group) {
     let strong_cases = of(cases, &[Stratum::Strong]);
     let strong = scores(&strong_cases);
     let weak = scores(&of(cases, &[Stratum::Weak]));
     let pairs = scores(&of(cases, &[Stratum::Pair]));
     let joints = strong.iter().filter_map(|score| score.joint_right);
     let joints = Value::Share(Rate::of_cases(joints));
-    let most = Some(Bar::AtLeast(0.9));
+    let most = Bar::AtLeast(0.9);
     let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
-    let few = Some(Bar::AtMost(0.03));
     let both = share(&pairs, any, |score| score.groups_found == score.groups);
-    let is_wrong = share(&strong, detected, wrong);
-    vec![
-        figure("strong: detected", share(&strong, any, detected), None),
-        figure("strong: right, of detected", right_of(&strong), most),
-        figure(
-            "strong: joint right, of those found",
-            joints,
-            Some(Bar::AtLeast(0.95)),
-        ),
-        figure("strong: confidently wrong, of detected", is_wrong, few),
-        figure(
-            "strong, name right: gap stated as closed, median",
-            stated(&strong_cases),
-            None,
-        ),
-        figure("weak: detected", share(&weak, any, detected), None),
-        figure("weak: right, of detected", right_of(&weak), most),
-        figure("two effects: both found", both, Some(Bar::AtLeast(0.8))),
-    ]
+    let is_wrong = share(&strong, detected, confidently_wrong);
+    group.add("strong: detected", share(&strong, any, detected), None);
+    group.add("strong: right, of detected", right_of(&strong), most);
+    group.add(
+        "strong: joint right, of those found",
+        joints,
+        Bar::AtLeast(0.95),
+    );
+    group.add(
+        "strong: confidently wrong, of detected",
+        is_wrong,
+        Bar::AtMost(0.03),
+    );
+    let name = "strong, name right: gap stated as closed, median";
+    group.add(name, stated(&strong_cases), None);
+    group.add("weak: detected", share(&weak, any, detected), None);
+    group.add("weak: right, of detected", right_of(&weak), most);
+    group.add("two effects: both found", both, Bar::AtLeast(0.8));
 }
 
 /// Effects that the catalogue does not have, and torques that no effect makes.
-fn nameless(cases: &[Case]) -> Vec<Measure> {
+fn nameless(cases: &[Case], group: &mut Group) {
     let withheld = scores(&of(cases, &[Stratum::Withheld]));
     let foreign = scores(&of(cases, &[Stratum::Foreign]));
     let both = scores(&of(cases, &[Stratum::Withheld, Stratum::Foreign]));
     let sloppy = scores(&of(cases, &[Stratum::Sloppy]));
     let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
-    vec![
-        figure(
-            "withheld: unknown or a twin class, of detected",
-            right_of(&withheld),
-            None,
-        ),
-        figure(
-            "in no catalogue: unknown, of detected",
-            right_of(&foreign),
-            None,
-        ),
-        figure(
-            "no name is right: unknown, of detected",
-            right_of(&both),
-            Some(Bar::AtLeast(0.9)),
-        ),
-        figure(
-            "no name is right: confidently wrong, of detected",
-            share(&both, detected, wrong),
-            Some(Bar::AtMost(0.03)),
-        ),
-        figure(
-            "torques of something else: unknown",
-            share(&sloppy, any, right),
-            Some(Bar::AtLeast(1.0)),
-        ),
-    ]
+    let name = "withheld: unknown or a twin class, of detected";
+    group.add(name, right_of(&withheld), None);
+    let name = "in no catalogue: unknown, of detected";
+    group.add(name, right_of(&foreign), None);
+    let name = "no name is right: unknown, of detected";
+    group.add(name, right_of(&both), Bar::AtLeast(0.9));
+    let name = "no name is right: confidently wrong, of detected";
+    let wrong = share(&both, detected, confidently_wrong);
+    group.add(name, wrong, Bar::AtMost(0.03));
+    let unknown = share(&sloppy, any, right);
+    group.add(
+        "torques of something else: unknown",
+        unknown,
+        Bar::AtLeast(1.0),
+    );
 }
 
 /// Stated reduction of the gap on the second recording, where the first name is right.

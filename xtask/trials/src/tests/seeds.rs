@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::report::bars::measures;
-use crate::report::record::{HEADLINES, LOG, Run, row, with_row};
+use crate::report::record::{LOG, Run, headlines, row, with_row};
 use crate::root;
 use crate::seed::{SeedRule, head};
 
@@ -180,7 +180,7 @@ fn a_run_is_one_row_of_the_log() {
 #[test]
 fn headlines_are_among_the_figures() {
     let all = measures(&[]);
-    for (group, name, _) in HEADLINES {
+    for [group, name, _] in headlines() {
         let found = all
             .iter()
             .filter(|one| one.group == group && one.name == name);

@@ -2,41 +2,15 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use super::{Draw, Drawn, Instant, Law};
+use super::{Draw, Drawn, Hook, Instant};
 
 /// Power of the depth: between a flat stamp's 1 and a ball's 3/2.
 const POWER: f64 = 1.3;
+/// Damping over stiffness \[s/m\].
+const DAMPING: f64 = 0.5;
 
 /// Source: Hunt & Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", Journal of Applied Mechanics
 /// 42, 1975: `k d^p (1 + c d')`.
-#[derive(Debug)]
-struct Wall {
-    normal: Vector3<f64>,
-    /// Along the normal \[m\].
-    place_m: f64,
-    stiffness: f64,
-    damping: f64,
-    from_s: f64,
-    until_s: f64,
-}
-
-impl Law for Wall {
-    fn torque(&self, instant: &Instant<'_>, torque: &mut [f64]) {
-        if instant.time_s < self.from_s || instant.time_s > self.until_s {
-            return;
-        }
-        let (place_m, velocity) = instant.at.flange();
-        let depth = self.normal.dot(&place_m) - self.place_m;
-        if depth > 0.0 {
-            let rate = self.normal.dot(&velocity);
-            let force_n = self.stiffness * libm::pow(depth, POWER) * (1.0 + self.damping * rate);
-            instant
-                .at
-                .add_at_flange(&(self.normal * -force_n.max(0.0)), torque);
-        }
-    }
-}
-
 pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
     let reach: Vec<f64> = draw.flange_m.iter().map(Vector3::norm).collect();
     let lever_m = reach.iter().fold(0.1_f64, |most, own| own.max(most));
@@ -60,19 +34,26 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
     let last = along.len() - 1;
     let place_m = along[(last as f64 * (1.0 - share)) as usize];
     let deepest = (along[last] - place_m).max(1e-3);
-    Drawn::new(Wall {
-        normal,
-        place_m,
-        stiffness: force_n / libm::pow(deepest, POWER),
-        damping: 0.5,
-        from_s,
-        until_s,
-    })
-    .with("force_n", force_n)
-    .with("place_m", place_m)
-    .with("normal_x", normal.x)
-    .with("normal_y", normal.y)
-    .with("normal_z", normal.z)
-    .with("from_s", from_s)
-    .with("until_s", until_s)
+    let stiffness = force_n / libm::pow(deepest, POWER);
+    let press = move |instant: &Instant<'_>, torque: &mut [f64]| {
+        if instant.time_s < from_s || instant.time_s > until_s {
+            return;
+        }
+        let (at_m, velocity) = instant.at.flange();
+        let depth = normal.dot(&at_m) - place_m;
+        if depth > 0.0 {
+            let rate = normal.dot(&velocity);
+            let force_n = stiffness * libm::pow(depth, POWER) * (1.0 + DAMPING * rate);
+            let force = normal * -force_n.max(0.0);
+            instant.at.add_at_flange(&force, torque);
+        }
+    };
+    Drawn::new(Hook::Torque(Box::new(press)))
+        .with("force_n", force_n)
+        .with("place_m", place_m)
+        .with("normal_x", normal.x)
+        .with("normal_y", normal.y)
+        .with("normal_z", normal.z)
+        .with("from_s", from_s)
+        .with("until_s", until_s)
 }

@@ -1,15 +1,11 @@
 //! Drives that give way: a gear that twists, a gear with play.
 
-use super::{Draw, Drawn, Law};
+use super::{Draw, Drawn, Hook};
 use crate::moving::motion::specimen::{Soft, Specimen};
 
-#[derive(Debug)]
-struct Yielding(Soft);
-
-impl Law for Yielding {
-    fn build(&self, specimen: &mut Specimen) {
-        specimen.soft = Some(self.0);
-    }
+fn yielding(soft: Soft) -> Drawn {
+    let build = move |specimen: &mut Specimen| specimen.soft = Some(soft);
+    Drawn::new(Hook::Build(Box::new(build))).at(soft.joint)
 }
 
 /// A gear that the range of its drive twists by 10 to 20 mrad, and that stiffens with load. Source of the shape: the measured
@@ -19,14 +15,13 @@ pub(crate) fn elastic(draw: &mut Draw<'_>) -> Drawn {
     let axis = &draw.arm.axes[draw.joint];
     let twist_rad = draw.size * draw.random.uniform(0.01, 0.02);
     let stiffness = axis.range / twist_rad;
-    Drawn::new(Yielding(Soft {
+    yielding(Soft {
         joint: draw.joint,
         stiffness,
         hardens_rad: 1.5 * twist_rad,
         damping: 0.06 * libm::sqrt(stiffness * axis.armature),
         play_rad: 0.0,
-    }))
-    .at(draw.joint)
+    })
     .with("stiffness", stiffness)
 }
 
@@ -35,13 +30,12 @@ pub(crate) fn backlash(draw: &mut Draw<'_>) -> Drawn {
     let axis = &draw.arm.axes[draw.joint];
     let play_rad = draw.size * draw.random.uniform(0.004, 0.01);
     let stiffness = axis.range / 0.002;
-    Drawn::new(Yielding(Soft {
+    yielding(Soft {
         joint: draw.joint,
         stiffness,
         hardens_rad: 0.1,
         damping: 0.25 * libm::sqrt(stiffness * axis.armature),
         play_rad,
-    }))
-    .at(draw.joint)
+    })
     .with("play_rad", play_rad)
 }

@@ -2,28 +2,13 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-use super::{Draw, Drawn, Law};
+use super::{Draw, Drawn, Hook};
 use crate::moving::motion::rigid::Link;
 use crate::moving::motion::specimen::Specimen;
 
-/// A ball that is bolted to a body.
-#[derive(Debug)]
-struct Bolted {
-    link: usize,
-    mass_kg: f64,
-    place_m: Vector3<f64>,
-    radius_m: f64,
-}
-
-impl Law for Bolted {
-    fn build(&self, specimen: &mut Specimen) {
-        bolt(
-            &mut specimen.chain.links[self.link],
-            self.mass_kg,
-            self.place_m,
-            self.radius_m,
-        );
-    }
+/// Changes the arm before it moves.
+fn built(build: impl Fn(&mut Specimen) + Send + Sync + 'static) -> Drawn {
+    Drawn::new(Hook::Build(Box::new(build)))
 }
 
 /// A body with a ball more. Moments about the common centre by Steiner's theorem.
@@ -51,16 +36,15 @@ pub(crate) fn payload(draw: &mut Draw<'_>) -> Drawn {
     let off = |draw: &mut Draw<'_>| draw.random.uniform(-0.04, 0.04);
     let reach = draw.random.uniform(0.03, 0.1);
     let offset = Vector3::new(off(draw), off(draw), reach);
-    Drawn::new(Bolted {
-        link: draw.arm.count() - 1,
-        mass_kg,
-        place_m: Vector3::from(draw.arm.flange_m) + offset,
-        radius_m: 0.04,
-    })
-    .with("mass_kg", mass_kg)
-    .with("x_m", offset.x)
-    .with("y_m", offset.y)
-    .with("z_m", offset.z)
+    let (last, place_m) = (
+        draw.arm.count() - 1,
+        Vector3::from(draw.arm.flange_m) + offset,
+    );
+    built(move |specimen| bolt(&mut specimen.chain.links[last], mass_kg, place_m, 0.04))
+        .with("mass_kg", mass_kg)
+        .with("x_m", offset.x)
+        .with("y_m", offset.y)
+        .with("z_m", offset.z)
 }
 
 /// A box on a link that the file does not know, a twentieth of the arm's mass.
@@ -68,56 +52,29 @@ pub(crate) fn link_inertia(draw: &mut Draw<'_>) -> Drawn {
     let mass_kg = draw.size * mass_of_arm(draw) * draw.random.uniform(0.05, 0.09);
     let mut off = || draw.random.uniform(-0.06, 0.06);
     let offset = Vector3::new(off(), off(), off());
-    Drawn::new(Bolted {
-        link: draw.joint,
-        mass_kg,
-        place_m: Vector3::from(draw.arm.axes[draw.joint].centre_m) + offset,
-        radius_m: 0.05,
-    })
-    .at(draw.joint)
-    .with("mass_kg", mass_kg)
+    let joint = draw.joint;
+    let place_m = Vector3::from(draw.arm.axes[joint].centre_m) + offset;
+    built(move |specimen| bolt(&mut specimen.chain.links[joint], mass_kg, place_m, 0.05))
+        .at(joint)
+        .with("mass_kg", mass_kg)
 }
 
-/// A rotor whose inertia is far off.
-#[derive(Debug)]
-struct Rotor {
-    joint: usize,
-    factor: f64,
-}
-
-impl Law for Rotor {
-    fn build(&self, specimen: &mut Specimen) {
-        specimen.armature[self.joint] *= self.factor;
-    }
-}
-
-/// By 60 to 150 %.
+/// A rotor whose inertia is off by 60 to 150 %.
 pub(crate) fn armature(draw: &mut Draw<'_>) -> Drawn {
     let factor = 1.0 + draw.size * draw.random.uniform(0.6, 1.5);
-    Drawn::new(Rotor {
-        joint: draw.joint,
-        factor,
-    })
-    .at(draw.joint)
-    .with("factor", factor)
+    let joint = draw.joint;
+    built(move |specimen| specimen.armature[joint] *= factor)
+        .at(joint)
+        .with("factor", factor)
 }
 
-/// A base that leans.
-#[derive(Debug)]
-struct Lean(Rotation3<f64>);
-
-impl Law for Lean {
-    fn build(&self, specimen: &mut Specimen) {
-        specimen.chain.gravity_mps2 = self.0 * specimen.chain.gravity_mps2;
-    }
-}
-
-/// By 2 to 6 degrees.
+/// A base that leans by 2 to 6 degrees.
 pub(crate) fn gravity_direction(draw: &mut Draw<'_>) -> Drawn {
     let lean_rad = draw.size * draw.random.uniform(2.0, 6.0).to_radians();
     let (sine, cosine) = libm::sincos(draw.random.phase_rad());
     let axis = Unit::new_unchecked(Vector3::new(cosine, sine, 0.0));
-    Drawn::new(Lean(Rotation3::from_axis_angle(&axis, lean_rad)))
+    let turn = Rotation3::from_axis_angle(&axis, lean_rad);
+    built(move |specimen| specimen.chain.gravity_mps2 = turn * specimen.chain.gravity_mps2)
         .with("lean_rad", lean_rad)
         .with("axis_x", cosine)
         .with("axis_y", sine)

@@ -50,64 +50,133 @@ pub(crate) struct Instant<'a> {
     pub(crate) at: &'a At,
 }
 
-/// A law of an effect. Each hook does nothing unless a law says otherwise.
-pub(crate) trait Law: std::fmt::Debug + Send + Sync {
-    /// Sets what the arm has with or without the effect: levels that its user does not know anyway.
-    fn prepare(&self, _specimen: &mut Specimen) {}
-
-    /// Changes the arm before it moves.
-    fn build(&self, _specimen: &mut Specimen) {}
-
-    /// Changes the levels of a drive's friction.
-    fn friction(&self, _sliding: &Sliding, _levels: &mut Levels) {}
-
-    /// Adds torques on the joints.
-    fn torque(&self, _instant: &Instant<'_>, _torque: &mut [f64]) {}
-
+/// Something that an effect changes.
+enum Hook {
+    /// What the arm has with or without the effect: levels that its user does not know anyway.
+    Prepare(Box<dyn Fn(&mut Specimen) + Send + Sync>),
+    /// The arm before it moves.
+    Build(Box<dyn Fn(&mut Specimen) + Send + Sync>),
+    /// Levels of the friction of the effect's drive.
+    Friction(Box<dyn Fn(&Sliding, &mut Levels) + Send + Sync>),
+    /// Torques on the joints.
+    Torque(Box<dyn Fn(&Instant<'_>, &mut [f64]) + Send + Sync>),
     /// How late the controller hears its command \[s\].
-    fn command_delay_s(&self) -> f64 {
-        0.0
-    }
-
-    /// Factors of the controller's stiffness and damping.
-    fn gains(&self, _time_s: f64) -> [f64; 2] {
-        [1.0, 1.0]
-    }
-
-    /// Changes what is logged, at the controller's rate.
-    fn readings(&self, _ticks: &mut Ticks) {}
-
-    /// Changes which of the ticks are logged: entry i is the tick that row i shows.
-    fn rows(&self, _rows: &mut Vec<usize>, _random: &mut Random) {}
+    CommandDelay(f64),
+    /// Factors of the controller's stiffness and damping, by time.
+    Gains(Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>),
+    /// What is logged, at the controller's rate.
+    Readings(Box<dyn Fn(&mut Ticks) + Send + Sync>),
+    /// Which of the ticks are logged: entry i is the tick that row i shows.
+    Rows(Box<dyn Fn(&mut Vec<usize>, &mut Random) + Send + Sync>),
 }
 
-/// An effect that was drawn.
-#[derive(Debug)]
+/// An effect that was drawn: what it changes, at which joint (from 0), and the numbers of its law.
+#[derive(Default)]
 pub(crate) struct Drawn {
-    pub(crate) law: Box<dyn Law>,
-    /// Joint, from 0.
+    hooks: Vec<Hook>,
     pub(crate) joint: Option<usize>,
-    /// Numbers of the law.
     pub(crate) numbers: BTreeMap<String, f64>,
 }
 
+impl std::fmt::Debug for Drawn {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut shown = formatter.debug_struct("Drawn");
+        shown
+            .field("numbers", &self.numbers)
+            .finish_non_exhaustive()
+    }
+}
+
 impl Drawn {
-    pub(crate) fn new(law: impl Law + 'static) -> Self {
-        Self {
-            law: Box::new(law),
-            joint: None,
-            numbers: BTreeMap::new(),
-        }
+    fn new(hook: Hook) -> Self {
+        Self::default().and(hook)
     }
 
-    pub(crate) fn at(mut self, joint: usize) -> Self {
+    fn and(mut self, hook: Hook) -> Self {
+        self.hooks.push(hook);
+        self
+    }
+
+    fn at(mut self, joint: usize) -> Self {
         self.joint = Some(joint);
         self
     }
 
-    pub(crate) fn with(mut self, name: &str, value: f64) -> Self {
+    fn with(mut self, name: &str, value: f64) -> Self {
         self.numbers.insert(name.to_owned(), value);
         self
+    }
+
+    /// Sets what the arm has with or without the effect.
+    pub(crate) fn prepare(&self, specimen: &mut Specimen) {
+        for hook in &self.hooks {
+            if let Hook::Prepare(change) = hook {
+                change(specimen);
+            }
+        }
+    }
+
+    /// Changes the arm before it moves.
+    pub(crate) fn build(&self, specimen: &mut Specimen) {
+        for hook in &self.hooks {
+            if let Hook::Build(change) = hook {
+                change(specimen);
+            }
+        }
+    }
+
+    /// Changes the levels of a drive's friction.
+    pub(crate) fn friction(&self, sliding: &Sliding, levels: &mut Levels) {
+        for hook in &self.hooks {
+            if let Hook::Friction(change) = hook
+                && self.joint == Some(sliding.joint)
+            {
+                change(sliding, levels);
+            }
+        }
+    }
+
+    /// Adds torques on the joints.
+    pub(crate) fn torque(&self, instant: &Instant<'_>, torque: &mut [f64]) {
+        for hook in &self.hooks {
+            if let Hook::Torque(add) = hook {
+                add(instant, torque);
+            }
+        }
+    }
+
+    /// How late the controller hears its command \[s\].
+    pub(crate) fn command_delay_s(&self) -> f64 {
+        match self.hooks[..] {
+            [Hook::CommandDelay(delay_s)] => delay_s,
+            _ => 0.0,
+        }
+    }
+
+    /// Factors of the controller's stiffness and damping.
+    pub(crate) fn gains(&self, time_s: f64) -> [f64; 2] {
+        match &self.hooks[..] {
+            [Hook::Gains(factors)] => factors(time_s),
+            _ => [1.0, 1.0],
+        }
+    }
+
+    /// Changes what is logged.
+    pub(crate) fn readings(&self, ticks: &mut Ticks) {
+        for hook in &self.hooks {
+            if let Hook::Readings(change) = hook {
+                change(ticks);
+            }
+        }
+    }
+
+    /// Changes which of the ticks are logged.
+    pub(crate) fn rows(&self, rows: &mut Vec<usize>, random: &mut Random) {
+        for hook in &self.hooks {
+            if let Hook::Rows(change) = hook {
+                change(rows, random);
+            }
+        }
     }
 }
 

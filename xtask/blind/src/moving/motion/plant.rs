@@ -1,6 +1,6 @@
 //! The arm in motion: bodies, drives with their friction, what the effects add, and a fixed step of Runge and Kutta's.
 
-use crate::moving::laws::{Instant, Law, Levels, Sliding};
+use crate::moving::laws::{Drawn, Instant, Levels, Sliding};
 use crate::moving::motion::rigid::{At, solve};
 use crate::moving::motion::specimen::{Friction, Specimen};
 
@@ -15,7 +15,7 @@ pub(crate) struct State {
 #[derive(Debug)]
 pub(crate) struct Plant<'a> {
     pub(crate) specimen: &'a Specimen,
-    pub(crate) laws: Vec<&'a dyn Law>,
+    pub(crate) effects: &'a [Drawn],
     pub(crate) state: State,
     /// Where each drive's bristle stands, and the motor's angle there.
     bristle: Vec<(f64, f64)>,
@@ -33,7 +33,7 @@ struct Work {
 
 impl<'a> Plant<'a> {
     /// At rest at a posture of the drives; what swings hangs where its angles are 0.
-    pub(crate) fn new(specimen: &'a Specimen, laws: Vec<&'a dyn Law>, about: &[f64]) -> Self {
+    pub(crate) fn new(specimen: &'a Specimen, effects: &'a [Drawn], about: &[f64]) -> Self {
         let bodies = specimen.chain.links.len();
         let mut angle = about.to_vec();
         angle.resize(bodies, 0.0);
@@ -47,7 +47,7 @@ impl<'a> Plant<'a> {
         };
         Self {
             specimen,
-            laws,
+            effects,
             state,
             bristle,
             work,
@@ -73,8 +73,8 @@ impl<'a> Plant<'a> {
             coulomb: own.coulomb,
             viscous: own.viscous,
         };
-        for law in &self.laws {
-            law.friction(sliding, &mut levels);
+        for effect in self.effects {
+            effect.friction(sliding, &mut levels);
         }
         let (stood, from) = self.bristle[sliding.joint];
         let sense = own.sense.at(stood, sliding.angle - from, sliding.speed);
@@ -106,8 +106,8 @@ impl<'a> Plant<'a> {
             motor: &work.motor,
             at: &work.at,
         };
-        for law in &self.laws {
-            law.torque(&instant, &mut work.added);
+        for effect in self.effects {
+            effect.torque(&instant, &mut work.added);
         }
         for joint in 0..bodies {
             out[joint] = work.added[joint] - work.at.bias[joint];

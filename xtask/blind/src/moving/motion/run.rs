@@ -1,7 +1,7 @@
 //! One recording: controller and arm tick by tick.
 
 use crate::moving::arms::Arm;
-use crate::moving::laws::Law;
+use crate::moving::laws::Drawn;
 use crate::moving::motion::control::{Asked, Controller, Design, TICKS_PER_S};
 use crate::moving::motion::course::Course;
 use crate::moving::motion::log::Ticks;
@@ -17,7 +17,7 @@ pub(crate) struct Rig<'a> {
     pub(crate) arm: &'a Arm,
     pub(crate) specimen: &'a Specimen,
     pub(crate) design: &'a Design,
-    pub(crate) laws: Vec<&'a dyn Law>,
+    pub(crate) effects: &'a [Drawn],
     /// Steps of the integration in a tick.
     pub(crate) steps: usize,
 }
@@ -32,9 +32,9 @@ impl Rig<'_> {
     /// Runs a course. The logged torque of a tick is the mean of those held before and after it, as a filtered current is.
     pub(crate) fn run(&self, course: &Course) -> Ticks {
         let joints = self.arm.count();
-        let mut plant = Plant::new(self.specimen, self.laws.clone(), &course.about);
+        let mut plant = Plant::new(self.specimen, self.effects, &course.about);
         let mut controller = Controller::new(self.design);
-        let delay_s: f64 = self.laws.iter().map(|law| law.command_delay_s()).sum();
+        let delay_s: f64 = self.effects.iter().map(Drawn::command_delay_s).sum();
         let mut ticks = Ticks::new(joints);
         let (mut held, mut torque) = (vec![0.0; joints], vec![0.0; joints]);
         let mut read = vec![0.0; joints];
@@ -51,8 +51,8 @@ impl Rig<'_> {
             }
             let heard: Asked = course.at(time_s - delay_s);
             let mut factors = [1.0; 2];
-            for law in &self.laws {
-                let own = law.gains(time_s);
+            for effect in self.effects {
+                let own = effect.gains(time_s);
                 factors = [factors[0] * own[0], factors[1] * own[1]];
             }
             controller.tick(&heard, &read, factors, &mut torque);

@@ -57,7 +57,7 @@ fn lost_j(specimen: &Specimen, arm: &Arm, step_s: f64) -> f64 {
         .iter()
         .map(|axis| 0.3 * axis.reach[1] + 0.2 * axis.reach[0])
         .collect();
-    let mut plant = Plant::new(specimen, Vec::new(), &about);
+    let mut plant = Plant::new(specimen, &[], &about);
     let before = energy_j(&plant);
     let drive = vec![0.0; arm.count()];
     for step in 0..(1.0 / step_s) as usize {
@@ -108,7 +108,7 @@ fn friction_takes_what_is_lost() {
         };
     }
     let about: Vec<f64> = vec![0.4; arm.count()];
-    let mut plant = Plant::new(&specimen, Vec::new(), &about);
+    let mut plant = Plant::new(&specimen, &[], &about);
     let before = energy_j(&plant);
     let drive: Vec<f64> = (0..arm.count())
         .map(|joint| 2.0 - 0.4 * joint as f64)
@@ -158,7 +158,7 @@ fn runs(arm: &'static Arm, sense: Sense, steps: usize) -> (Ticks, Course) {
         arm,
         specimen: &specimen,
         design: &design,
-        laws: Vec::new(),
+        effects: &[],
         steps,
     };
     (rig.run(&course), course)

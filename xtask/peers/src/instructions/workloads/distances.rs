@@ -11,7 +11,7 @@ use haptical_model::{Device, ParameterId, Recording};
 use haptical_simulator::simulate;
 use xtask_paper::{Paper, Scenario, nominal_device};
 
-use super::{Job, Workload, spread};
+use super::{Job, Workload, spread, workloads};
 
 /// Poses of one pass.
 const POSES: usize = 4096;
@@ -21,48 +21,13 @@ const FIT_POSES: usize = 200;
 const COLUMNS: usize = 28;
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 5] = [
-    Workload {
-        name: "derivatives-cached",
-        what: "residuals and 28 derivatives of distances, sines held",
-        unit: "pose",
-        units: POSES as u64,
-        is_long: false,
-        prepare: derivatives,
-    },
-    Workload {
-        name: "pass-cached",
-        what: "one pass of a fit: derivatives and their reduction, sines held",
-        unit: "pose",
-        units: POSES as u64,
-        is_long: false,
-        prepare: pass,
-    },
-    Workload {
-        name: "reduction-tiles",
-        what: "reduction of rows of 28 columns to a triangle, tile by tile",
-        unit: "row",
-        units: POSES as u64,
-        is_long: false,
-        prepare: reduction_in_tiles,
-    },
-    Workload {
-        name: "reduction-dense",
-        what: "QR of a whole matrix of 200 rows and 28 columns",
-        unit: "row",
-        units: FIT_POSES as u64,
-        is_long: false,
-        prepare: dense_reduction,
-    },
-    Workload {
-        name: "fit-200-poses",
-        what: "the 28-parameter fit of a problem of 200 poses from the nominal values, its lanes and sines included",
-        unit: "pose",
-        units: FIT_POSES as u64,
-        is_long: false,
-        prepare: fit,
-    },
-];
+pub(crate) const WORKLOADS: [Workload; 5] = workloads! {
+    "derivatives-cached" "residuals and 28 derivatives of distances, sines held", "pose" POSES, false, derivatives;
+    "pass-cached" "one pass of a fit: derivatives and their reduction, sines held", "pose" POSES, false, pass;
+    "reduction-tiles" "reduction of rows of 28 columns to a triangle, tile by tile", "row" POSES, false, reduction_in_tiles;
+    "reduction-dense" "QR of a whole matrix of 200 rows and 28 columns", "row" FIT_POSES, false, dense_reduction;
+    "fit-200-poses" "the 28-parameter fit of a problem of 200 poses from the nominal values, its lanes and sines included", "pose" FIT_POSES, false, fit;
+};
 
 /// Distances of the paper's simulated device without transmission errors.
 struct Distances {

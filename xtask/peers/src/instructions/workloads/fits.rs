@@ -8,28 +8,14 @@ use haptical_simulator::{simulate, simulate_transmission};
 use xtask_paper::{Paper, Scenario, nominal_device, step_one_on, step_two_on};
 
 use super::recordings::{LOG_ROWS, log};
-use super::{Job, Workload};
+use super::{Job, Workload, workloads};
 
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 2] = [
-    Workload {
-        name: "two-step-device",
-        what: "both steps for one device: 200 samples for each of 4 transmissions, 200 poses, rank and intervals",
-        unit: "device",
-        units: 1,
-        is_long: false,
-        prepare: two_steps,
-    },
-    Workload {
-        name: "joint-fit",
-        what: "transmissions and links at once from a log of 60 s at 100 Hz, polynomial of degree 10, stated noise",
-        unit: "row",
-        units: LOG_ROWS as u64,
-        is_long: true,
-        prepare: joint_fit,
-    },
-];
+pub(crate) const WORKLOADS: [Workload; 2] = workloads! {
+    "two-step-device" "both steps for one device: 200 samples for each of 4 transmissions, 200 poses, rank and intervals", "device" 1, false, two_steps;
+    "joint-fit" "transmissions and links at once from a log of 60 s at 100 Hz, polynomial of degree 10, stated noise", "row" LOG_ROWS, true, joint_fit;
+};
 
 fn two_steps() -> Result<Job> {
     let scenario = Scenario::paper(nominal_device(None)?, &Paper::load()?, false)?;

@@ -9,7 +9,7 @@ use haptical_model::transmission::{Capstan, CapstanError};
 use haptical_runtime::Inputs;
 use xtask_paper::nominal_device;
 
-use super::{Job, Workload, spread};
+use super::{Job, Workload, spread, workloads};
 
 /// As `haptical export --format rust` writes it, joint 4 a polynomial.
 #[allow(
@@ -35,56 +35,14 @@ const JOINTS: usize = 7;
 /// Calls of one formula, all at other arguments.
 const CALLS: usize = 1000;
 
-pub(crate) const WORKLOADS: [Workload; 6] = [
-    Workload {
-        name: "capstan-error",
-        what: "error of a capstan with slope and six derivatives, eq. (1)",
-        unit: "call",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: capstan_error,
-    },
-    Workload {
-        name: "capstan-inverse",
-        what: "encoder angle for an angle of the output",
-        unit: "call",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: capstan_inverse,
-    },
-    Workload {
-        name: "pose-and-jacobian",
-        what: "PreparedChain, 7 joints, one posture after the other",
-        unit: "pose",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: pose_and_jacobian,
-    },
-    Workload {
-        name: "pose-lanes",
-        what: "PoseLanes, 7 joints, all postures at once",
-        unit: "pose",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: pose_lanes,
-    },
-    Workload {
-        name: "runtime-step",
-        what: "one step of the control loop of the 7-joint device, with torques",
-        unit: "step",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: runtime_step,
-    },
-    Workload {
-        name: "runtime-step-effects",
-        what: "the same of the device with three effects at each of three joints",
-        unit: "step",
-        units: CALLS as u64,
-        is_long: false,
-        prepare: runtime_step_effects,
-    },
-];
+pub(crate) const WORKLOADS: [Workload; 6] = workloads! {
+    "capstan-error" "error of a capstan with slope and six derivatives, eq. (1)", "call" CALLS, false, capstan_error;
+    "capstan-inverse" "encoder angle for an angle of the output", "call" CALLS, false, capstan_inverse;
+    "pose-and-jacobian" "PreparedChain, 7 joints, one posture after the other", "pose" CALLS, false, pose_and_jacobian;
+    "pose-lanes" "PoseLanes, 7 joints, all postures at once", "pose" CALLS, false, pose_lanes;
+    "runtime-step" "one step of the control loop of the 7-joint device, with torques", "step" CALLS, false, runtime_step;
+    "runtime-step-effects" "the same of the device with three effects at each of three joints", "step" CALLS, false, runtime_step_effects;
+};
 
 fn drive() -> Result<(Capstan, CapstanError)> {
     Ok((

@@ -9,7 +9,7 @@ use haptical_model::{Device, Recording};
 use haptical_simulator::{Effect, Effects, HandMotion, MotionSettings, record_motion};
 use xtask_paper::{Paper, nominal_device, true_device};
 
-use super::{Job, Workload};
+use super::{Job, Workload, workloads};
 
 /// Rows of a log of 60 s at 100 Hz.
 pub(crate) const LOG_ROWS: usize = 6000;
@@ -19,24 +19,10 @@ const DIAGNOSED_ROWS: usize = 600;
 const LOG_S: f64 = 60.0;
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 2] = [
-    Workload {
-        name: "csv-rows",
-        what: "reading a log of 60 s at 100 Hz, in memory",
-        unit: "row",
-        units: LOG_ROWS as u64,
-        is_long: false,
-        prepare: csv_rows,
-    },
-    Workload {
-        name: "diagnosis",
-        what: "diagnosis of a log of 60 s at 10 Hz with a yielding cable at joint 2",
-        unit: "row",
-        units: DIAGNOSED_ROWS as u64,
-        is_long: true,
-        prepare: diagnosis,
-    },
-];
+pub(crate) const WORKLOADS: [Workload; 2] = workloads! {
+    "csv-rows" "reading a log of 60 s at 100 Hz, in memory", "row" LOG_ROWS, false, csv_rows;
+    "diagnosis" "diagnosis of a log of 60 s at 10 Hz with a yielding cable at joint 2", "row" DIAGNOSED_ROWS, true, diagnosis;
+};
 
 /// The nominal device, and 60 s of one with the paper's deviations and these effects, guided by hand.
 pub(crate) fn log(rows: usize, effects: &[Effect]) -> Result<(Device, Recording)> {
