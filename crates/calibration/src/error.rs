@@ -116,10 +116,10 @@ pub enum CalibrationError {
         /// What to do.
         next: &'static str,
     },
-    /// A log that fits the device far better with one joint's column turned round, or two swapped.
+    /// A log that fits the device far better if it was written otherwise.
     #[error(
         "the log fits the device better with {what}: its residual is {after:.3} times the stated noise then, and \
-         {before:.3} times as logged{}; correct the log, or the sign or order of the joints in the device file",
+         {before:.3} times as logged{}; {mend}",
         if *after < 0.5 * before { "" } else { ", where it is that of a mirror image of the device" }
     )]
     MistakenColumns {
@@ -129,11 +129,13 @@ pub enum CalibrationError {
         before: f64,
         /// Residual with the change.
         after: f64,
+        /// What to do.
+        mend: &'static str,
     },
-    /// A log that the device misses by far as it is, and several times less after one change of its columns or rows.
+    /// A log that the device misses by far as it is, and several times less if it was written otherwise.
     #[error(
         "the log fits the device file better with {what}: it misses by {after:.1e} of the spread of what was measured then (angles \
-         in rad), and by {before:.3} as logged; correct the log, or the sign or order of the joints in the device file"
+         in rad), and by {before:.3} as logged; {mend}"
     )]
     MistakenLog {
         /// Which change makes it fit.
@@ -142,6 +144,8 @@ pub enum CalibrationError {
         before: f64,
         /// The same with the change.
         after: f64,
+        /// What to do.
+        mend: &'static str,
     },
     /// A refusal of the least squares.
     #[error("{what}: {source}")]

@@ -16,8 +16,8 @@ mod start;
 mod steps;
 
 pub use calibration::{Calibration, calibrate};
-pub use checks::conventions::check_stands;
 pub use checks::held_out::{HeldOut, Split, split, without_own_places};
+pub use checks::otherwise::check_stands;
 pub use checks::postures::{distinct_rows, without_copies};
 pub use checks::reach::check_reach;
 pub use checks::rejection::{Growth, Kept, Rejected};

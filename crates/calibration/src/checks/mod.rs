@@ -1,9 +1,7 @@
 //! Checks of a recording before a fit, and the rows that are held out.
 
-pub(crate) mod columns;
-pub(crate) mod conventions;
-pub(crate) mod encoders;
 pub(crate) mod held_out;
+pub(crate) mod otherwise;
 pub(crate) mod postures;
 pub(crate) mod ran_away;
 pub(crate) mod reach;

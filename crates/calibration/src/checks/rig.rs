@@ -1,19 +1,19 @@
-//! Checks that a recording can serve its rig: pairs, planes, conventions of a tracker, columns and rows in their place.
+//! Checks that a recording can serve its rig: pairs, planes, tools, and no log that was written otherwise.
 
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::{columns, conventions, encoders, tools};
+use crate::checks::{otherwise, tools};
 use crate::start::ids::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
 const PLANE_ROWS: usize = 4;
 
 /// Refuses a rig that a recording cannot serve: a pair of which one member is not in the log, a plane of too
-/// few touches, a tool or a tracker place of too few rows, a cable at a tool, a tracker whose axes are left-handed or whose quaternions are in another order.
+/// few touches, a tool or a tracker place of too few rows, a cable at a tool; and a log that was written otherwise.
 ///
 /// # Errors
-/// [`CalibrationError::Rig`], [`CalibrationError::Reading`].
+/// [`CalibrationError::Rig`], [`CalibrationError::Reading`], [`CalibrationError::MistakenLog`].
 pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let refuse = |what: &str, message: String| {
         Err(CalibrationError::Rig {
@@ -65,7 +65,5 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
         }
     }
     tools::check(device, recording)?;
-    encoders::check(device, recording)?;
-    conventions::check(device, recording)?;
-    columns::check(device, recording)
+    otherwise::check(device, recording)
 }

@@ -1,33 +1,36 @@
-//! Mistaken columns of a log that a fit shows: a joint's sign or place, or rows one off, are refused where the correction fits
-//! far better.
+//! Logs that were written otherwise, where a fit shows it: a joint's column, rows one off, a tool put on at another line.
 
 use haptical_model::{ParameterId, Recording};
 
-use crate::checks::columns::{Change, has_neighbours, of_columns, of_rows};
+use crate::checks::otherwise::hypotheses::{Hypothesis, has_neighbours, of_joints, of_rows};
 use crate::fit::implausible::implausible_links;
-use crate::fit::put_on;
+use crate::fit::put_on::of_tools;
 use crate::fit::request::FitRequest;
 use crate::fit::size;
-use crate::fit::trial::{LEFT, NEARER, Trial, without_places};
+use crate::fit::trial::{Trial, without_places};
 use crate::problem::some_rows::spread_rows;
 use crate::{CalibrationError, Channel, ParameterFit};
 
-/// Rows that the changed logs are tried on.
+/// Rows that the hypotheses are tried on.
 const MOST_ROWS: usize = 80;
-
+/// Share of the residual that a hypothesis must leave at most: an effect that the model lacks stays, whatever column is turned.
+const LEFT: f64 = 0.2;
+/// Share of the residual before a fit that a hypothesis must leave at most to be fitted.
+const NEARER: f64 = 0.7;
 /// Residual of a mirror image of the device, in shares of which the device's own is as good.
-const AS_GOOD: f64 = 1.5;
-/// Most changed logs that are fitted, the nearest first.
+const MIRROR: f64 = 1.5;
+/// Ratio of residuals up to which two hypotheses are as good.
+const AS_GOOD: f64 = 2.0;
+/// Most hypotheses that are fitted, the nearest first.
 const MOST_FITS: usize = 4;
-
 /// Share of the handle's range that a residual has at least where a column is turned.
 const GROSS: f64 = 0.02;
 
-/// Refuses a log with which a fit stays doubtful, if it fits several times better after one change of its columns or rows.
+/// Refuses a log with which a fit stays doubtful, if it fits several times better under a hypothesis of how it was written.
 /// A fit that begins where another one ended is of the same log as that one.
 ///
 /// # Errors
-/// [`CalibrationError::MistakenColumns`]; [`CalibrationError::Rig`] for a tool that was put on at another line.
+/// [`CalibrationError::MistakenColumns`].
 pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(), CalibrationError> {
     // transmissions are fitted to external encoders, which show a turned column themselves
     let is_transmission =
@@ -39,63 +42,63 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
     let rows = spread_rows(request.recording.len(), MOST_ROWS);
     let part = request.recording.select(&rows);
     let bare = without_places(request.device);
-    let Some(unfitted) = Trial::new(request, &bare, &part).and_then(|trial| trial.unfitted())
-    else {
+    let unfitted = Trial::new(request, &bare, &part).and_then(|trial| trial.unfitted());
+    let Some(unfitted) = unfitted else {
         return Ok(());
     };
-    put_on::refuse(request, fit, (&bare, unfitted), &rows)?;
-    if implausible_links(request.device, fit).is_empty() && !is_gross(request, unfitted, &part) {
-        return Ok(());
+    let are_odd = !implausible_links(request.device, fit).is_empty();
+    let (mut all, mut shifts) = (of_tools(request, &bare, &rows), Vec::new());
+    if are_odd || is_gross(request, unfitted, &part) {
+        all.extend(of_joints(request.device));
+        shifts = of_rows(request.recording);
     }
-    let mut nearer: Vec<(f64, Change, Recording)> = of_columns(request.device)
-        .into_iter()
-        .filter_map(|change| {
-            let part = change.of_rows(request.recording, &rows);
-            let left = Trial::new(request, &bare, &part)?.unfitted()?;
-            (left < NEARER * unfitted).then_some((left, change, part))
-        })
-        .collect();
+    let tried = |hypothesis: Hypothesis<'static>| {
+        let (device, part) = hypothesis.apply(&bare, request.recording, &rows);
+        let left = Trial::new(request, &device, &part)?.unfitted()?;
+        (left < NEARER * unfitted).then_some((left, hypothesis))
+    };
+    let mut nearer: Vec<(f64, Hypothesis<'_>)> = all.into_iter().filter_map(tried).collect();
     nearer.sort_by(|a, b| a.0.total_cmp(&b.0));
     nearer.truncate(MOST_FITS);
     // how far a row is off shows only once the device is fitted
-    let inner: Vec<usize> = (rows.iter().copied())
+    let inner = rows.iter().copied();
+    let inner: Vec<usize> = inner
         .filter(|&row| has_neighbours(request.recording, row))
         .collect();
-    nearer.extend(of_rows(request.recording).into_iter().map(|change| {
-        let part = change.of_rows(request.recording, &inner);
-        (unfitted, change, part)
-    }));
-    if nearer.is_empty() {
+    let nearer = nearer
+        .into_iter()
+        .map(|(_, hypothesis)| (hypothesis, &rows));
+    let all: Vec<(Hypothesis<'_>, &Vec<usize>)> = nearer
+        .chain(shifts.into_iter().map(|hypothesis| (hypothesis, &inner)))
+        .collect();
+    if all.is_empty() {
         return Ok(());
     }
-    let Some((as_logged, odd)) =
-        Trial::new(request, &fit.device, &part).and_then(|trial| trial.fitted())
-    else {
+    let as_logged = Trial::new(request, &fit.device, &part).and_then(|trial| trial.fitted());
+    let Some((before, odd)) = as_logged else {
         return Ok(());
     };
-    let mut found: Vec<(f64, Change)> = nearer
-        .iter()
-        .filter_map(|(_, change, part)| {
-            let (left, odd_values) = Trial::new(request, &bare, part)?.fitted()?;
-            let is_far_better = left < LEFT * as_logged && odd_values <= odd;
-            // the log as it is may be that of a mirror image of the device
-            let is_more_plausible =
-                !change.is_of_rows() && left < AS_GOOD * as_logged && odd_values == 0 && odd > 0;
-            (is_far_better || is_more_plausible).then_some((left, *change))
-        })
-        .collect();
+    let fitted = all.iter().filter_map(|(hypothesis, rows)| {
+        let (device, part) = hypothesis.apply(&bare, request.recording, rows);
+        let (left, odd_values) = Trial::new(request, &device, &part)?.fitted()?;
+        let is_far_better = left < LEFT * before && odd_values <= odd;
+        // the log as it is may be that of a mirror image of the device
+        let is_more_plausible =
+            hypothesis.is_of_columns() && left < MIRROR * before && odd_values == 0 && odd > 0;
+        (is_far_better || is_more_plausible).then_some((left, hypothesis))
+    });
+    let mut found: Vec<(f64, &Hypothesis<'_>)> = fitted.collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some(&(best, _)) = found.first() else {
+    let Some(&(after, best)) = found.first() else {
         return Ok(());
     };
-    let as_good = found.iter().filter(|(left, _)| *left < 2.0 * best);
-    let words: Vec<String> = as_good
-        .map(|(_, change)| change.words(request.device))
-        .collect();
+    let as_good = found.iter().filter(|(left, _)| *left < AS_GOOD * after);
+    let what: Vec<&str> = as_good.map(|(_, own)| own.what.as_str()).collect();
     Err(CalibrationError::MistakenColumns {
-        what: words.join(", or "),
-        before: as_logged,
-        after: best,
+        what: what.join(", or "),
+        before,
+        after,
+        mend: best.mend,
     })
 }
 

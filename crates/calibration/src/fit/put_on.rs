@@ -1,68 +1,44 @@
-//! A tool that was put on at another line of the log than the device file says: refused where the other line fits far better.
+//! A tool that was put on at another line of the log than the device file says.
 
-use haptical_model::{Device, Recording};
+use haptical_model::{Device, Recording, Tool};
 
+use crate::checks::otherwise::hypotheses::Hypothesis;
 use crate::fit::request::FitRequest;
-use crate::fit::trial::{LEFT, NEARER, Trial};
-use crate::{CalibrationError, ParameterFit};
+use crate::fit::trial::Trial;
 
 /// Rows on either side that the line must leave: fewer have a place wherever they were touched.
 const FEWEST: usize = 4;
 /// Rows of the log, around the line that some rows have found, that the line is looked for again.
 const NEAR: usize = 60;
 
-/// Refuses a log with which a fit stays doubtful, if it fits several times better where a tool's `from_line` is another.
+const LINES: &str = "look at which line of the log the tool was put on, and correct it";
+
+/// For each tool with a `from_line` the other line that leaves the least residual.
 ///
 /// Which line that is shows before any number of the chain is fitted: a tool is longer than a chain is wrong. `bare` is the
-/// device without places, with the residual that it leaves of the rows.
-///
-/// # Errors
-/// [`CalibrationError::Rig`].
-pub(super) fn refuse(
+/// device without places.
+pub(super) fn of_tools(
     request: &FitRequest<'_>,
-    fit: &ParameterFit,
-    (bare, unfitted): (&Device, f64),
+    bare: &Device,
     rows: &[usize],
-) -> Result<(), CalibrationError> {
-    for tool in 0..bare.surroundings.tools.len() {
-        let Some(stated) = bare.surroundings.tools[tool].from_line else {
-            continue;
-        };
-        let part = request.recording.select(rows);
-        let Some((first, left)) = nearest(request, bare, tool, &part) else {
-            continue;
-        };
-        if left >= NEARER * unfitted {
-            continue;
-        }
+) -> Vec<Hypothesis<'static>> {
+    let tools = bare.surroundings.tools.iter().enumerate();
+    let of_tool = |(tool, own): (usize, &Tool)| {
+        let stated = own.from_line?;
+        let (first, _) = nearest(request, bare, tool, &request.recording.select(rows))?;
         // some rows say it to the rows between them: all of these say it to the row
         let near = around(request.recording, rows, first);
-        let line = nearest(request, bare, tool, &request.recording.select(&near))
-            .map_or(first, |(line, _)| line);
-        let fitted = |device: &Device| Trial::new(request, device, &part)?.fitted();
-        let (Some((before, odd)), Some((after, odd_there))) =
-            (fitted(&fit.device), fitted(&moved(bare, tool, line)))
-        else {
-            continue;
-        };
-        if line != stated && after < LEFT * before && odd_there <= odd {
-            return Err(CalibrationError::Rig {
-                what: format!("[[tool]] `{}`", bare.surroundings.tools[tool].id),
-                message: format!(
-                    "from_line = {stated} leaves {before:.1} times the stated noise, from_line = {line} leaves \
-                     {after:.1}: look at which line of the log the tool was put on, and correct it"
-                ),
-            });
-        }
-    }
-    Ok(())
+        let near = nearest(request, bare, tool, &request.recording.select(&near));
+        let line = near.map_or(first, |(line, _)| line);
+        let what = format!("from_line = {line} of [[tool]] `{}`, not {stated}", own.id);
+        let change = move |device: &mut Device| put_on(device, tool, line);
+        (line != stated).then(|| Hypothesis::of_device(what, LINES, 1, change))
+    };
+    tools.filter_map(of_tool).collect()
 }
 
-/// The device with a tool that was put on at another line.
-fn moved(bare: &Device, tool: usize, line: u64) -> Device {
-    let mut moved = bare.clone();
-    moved.surroundings.tools[tool].from_line = Some(line);
-    moved
+fn put_on(device: &mut Device, tool: usize, line: u64) {
+    device.surroundings.tools[tool].from_line = Some(line);
 }
 
 /// The line from which on a tool leaves the least residual before a fit, with that residual.
@@ -74,8 +50,9 @@ fn nearest(
 ) -> Option<(u64, f64)> {
     let end = part.len().checked_sub(FEWEST)?;
     let lines = part.line.get(FEWEST..end)?.iter();
+    let mut moved = bare.clone();
     let tried = lines.filter_map(|&line| {
-        let moved = moved(bare, tool, line);
+        put_on(&mut moved, tool, line);
         Some((line, Trial::new(request, &moved, part)?.unfitted()?))
     });
     tried.min_by(|a, b| a.1.total_cmp(&b.1))

@@ -9,12 +9,6 @@ use crate::{DeviceProblem, Options, prepare_device};
 
 /// Steps of a search.
 const MOST_STEPS: usize = 40;
-/// Share of the residual that a changed log must leave at most: an effect that the model lacks stays, whatever
-/// column is turned.
-pub(super) const LEFT: f64 = 0.2;
-/// Share of the residual before a fit that a changed log must leave at most to be fitted.
-pub(super) const NEARER: f64 = 0.7;
-
 /// A device before a log.
 pub(super) struct Trial<'a> {
     request: &'a FitRequest<'a>,

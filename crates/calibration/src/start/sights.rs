@@ -109,13 +109,6 @@ impl Rig {
         }
     }
 
-    /// The same with one base and one tool that are open, or at home.
-    pub(crate) fn with_open(&self, [base, tool]: [bool; 2]) -> Self {
-        let mut other = self.clone();
-        (other.open.bases[0], other.open.tools[0]) = (base, tool);
-        other
-    }
-
     /// Whether several places or tools were seen.
     pub(crate) fn has_several(&self) -> bool {
         !self.runs.is_empty() || !self.ids.is_empty()

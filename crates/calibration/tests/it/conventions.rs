@@ -39,10 +39,8 @@ fn seen(device: &Device, has_orientations: bool) -> Recording {
 
 fn said(device: &Device, recording: &Recording) -> String {
     match check_rig(device, recording).unwrap_err() {
-        CalibrationError::Reading {
-            column, message, ..
-        } => format!("{column}: {message}"),
-        other => other.to_string(),
+        CalibrationError::MistakenLog { what, mend, .. } => format!("{what}; {mend}"),
+        other => panic!("{other}"),
     }
 }
 
@@ -58,12 +56,13 @@ fn left_handed_positions_are_named() {
             .for_each(|y| *y = -*y);
         let mut swapped = right;
         swapped.position_m.as_mut().unwrap().swap(0, 1);
-        for wrong in [flipped, swapped] {
+        // orientations that are right tell one mirror from another
+        let of_one = ["`y_m` negated; ", "`x_m` and `y_m` swapped; "];
+        let of_all = "the tracker's axes mirrored, which are left-handed";
+        for (wrong, of_one) in [flipped, swapped].into_iter().zip(of_one) {
             let said = said(&unknown, &wrong);
-            assert!(
-                said.starts_with("x_m, y_m, z_m: the tracker's axes are left-handed"),
-                "{said}"
-            );
+            let expected = if has_orientations { of_one } else { of_all };
+            assert!(said.starts_with(expected), "{said}");
         }
     }
     let known = device(true);
@@ -71,12 +70,31 @@ fn left_handed_positions_are_named() {
     check_rig(&known, &swapped).unwrap();
     swapped.position_m.as_mut().unwrap().swap(0, 2);
     let words = said(&known, &swapped);
-    assert!(words.contains("x and z are swapped"), "{words}");
+    assert!(words.starts_with("`x_m` and `z_m` swapped; "), "{words}");
     swapped.position_m.as_mut().unwrap().swap(0, 2);
     let z = &mut swapped.position_m.as_mut().unwrap()[2];
     z.iter_mut().for_each(|z| *z = -*z);
     let words = said(&known, &swapped);
-    assert!(words.contains("z has the wrong sign"), "{words}");
+    assert!(words.starts_with("`z_m` negated; "), "{words}");
+}
+
+/// A tracker of left-handed axes gives its orientations about them too.
+#[test]
+fn left_handed_poses_are_named() {
+    for (is_known, expected) in [
+        (false, "the tracker's axes mirrored, which are left-handed"),
+        (true, "`y_m` negated, orientations too; "),
+    ] {
+        let device = device(is_known);
+        let mut wrong = seen(&device, true);
+        let negate = |column: &mut Vec<f64>| column.iter_mut().for_each(|part| *part = -*part);
+        negate(&mut wrong.position_m.as_mut().unwrap()[1]);
+        // the axis of a turn is a pseudovector
+        let [_, x, _, z] = wrong.orientation_wxyz.as_mut().unwrap();
+        [x, z].into_iter().for_each(negate);
+        let said = said(&device, &wrong);
+        assert!(said.starts_with(expected), "{said}");
+    }
 }
 
 #[test]
@@ -91,15 +109,9 @@ fn quaternions_in_another_order_are_named() {
         let last = [x.clone(), y.clone(), z.clone(), w.clone()];
         let both = [minus(&x), minus(&y), minus(&z), w];
         for (columns, words) in [
-            (inverted, "qw, qx, qy, qz: the quaternions are inverted ("),
-            (
-                last,
-                "qw, qx, qy, qz: the quaternions are stored as x, y, z, w: ",
-            ),
-            (
-                both,
-                "qw, qx, qy, qz: the quaternions are stored as x, y, z, w and inverted: ",
-            ),
+            (inverted, "the quaternions inverted; "),
+            (last, "the quaternions read as x, y, z, w; "),
+            (both, "the quaternions read as x, y, z, w and inverted; "),
         ] {
             let mut wrong = right.clone();
             wrong.orientation_wxyz = Some(columns);
@@ -193,7 +205,7 @@ fn positions_in_another_frame_are_named() {
     recording.orientation_wxyz = None;
     let words = said(&tool_alone, &recording);
     assert!(
-        words.contains("give tool = \"unknown\" in [tracker]"),
+        words.starts_with("tool = \"unknown\" in [tracker]; "),
         "{words}"
     );
     tool_alone.tracker.as_mut().unwrap().tool_known = false;
@@ -245,10 +257,7 @@ fn poses_the_other_way_round_are_named() {
         }
     }
     let words = said(&device, &wrong);
-    assert!(
-        words.contains("the poses are the inverse of those wanted"),
-        "{words}"
-    );
+    assert!(words.contains("the poses inverted, "), "{words}");
 }
 
 #[test]

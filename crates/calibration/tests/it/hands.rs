@@ -408,7 +408,10 @@ fn a_tool_that_was_put_on_at_another_line_is_refused_with_the_right_one() {
         fit_device(&device, &recording, &options())
     };
     assert!(put_on(row).is_ok());
-    let right = format!("from_line = {} leaves", recording.line[row]);
+    let right = format!(
+        "better with from_line = {} of [[tool]] `longer`",
+        recording.line[row]
+    );
     for other in [row - 20, row + 15] {
         let refused = put_on(other).unwrap_err().to_string();
         assert!(refused.contains(&right), "{refused}");

@@ -1,7 +1,8 @@
 //! Logs in which a joint runs backwards, or two joints are in each other's column.
 
 use haptical_calibration::{CalibrationError, HeldOut, Options, Weighting, calibrate, check_rig};
-use haptical_model::{Device, Recording};
+use haptical_model::transmission::CapstanError;
+use haptical_model::{Device, Recording, TransmissionError};
 
 use crate::rig_scene::{placement, plain, readings, table, tracked, unknown_tracker};
 
@@ -92,12 +93,7 @@ fn external_encoders_of_other_joints_are_named() {
     let said = |change: &dyn Fn(&mut Recording)| {
         let mut wrong = right.clone();
         change(&mut wrong);
-        match check_rig(&nominal, &wrong).unwrap_err() {
-            CalibrationError::Reading {
-                column, message, ..
-            } => format!("{column}: {message}"),
-            other => other.to_string(),
-        }
+        check_rig(&nominal, &wrong).unwrap_err().to_string()
     };
     let times = |column: &mut Option<Vec<f64>>, factor: f64| {
         column
@@ -107,22 +103,30 @@ fn external_encoders_of_other_joints_are_named() {
     };
     let words = said(&|log| log.output.swap(0, 1));
     assert!(
-        words.starts_with("out1_rad: it follows theta2_rad, not theta1_rad"),
+        words.contains("with columns `out1_rad` and `out2_rad` swapped: "),
         "{words}"
     );
+    // a copy of another joint's column, and the column of a joint without an encoder
+    let words = said(&|log| log.output[1] = log.output[2].clone());
+    assert!(
+        words.contains("with column `out2_rad` left out, which follows `theta3_rad`: "),
+        "{words}"
+    );
+    // the cable says that the joints' columns are swapped, not those of the encoders
     let words = said(&|log| log.joint.swap(1, 4));
     assert!(
-        words.starts_with("out2_rad: it follows theta5_rad, not theta2_rad"),
+        words.contains("with columns `theta2_rad` and `theta5_rad` swapped: "),
         "{words}"
     );
     let words = said(&|log| times(&mut log.output[2], -1.0));
     assert!(
-        words.starts_with("out3_rad: it runs against theta3_rad"),
+        words.contains("with column `out3_rad` negated: "),
         "{words}"
     );
     let words = said(&|log| times(&mut log.output[0], 57.295_779_5));
     assert!(
-        words.contains("out1_rad: it is 56.") && words.contains("57.3 are degrees"),
+        words.contains("with column `out1_rad` divided by 56.")
+            && words.contains("57.3 are degrees"),
         "{words}"
     );
     let words = said(&|log| {
@@ -131,7 +135,16 @@ fn external_encoders_of_other_joints_are_named() {
         }
     });
     assert!(
-        words.starts_with("out2_rad: it is 0.001 times theta2_rad"),
+        words.contains("with column `theta2_rad` divided by 1297."),
+        "{words}"
+    );
+    // without a cable either column may be the wrong one
+    let words = said(&|log| {
+        log.cable_m = vec![None];
+        times(&mut log.output[2], -1.0);
+    });
+    assert!(
+        words.contains("with column `out3_rad` negated, or column `theta3_rad` negated: "),
         "{words}"
     );
 }
@@ -165,6 +178,27 @@ fn mistakes_that_are_gross_show_before_a_fit() {
             words.contains("columns `theta2_rad` and `theta4_rad` swapped"),
             "{words}"
         );
+        // counted from the horizontal, counts per turn wrong by two
+        let words = said(&|log| {
+            let second = log.joint[1].clone();
+            let pairs = log.joint[2].iter_mut().zip(second);
+            pairs.for_each(|(reading, second)| *reading -= second);
+        });
+        assert!(
+            words.contains("with column `theta3_rad` plus `theta2_rad`: "),
+            "{words}"
+        );
+        for (factor, expected) in [
+            (0.5, "`theta3_rad` times 2: "),
+            (2.0, "`theta3_rad` divided by 2: "),
+            (57.295_779_5, "`theta3_rad` times pi/180: "),
+        ] {
+            let words = said(&|log| {
+                let column = log.joint[2].iter_mut();
+                column.for_each(|reading| *reading *= factor);
+            });
+            assert!(words.contains(expected), "{words}");
+        }
         let words = said(&|log| log.joint.reverse());
         assert!(words.contains("all joints in reverse order"), "{words}");
         for (by, expected) in [(1, "a row earlier"), (right.len() - 1, "a row later")] {
@@ -176,6 +210,25 @@ fn mistakes_that_are_gross_show_before_a_fit() {
             assert!(words.contains(expected), "{words}");
         }
     }
+}
+
+/// A change that takes a joint beyond what its transmission can do leaves no pose, which misses nothing.
+#[test]
+fn a_change_without_poses_is_none() {
+    let Some(nominal) = crate::haptic::haptic7() else {
+        return;
+    };
+    let truth = crate::haptic::truth_of(&nominal, 1.0);
+    let mut log = crate::haptic::record(&truth, 200, 3, haptical_simulator::Noise::Gaussian);
+    log.output.iter_mut().for_each(|column| *column = None);
+    let mut far = nominal;
+    far.links[2].d_m += 0.15;
+    far.links[3].theta_rad += 0.4;
+    far.joints[3].transmission_error = TransmissionError::Parallelogram {
+        capstan: CapstanError::default(),
+        length_deviations_m: [2e-3, 0.0, 0.0, 0.0],
+    };
+    check_rig(&far, &log).unwrap();
 }
 
 /// A sensor may be late by a row of a fast log; that is an effect, not a log put together wrongly.

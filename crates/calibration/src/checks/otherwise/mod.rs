@@ -1,0 +1,130 @@
+//! Logs that were written otherwise: a list of hypotheses, and the rule by which one of them refuses a log before a fit.
+
+pub(crate) mod hypotheses;
+mod misses;
+mod outputs;
+mod tracker;
+
+use haptical_model::{Device, Recording};
+
+use crate::CalibrationError;
+use crate::problem::some_rows::spread_rows;
+use hypotheses::{Hypothesis, has_neighbours, of_joints, of_rows};
+use misses::{LEAST_ROWS, Misses};
+
+/// Rows that the hypotheses are tried on.
+const MOST_ROWS: usize = 300;
+/// What a device misses as logged, over the spread of what was measured and in rad, from which on a hypothesis is looked for.
+const GROSS: f64 = 0.05;
+/// How many times less must be missed with a hypothesis. A device file is off by the same for each of them.
+const BETTER: f64 = 5.0;
+/// The same where the hypothesis has numbers of its own that the closed form chooses: these fit a part of any error.
+const BETTER_BY_NUMBERS: f64 = 10.0;
+/// Ratio of what they miss up to which two hypotheses are as good.
+const AS_GOOD: f64 = 1.5;
+
+/// Refuses a log that misses the device by far, and several times less if its columns or rows, or the tracker's places, are
+/// others.
+///
+/// # Errors
+/// [`CalibrationError::MistakenLog`].
+pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+    let mut all = outputs::of_outputs(device, recording);
+    if device.has_links() {
+        all.extend(tracker::of_tracker(device, recording));
+        all.extend(of_joints(device));
+        all.extend(of_rows(recording));
+    }
+    judge(device, recording, &all)
+}
+
+/// Refuses positions of runs between which the tracker was set up anew, where the device has one place for all: no fit of a device
+/// makes sense of them. A diagnosis does, so it does not ask.
+///
+/// # Errors
+/// [`CalibrationError::MistakenLog`] that says how to state a place for each run.
+///
+/// ```
+/// use haptical_calibration::check_stands;
+/// use haptical_model::{Device, Recording};
+/// let device = Device::from_toml("[[joint]]", "one.toml")?.device;
+/// assert!(check_stands(&device, &Recording::default()).is_ok());
+/// # Ok::<(), haptical_model::DeviceFileError>(())
+/// ```
+pub fn check_stands(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
+    judge(device, recording, &tracker::of_runs(device, recording))
+}
+
+/// A hypothesis with what is missed as logged and with it, both of the channels that it changes, and then of all.
+struct Found<'h> {
+    hypothesis: &'h Hypothesis<'h>,
+    channels: Vec<usize>,
+    before: f64,
+    after: f64,
+    all: f64,
+}
+
+/// One rule for all hypotheses: what the channels miss that it changes is gross as logged and several times less with it.
+///
+/// Of several the one with which all channels together miss least is named, with those that change the same channels, are as
+/// good and have no more numbers of their own.
+fn judge(
+    device: &Device,
+    recording: &Recording,
+    all: &[Hypothesis<'_>],
+) -> Result<(), CalibrationError> {
+    let inner = (0..recording.len()).filter(|&row| has_neighbours(recording, row));
+    let mut rows: Vec<usize> = inner.collect();
+    if rows.len() < LEAST_ROWS {
+        rows = (0..recording.len()).collect();
+    }
+    if all.is_empty() || rows.len() < LEAST_ROWS {
+        return Ok(());
+    }
+    let some = spread_rows(rows.len(), MOST_ROWS).into_iter();
+    let rows: Vec<usize> = some.map(|place| rows[place]).collect();
+    let logged = Misses::new(device, &recording.select(&rows));
+    if logged.total(|_| true) <= GROSS {
+        return Ok(());
+    }
+    let tried = all.iter().filter_map(|hypothesis| {
+        let (device, log) = hypothesis.apply(device, recording, &rows);
+        let with = Misses::new(&device, &log);
+        let channels = logged.differ(&with);
+        let [before, after] =
+            [&logged, &with].map(|own| own.total(|channel| channels.contains(&channel)));
+        let better = match hypothesis.numbers {
+            0 => BETTER,
+            _ => BETTER_BY_NUMBERS,
+        };
+        let is_better = before > GROSS && after * better < before;
+        // a change that leaves a row without a pose leaves nothing to compare
+        (is_better && (with.has_poses || !logged.has_poses)).then(|| Found {
+            hypothesis,
+            channels,
+            before,
+            after,
+            all: with.total(|_| true),
+        })
+    });
+    let found: Vec<Found<'_>> = tried.collect();
+    let Some(best) = found.iter().min_by(|a, b| a.all.total_cmp(&b.all)) else {
+        return Ok(());
+    };
+    let as_good = |own: &&Found<'_>| own.channels == best.channels && own.all <= AS_GOOD * best.all;
+    let as_good: Vec<&Found<'_>> = found.iter().filter(as_good).collect();
+    let fewest = as_good.iter().map(|own| own.hypothesis.numbers).min();
+    let is_named = |own: &&&Found<'_>| Some(own.hypothesis.numbers) == fewest;
+    let named: Vec<&Found<'_>> = as_good.iter().filter(is_named).copied().collect();
+    let what: Vec<&str> = named
+        .iter()
+        .map(|own| own.hypothesis.what.as_str())
+        .collect();
+    let first = named.first().copied().unwrap_or(best);
+    Err(CalibrationError::MistakenLog {
+        what: what.join(", or "),
+        before: first.before,
+        after: first.after,
+        mend: first.hypothesis.mend,
+    })
+}
