@@ -1,5 +1,7 @@
 //! Since when standardised block features are others: a step or a ramp, and an interval.
 
+use crate::reference::Feature;
+
 /// How a change came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
@@ -24,58 +26,76 @@ pub struct Change {
     pub may_be_older: bool,
 }
 
-/// Standard deviation of a shift beforehand, in those of a block.
-const SHIFT_SD: f64 = 10.0;
+/// Standard deviations of a shift beforehand, in those of a block: its order of magnitude is unknown.
+const SHIFT_SDS: [f64; 3] = [0.1, 1.0, 10.0];
 /// How many parts of the first block a step is tried to begin at.
 const PARTS: usize = 4;
 /// Variances of a block after the change that are tried, in those before it: what a joint or a link does wrong is another at each
 /// posture, so that blocks scatter.
-const SCATTERS: [f64; 5] = [1.0, 4.0, 16.0, 64.0, 256.0];
+const SCATTERS: [f64; 9] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0];
+/// Standard deviations that the margin of a reference's mean is.
+const MARGIN_SDS: f64 = 2.0;
 
-/// Probabilities of every first block, given that there is one: uniform beforehand, each feature shifted by a normal draw of its
-/// own, at once or on a ramp, and scattering more from then on by a factor of its own (Smith 1975, with the shift integrated out).
-/// What comes at once comes within its first block, so that this one may show a part of it.
+/// Probabilities of every first block, given that there is one: uniform beforehand, each feature shifted at once or on a ramp, and
+/// scattering more from then on by a factor of its own (Smith 1975, with the shift integrated out). What comes at once comes within its
+/// first block, so that this one may show a part of it. How well the reference knows a feature, and what its blocks share, is
+/// in the interval (docs/equations.md, A calibration that is watched).
 ///
-/// `features` holds the features of block 0, of block 1, ...; each is standard normal before the change, NaN is no reading. The
-/// change is in no block after `latest`. `level` is the probability of the interval. None without blocks.
+/// `blocks` holds the features of block 0, of block 1, ..., less the mean and over the standard deviation of `reference`; NaN is no
+/// reading. The change is in no block after `latest`. `level` is the probability of the interval. None without blocks.
 ///
 /// # Examples
 /// ```
-/// use haptical_monitor::{Shape, change};
+/// use haptical_monitor::{Feature, Shape, change};
 /// let shift = |k: i32| if k < 40 { 0.0 } else { 4.0 };
 /// let blocks: Vec<[f64; 1]> = (0..60).map(|k| [f64::from(k % 3 - 1) + shift(k)]).collect();
-/// let found = change(blocks.iter().map(|block| &block[..]), 1, None, 0.95).unwrap();
+/// let reference = Feature { mean: 0.0, sd: 1.0, margin: 0.2, widened: 1.1, share: 1.0 };
+/// let found = change(blocks.iter().map(|block| &block[..]), &[reference], None, 0.95).unwrap();
 /// assert_eq!((found.first, found.shape), (40, Shape::Step));
 /// ```
 pub fn change<'b>(
-    features: impl DoubleEndedIterator<Item = &'b [f64]> + ExactSizeIterator,
-    width: usize,
+    blocks: impl Iterator<Item = &'b [f64]>,
+    reference: &[Feature],
     latest: Option<usize>,
     level: f64,
 ) -> Option<Change> {
+    // at the widest that the reference allows, as in the test
+    let widest = |block: &[f64]| -> Vec<f64> {
+        let pairs = block.iter().zip(reference);
+        pairs.map(|(value, own)| value / own.widened).collect()
+    };
+    let features: Vec<Vec<f64>> = blocks.map(widest).collect();
     let blocks = features.len();
-    let mut sums = vec![Sums::default(); width];
+    let mut all = vec![Sums::default(); reference.len()];
+    for block in &features {
+        (all.iter_mut().zip(block)).for_each(|(all, value)| all.add(*value, 0.0));
+    }
+    let mut since = vec![Sums::default(); reference.len()];
     // logarithms of the weights, newest block first
     let mut weights: Vec<[f64; 2]> = Vec::with_capacity(blocks);
-    for (back, block) in features.rev().enumerate() {
+    for (back, block) in features.iter().rev().enumerate() {
         let length = back as f64 + 1.0;
         let mut ramps = 0.0;
         let mut steps = [0.0; PARTS];
-        for (sums, value) in sums.iter_mut().zip(block) {
+        let sums = since.iter_mut().zip(&all);
+        for ((value, feature), (since, all)) in block.iter().zip(reference).zip(sums) {
+            since.add(*value, back as f64);
             let is_read = value.is_finite();
             let first = if is_read { *value } else { 0.0 };
-            if is_read {
-                sums.add(*value, back as f64);
-            }
             for (step, part) in steps.iter_mut().zip(1..) {
                 let part = f64::from(part) / PARTS as f64;
-                let lost = if is_read { 1.0 - part * part } else { 0.0 };
-                *step += sums.log_evidence(sums.values - (1.0 - part) * first, sums.count - lost);
+                let lost = if is_read { 1.0 - part } else { 0.0 };
+                let square = since.count - lost * (1.0 + part);
+                let shape = [since.values - lost * first, since.count - lost, square];
+                *step += since.log_evidence(all, feature, shape);
             }
-            ramps += sums.log_evidence(
-                sums.values - sums.by_age / length,
-                (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length) * sums.count / length,
-            );
+            let square = (length + 1.0) * (2.0 * length + 1.0) / (6.0 * length);
+            let shape = [
+                since.values - since.by_age / length,
+                0.5 * (length + 1.0) * since.count / length,
+                square * since.count / length,
+            ];
+            ramps += since.log_evidence(all, feature, shape);
         }
         weights.push([log_mean(steps), ramps]);
     }
@@ -125,23 +145,40 @@ struct Sums {
 }
 
 impl Sums {
+    /// Adds a reading; NaN is none.
     fn add(&mut self, value: f64, age: f64) {
-        self.count += 1.0;
-        self.values += value;
-        self.squares += value * value;
-        self.by_age += age * value;
+        if value.is_finite() {
+            self.count += 1.0;
+            self.values += value;
+            self.squares += value * value;
+            self.by_age += age * value;
+        }
     }
 
-    /// Logarithm of the evidence for a shift `b ~ N(0, SHIFT_SD^2)` times a shape with `product = sum s z` and `square = sum s^2`,
-    /// and for any of the scatters, over that for neither.
-    fn log_evidence(&self, product: f64, square: f64) -> f64 {
-        let prior = SHIFT_SD * SHIFT_SD;
-        log_mean(SCATTERS.map(|scatter| {
-            let (product, square) = (product / scatter, square / scatter);
-            let shift = product * product / (square + 1.0 / prior) - (prior * square).ln_1p();
-            let scattered = self.squares * (1.0 - 1.0 / scatter) - self.count * scatter.ln();
-            0.5 * (shift + scattered)
-        }))
+    /// Logarithm of the evidence for a shift `b` times a shape `x` since a block and for any of the scatters, over that for neither, where
+    /// all blocks may be off by what the reference does not know; `[x.z, sum of x, x.x]`.
+    fn log_evidence(&self, all: &Self, feature: &Feature, [xz, x, xx]: [f64; 3]) -> f64 {
+        let [count, values] = [all.count - self.count, all.values - self.values];
+        let offset = (MARGIN_SDS * feature.widened / feature.margin).powi(2);
+        let of_size = SHIFT_SDS.map(|sd| {
+            let prior = sd.powi(-2);
+            log_mean(SCATTERS.map(|scatter| {
+                // precision of the offset and of the shift
+                let [own, both, of_shift] = [
+                    offset + count + self.count / scatter,
+                    x / scatter,
+                    prior + xx / scatter,
+                ];
+                let [a, b] = [values + self.values / scatter, xz / scatter];
+                let determinant = own * of_shift - both * both;
+                let explained = of_shift * a * a - 2.0 * both * a * b + own * b * b;
+                let shifted = explained / determinant - (determinant / (offset * prior)).ln();
+                let scattered = self.squares * (1.0 - 1.0 / scatter)
+                    - feature.share * self.count * scatter.ln();
+                0.5 * (shifted + scattered)
+            }))
+        });
+        log_mean(of_size)
     }
 }
 

@@ -29,6 +29,8 @@ pub struct Feature {
     pub margin: f64,
     /// What the true standard deviation may be, over `sd`.
     pub widened: f64,
+    /// How many independent blocks a block counts for: its variance over the square of `sd`, at most 1.
+    pub share: f64,
 }
 
 /// A reference: how long a block is, and what its features are.
@@ -196,6 +198,7 @@ fn feature(
         sd,
         margin: student_t_quantile(level, count - 1.0)? / count.sqrt() + tolerance / sd,
         widened: (low / (count - 1.0)).sqrt().recip(),
+        share: variance / (sd * sd),
     };
     let judged = variance.max(tolerance * tolerance);
     Ok((found, long / judged.max(f64::MIN_POSITIVE)))

@@ -78,7 +78,7 @@ def reference(noise, least):
                 level = 1 - 0.05 / 2
                 margin = stats.t.ppf(0.5 * (1 + level), count - 1) / np.sqrt(count)
                 low = stats.chi2.ppf(0.5 * (1 - level), count - 1) / (count - 1)
-                own.append((mean, sd, long / values.var(ddof=1), margin, low**-0.5))
+                own.append((mean, sd, long / values.var(ddof=1), margin, low**-0.5, values.var(ddof=1) / sd**2))
             worst = max(one[2] for one in own)
             if worst <= 2 and largest(features(part, length), own) < count:
                 return centre, scale, length, own, settle + base * 8

@@ -11,8 +11,8 @@ from scipy import special
 from watch import RATES, features, reference
 
 ROWS, CHANGE, SHIFT = 30000, 24000, 0.02
-PRIOR = 100.0
-SCATTERS = [1, 4, 16, 64, 256]
+SIZES = [0.1, 1, 10]
+SCATTERS = [1, 2, 4, 8, 16, 32, 64, 128, 256]
 
 
 def stream():
@@ -25,31 +25,35 @@ def stream():
     return np.array(rows)
 
 
-def integrated(part, shape, scatter):
-    """Of each column the logarithm of the integral over the shift b of N(b; 0, PRIOR) prod N(z; b s, scatter) / N(z; 0, 1), by the
-    trapezoidal rule; nearly all of it is within twelve standard deviations of its largest value."""
-    precision = shape @ shape / scatter + 1 / PRIOR
-    centre = (shape @ part) / scatter / precision
-    logs = []
-    for column, middle in zip(part.T, centre):
-        b = middle + np.linspace(-12, 12, 241) / np.sqrt(precision)
-        left = column[:, None] - np.outer(shape, b)
-        given = -0.5 * (left**2).sum(0) / scatter - 0.5 * len(column) * np.log(scatter) + 0.5 * (column**2).sum()
-        given += -0.5 * b**2 / PRIOR - 0.5 * np.log(2 * np.pi * PRIOR)
-        logs.append(special.logsumexp(given) + np.log(b[1] - b[0]))
-    return np.array(logs)
+def integrated(z, shape, scatter, size, offset, share):
+    """Logarithm of the integral over the shift b of N(b; 0, size^2) times what is left: over the offset a of all blocks in closed form,
+    over b by the trapezoidal rule, nearly all of it being within nine standard deviations of its largest value."""
+    part, before = z[-len(shape):], z[: len(z) - len(shape)]
+    weight = len(before) + len(part) / scatter
+    def left(b):
+        # of the readings less b times the shape
+        total = before.sum() + (part.sum() - b * shape.sum()) / scatter
+        squares = (part @ part - 2 * b * (part @ shape) + b**2 * (shape @ shape)) / scatter - part @ part
+        return 0.5 * (total**2 * offset**2 / (1 + weight * offset**2) - squares) - 0.5 * np.log(1 + weight * offset**2) - 0.5 * (b / size) ** 2
+    # a parabola: its top and width from three values
+    low, middle, high = left(np.array([-1.0, 0.0, 1.0]))
+    curve = 2 * middle - low - high
+    b = (high - low) / 2 / curve + np.linspace(-9, 9, 46) / np.sqrt(curve)
+    given = left(b) - 0.5 * share * len(part) * np.log(scatter) - 0.5 * np.log(2 * np.pi * size**2)
+    return special.logsumexp(given) + np.log(b[1] - b[0])
 
 
-def since(z):
+def since(z, own):
     """Probability of every first block: the evidence of each shape, shifts integrated numerically."""
     count = len(z)
+    # at the widest that the reference allows; a margin is two standard deviations
+    columns = [(values / one[4], one[3] / one[4] / 2, one[5]) for values, one in zip(z.T, own)]
     logs = np.zeros((count, 2))
     for first in range(count):
-        part = z[first:]
-        length = len(part)
+        length = count - first
         def evidence(shape):
-            each = [integrated(part, shape, scatter) for scatter in SCATTERS]
-            return float((special.logsumexp(each, axis=0) - np.log(len(SCATTERS))).sum())
+            of = [[integrated(values, shape, scatter, size, offset, share) for scatter in SCATTERS for size in SIZES] for values, offset, share in columns]
+            return float((special.logsumexp(of, axis=1) - np.log(len(SCATTERS) * len(SIZES))).sum())
         # a step begins within its first block
         steps = [evidence(np.r_[begun, np.ones(length - 1)]) for begun in [0.25, 0.5, 0.75, 1]]
         logs[first] = special.logsumexp(steps) - np.log(4), evidence(np.arange(1, length + 1) / length)
@@ -71,11 +75,11 @@ def main():
         sums = (1 + sums) * np.exp(np.minimum(np.outer(block, RATES) - RATES**2 / 2, 300))
         evidence.append(float(weights @ sums.sum(1)))
     blocks = 40 + (CHANGE - end) // length
-    first, steps = since(z[:blocks])
+    first, steps = since(z[:blocks], own)
     print(json.dumps({
         "rows": ROWS, "change_row": CHANGE, "shift": SHIFT * 20, "reference_rows": 2000, "reference_ends": end,
         "centre": centre, "scale": scale, "block_rows": length,
-        "features": [dict(zip(["mean", "sd", "long", "margin", "widened"], map(float, one))) for one in own],
+        "features": [dict(zip(["mean", "sd", "long", "margin", "widened", "share"], map(float, one))) for one in own],
         "evidence_until_change": evidence[: (CHANGE - end) // length],
         "judged_blocks": blocks, "since": first, "step_probability": steps,
     }, indent=1))

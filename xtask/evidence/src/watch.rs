@@ -279,7 +279,7 @@ fn shifted(mut monitor: Monitor, (day, memory): (u64, f64), shift: Shifted) -> R
         let (change, [from, _, to], _) = monitor
             .change(course.spell_s())
             .context("an alarm without a block")?;
-        let holds = from <= f64::from(CHANGE) && f64::from(CHANGE) <= to.max(f64::from(row));
+        let holds = (from..=to).contains(&f64::from(CHANGE));
         let is_step = change.shape == haptical::monitor::Shape::Step;
         return Ok(Found {
             delay: (!early).then(|| row - CHANGE),

@@ -2,6 +2,16 @@
 
 use super::{ComponentState, FARTHEST, LEVEL, Monitor, Shift};
 use crate::change::{Change, Shape, change};
+use crate::reference::Feature;
+
+/// A feature that is read too seldom to be judged.
+const UNREAD: Feature = Feature {
+    mean: 0.0,
+    sd: 1.0,
+    margin: 1.0,
+    widened: 1.0,
+    share: 1.0,
+};
 
 impl Monitor {
     /// The block of the ring that raised the alarm: the change is in no later one.
@@ -16,14 +26,13 @@ impl Monitor {
     /// last row. It begins earlier by `hidden`, in the unit of the times: for as long a change may not show, as it is none at the postures
     /// ([`Course`](crate::Course)); 0 for one that is the same at each.
     pub fn change(&self, hidden: f64) -> Option<(Change, [f64; 3], u64)> {
-        let width = 2 * self.scales.len();
         let flat: Vec<f64> = self.ring.iter().copied().collect();
-        let found = change(
-            flat.chunks_exact(width.max(1)),
-            width,
-            self.alarmed_at(),
-            LEVEL,
-        )?;
+        let features = self.reference.as_ref()?.features.iter();
+        let features: Vec<Feature> = features
+            .flat_map(|own| own.unwrap_or([UNREAD; 2]))
+            .collect();
+        let blocks = flat.chunks_exact(features.len().max(1));
+        let found = change(blocks, &features, self.alarmed_at(), LEVEL)?;
         let time = |block: usize| {
             self.marks
                 .get(block)
