@@ -51,7 +51,7 @@ pub(crate) struct WatchArguments {
     /// Log of the device while its calibration was true; without it the first rows are the reference
     #[arg(long, value_name = "LOG")]
     pub(crate) reference: Option<PathBuf>,
-    /// Least seconds of a reference
+    /// Least seconds of a reference that the first rows are; a log given with --reference may be shorter, down to 60 s
     #[arg(long, value_name = "S", default_value = "600", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) reference_s: f64,
     /// Rows a second, of a log without t_s

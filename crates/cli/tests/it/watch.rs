@@ -190,7 +190,7 @@ fn what_cannot_be_watched_is_refused() {
                 "log.csv",
                 "log.csv",
             ],
-            "300 rows are too few for a reference, which needs 6000",
+            "300 rows are too few for a reference, which needs 1600: record at least 160 s",
         ),
     ] {
         let output = haptical()
@@ -450,7 +450,7 @@ fn counts_of_a_joint_that_creeps_are_no_alarm() {
     }
 }
 
-/// Ten minutes at 100 Hz of a calibrated arm are a reference, a further minute is true, and a joint whose zero has moved by 1 mrad is named.
+/// A minute and a half at 100 Hz of a calibrated arm is a reference, a further minute is true, and a joint whose zero has moved by 1 mrad is named.
 /// What the calibration leaves follows the posture, so that blocks of a second still share a part of it.
 #[test]
 fn a_calibrated_arm_is_watched_at_100_rows_a_second() {
@@ -483,7 +483,7 @@ fn a_calibrated_arm_is_watched_at_100_rows_a_second() {
     std::fs::write(folder.path().join("moved.toml"), moved).unwrap();
     for (truth, seconds, seed, name) in [
         ("truth", 120, 2, "base"),
-        ("truth", 600, 3, "good"),
+        ("truth", 90, 3, "good"),
         ("truth", 60, 11, "clean"),
         ("moved", 60, 12, "off"),
     ] {

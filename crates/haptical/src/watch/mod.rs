@@ -56,13 +56,12 @@ const MOST_LEFT_OUT: f64 = 0.1;
 const MISS: f64 = 0.05;
 /// Least rows of a reference.
 const LEAST_REFERENCE_ROWS: f64 = 512.0;
-
 /// What a watch is asked for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WatchOptions {
     /// Expected number of false alarms in an hour of rows, at most.
     pub false_alarms_per_hour: f64,
-    /// Least length of the reference \[s\].
+    /// Least length of a reference that the first rows are, and most that is asked of a log that is given as one \[s\].
     pub reference_s: f64,
     /// Rows a second, of a log without times.
     pub rate_hz: Option<f64>,
@@ -373,13 +372,13 @@ impl Watch {
             let text = format!("not watched: {}", unpredicted.join(", "));
             events.push(WatchEvent::Note { text });
         }
-        let least = self.options.reference_s / 3600.0 * hours;
+        let least = self.least_reference_rows(hours);
         // the first rows of a fast log are no longer kept, and count
         let forgotten = self.setup_rows.saturating_sub(recording.len());
         let settings = Settings {
             floors,
             tolerances,
-            reference_rows: (least.max(LEAST_REFERENCE_ROWS) as usize).saturating_sub(forgotten),
+            reference_rows: (least as usize).saturating_sub(forgotten),
             miss: MISS,
         };
         let mut monitor = Monitor::new(settings).map_err(Error::internal)?;

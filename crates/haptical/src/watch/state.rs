@@ -5,13 +5,16 @@ use haptical_monitor::Monitor;
 use serde::Serialize;
 
 use super::intake::LeftOut;
-use super::{CeasedChannel, LEAST_REFERENCE_ROWS, Watch, WatchCause, WatchEvent};
+use super::{CeasedChannel, LEAST_REFERENCE_ROWS, TOLERANCE, Watch, WatchCause, WatchEvent};
 use crate::units::Shown;
 
 /// Seconds since 1970 from which on a time is taken for one of the calendar: 2001.
 const CALENDAR_S: f64 = 1e9;
 /// Blocks that the present shift of a channel is a mean of.
 const RECENT_BLOCKS: usize = 32;
+/// Least length of a log that is given as the reference \[s\], and its least rows.
+const LEAST_GIVEN_S: f64 = 60.0;
+const LEAST_GIVEN_ROWS: f64 = 16.0 / (TOLERANCE * TOLERANCE);
 /// Components that an alarm names.
 const NAMED: usize = 3;
 
@@ -190,6 +193,19 @@ impl Watch {
         ceased.count() == self.components.len()
     }
 
+    /// Least rows of a reference: as long as was asked for, of a log that is given as one a minute and so many rows that an error is within the
+    /// tolerance which follows the posture and does not show (docs/assumptions.md, A288).
+    pub(super) fn least_reference_rows(&self, rows_per_hour: f64) -> f64 {
+        let asked = self.options.reference_s / 3600.0 * rows_per_hour;
+        let given = (LEAST_GIVEN_S / 3600.0 * rows_per_hour).max(LEAST_GIVEN_ROWS);
+        let least = if self.is_reference {
+            given.min(asked)
+        } else {
+            asked
+        };
+        least.max(LEAST_REFERENCE_ROWS).ceil()
+    }
+
     /// Why there is no answer yet; nothing where there is one.
     pub(super) fn not_judged(&self) -> Option<String> {
         let monitor = self.monitor.as_ref();
@@ -199,11 +215,18 @@ impl Watch {
                 "nothing was judged: {} rows are too few for a reference, which needs {wanted}",
                 self.rows
             );
+            // without a monitor the rate of the rows is unknown
+            let at_least = match monitor {
+                Some(_) => {
+                    let seconds = (wanted as f64 / self.rows_per_hour * 3600.0).ceil();
+                    format!("{too_few}: record at least {seconds:.0} s")
+                }
+                None => too_few,
+            };
             return Some(match monitor.is_some_and(Monitor::is_refused) {
-                false => too_few,
+                false => at_least,
                 true => format!(
-                    "{too_few} or so, {:.0} s: their noise remembers long; or say with --tolerance what a channel may be off",
-                    wanted as f64 / self.rows_per_hour * 3600.0
+                    "{at_least}, about, as their noise remembers long; or say with --tolerance what a channel may be off"
                 ),
             });
         };
