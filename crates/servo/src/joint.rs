@@ -126,7 +126,11 @@ impl Joint<'_> {
             ci95: closed_ci95,
         } = self.closed(floor);
         let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
-        let mut causes = self.laws(closed);
+        let has_converged = has_converged(chosen);
+        let mut causes = match has_converged {
+            true => self.laws(closed),
+            false => Vec::new(),
+        };
         for cause in &mut causes {
             cause.share *= laws;
         }
@@ -135,6 +139,8 @@ impl Joint<'_> {
         let changes = self.changes.iter().map(|change| change.finding(share));
         let causes: Vec<Finding> = changes.chain(causes).collect();
         let verdict = judged(is_gap, closed, &causes);
+        let mut warnings = self.series.warnings.clone();
+        warnings.extend((!has_converged).then(|| NOT_CONVERGED.to_owned()));
         JointAnswer {
             next: next(verdict, &causes, closed),
             causes: if is_gap { causes } else { Vec::new() },
@@ -144,14 +150,10 @@ impl Joint<'_> {
             noise_floor: floor,
             closed,
             closed_ci95,
-            warnings: self.series.warnings.clone(),
+            warnings,
             tried: Law::ALL.len() + 2,
-            model: Some(Model::new(
-                self.series,
-                chosen.terms,
-                &chosen.fit,
-                &self.changes,
-            )),
+            model: has_converged
+                .then(|| Model::new(self.series, chosen.terms, &chosen.fit, &self.changes)),
             course: course(self.series, self.bare, chosen.fit.residual.clone()),
         }
     }
@@ -230,23 +232,23 @@ impl Joint<'_> {
     fn timing(&self, closed: f64) -> Named {
         let chosen = &self.selection.chosen;
         let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
-        let is_worse =
-            |alone: &Option<Judged>| (alone.as_ref()).is_none_or(|alone| leaves(alone) > AS_GOOD);
-        let is_surely_worse = |alone: &Option<Judged>| {
+        let is_worse = |alone: Option<&Judged>| alone.is_none_or(|alone| leaves(alone) > AS_GOOD);
+        let is_surely_worse = |alone: Option<&Judged>| {
             let sure = |alone: &Judged| is_sure(Gain::between(&alone.unseen, &chosen.unseen));
-            (alone.as_ref()).is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
+            alone.is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
         };
         let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);
         let part = number("lag_s", chosen, |fit| fit.shape.lag_s);
-        let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone];
-        if let Some(alone) = delay_alone.as_ref().filter(|_| !is_worse(delay_alone))
+        let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone]
+            .map(|own| own.as_ref().filter(|own| has_converged(own)));
+        if let Some(alone) = delay_alone.filter(|_| !is_worse(delay_alone))
             && is_surely_worse(lag_alone)
             && closed > ALL_CLOSED
         {
             let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
             return (latency::NAME, vec![delay], Vec::new());
         }
-        if let Some(alone) = lag_alone.as_ref().filter(|_| !is_worse(lag_alone))
+        if let Some(alone) = lag_alone.filter(|_| !is_worse(lag_alone))
             && is_surely_worse(delay_alone)
         {
             let lag = number("lag_s", alone, |fit| fit.shape.lag_s);
@@ -288,6 +290,16 @@ impl Joint<'_> {
     }
 }
 
+/// Said where the laws were not fitted to their end.
+const NOT_CONVERGED: &str =
+    "the fit of the servo's laws did not converge: it has no intervals, and no law is named";
+
+/// Whether the fit of a model, and those to all but each part, have converged.
+fn has_converged(judged: &Judged) -> bool {
+    let mut all = judged.folds.iter().chain([&judged.fit]);
+    all.all(|own| own.has_converged)
+}
+
 type Named = (&'static str, Vec<Number>, Vec<&'static str>);
 
 /// A number with the interval of what the parts of the log differ by (delete-a-part jackknife, Efron & Tibshirani 1993, 11).
@@ -298,5 +310,42 @@ fn number(name: &'static str, judged: &Judged, of: impl Fn(&crate::fit::Fit) -> 
         name,
         value,
         ci95: [value - 1.96 * sd, value + 1.96 * sd],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fit_that_has_not_converged_names_nothing() {
+        let time_s: Vec<f64> = (0..1200).map(|row| 0.02 * f64::from(row)).collect();
+        let course = |t: f64| 0.6 * (1.3 * t).sin() + 0.3 * (2.9 * t).cos();
+        let command: Vec<f64> = time_s.iter().map(|t| course(*t)).collect();
+        let response: Vec<f64> = time_s.iter().map(|t| course(t - 0.07)).collect();
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&command),
+            response: &response,
+            ..JointLog::default()
+        };
+        let series = Series::new(&log).unwrap();
+        let mut selection = select(&series);
+        let answer = |selection: &Selection| {
+            let joint = Joint {
+                series: &series,
+                selection,
+                changes: Vec::new(),
+                bare: errors(&series),
+            };
+            joint.answer()
+        };
+        let found = answer(&selection);
+        assert_eq!(found.causes[0].effect, latency::NAME);
+        assert!(found.model.is_some() && found.warnings.is_empty());
+        selection.chosen.folds[3].has_converged = false;
+        let found = answer(&selection);
+        assert_eq!((found.verdict, found.causes.len()), (Verdict::Unknown, 0));
+        assert!(found.model.is_none() && found.warnings == [NOT_CONVERGED]);
     }
 }

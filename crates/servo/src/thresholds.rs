@@ -86,8 +86,11 @@ pub(crate) const RESOLUTION: f64 = 2e-3;
 pub(crate) const RIDGE: f64 = 1e-9;
 
 // `fit::search`
-/// Rounds of a search at most.
-pub(crate) const SEARCH_ROUNDS: usize = 60;
+/// Rounds of a search after which it has not converged. Cost.
+pub(crate) const SEARCH_ROUNDS: usize = 400;
+/// Fall of the squares that the parabola through the last points promises, in variances of the noise, below which a search ends: numbers are
+/// within a tenth of their standard deviations.
+pub(crate) const LEAST_FALL: f64 = 0.01;
 
 // `change::sums`
 /// Past readings of the position in the regression.

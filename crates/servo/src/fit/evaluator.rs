@@ -139,6 +139,7 @@ impl<'p> Evaluator<'p> {
             solution,
             squares: self.columns.squares(&residual),
             residual,
+            has_converged: true,
         }
     }
 }

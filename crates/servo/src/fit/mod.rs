@@ -10,6 +10,7 @@ use haptical_linalg::{Information, dot};
 
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
+use crate::noise::rounding;
 use crate::thresholds::MOST_LAG_S;
 
 use self::evaluator::Evaluator;
@@ -66,6 +67,8 @@ pub(crate) struct Fit {
     pub(crate) squares: f64,
     /// On all rows.
     pub(crate) residual: Vec<f64>,
+    /// Whether a further search for the shape would lower the squares by less than `LEAST_FALL` variances of the noise.
+    pub(crate) has_converged: bool,
 }
 
 /// A joint and its laws, ready to be fitted.
@@ -187,20 +190,15 @@ impl<'s> Problem<'s> {
                 (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick])
             }
         };
-        let least = [
-            1e-4,
-            1e-4,
-            (0.05 * series.count).max(1e-3 * wide).max(1e-6),
-            0.01 / quick,
-        ];
         let range = crate::log::range(&series.command);
         let most = [MOST_LAG_S, MOST_LAG_S, 0.5 * range, 20.0 / quick];
         let free = [terms.delay, terms.lag, terms.friction, terms.saturation];
         let limits = search::Limits {
             free,
             steps,
-            least,
             most,
+            rows: (series.len() - held.as_ref().map_or(0, ExactSizeIterator::len)) as f64,
+            least_variance: rounding(series).powi(2),
         };
         let mut evaluator = Evaluator::new(self, terms, held);
         let mut squares = |at: [f64; AXES]| evaluator.fit(shape_of(at, terms)).squares;
@@ -210,9 +208,16 @@ impl<'s> Problem<'s> {
                 let at = [start.delay_s, start.lag_s, start.half_width, start.slowness];
                 search::compass(at, &limits, &mut squares)
             })
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let at = found.map_or([0.0; AXES], |(at, _)| at);
-        evaluator.fit(shape_of(at, terms))
+            .min_by(|a, b| a.value.total_cmp(&b.value));
+        let found = found.unwrap_or(search::Lowest {
+            at: [0.0; AXES],
+            value: f64::INFINITY,
+            has_converged: false,
+        });
+        Fit {
+            has_converged: found.has_converged,
+            ..evaluator.fit(shape_of(found.at, terms))
+        }
     }
 
     /// The fit of the linear numbers, at given numbers of the shape.
