@@ -4,7 +4,7 @@ use haptical_linalg::{MOST_LEVERAGE, Matrix, NormalEquations, dot};
 
 use super::rows::JointRows;
 use super::terms::Term;
-use crate::thresholds::between::{FIT_ROUNDS, LEAST_SQUARE, MOST_CORRELATED, RIDGE};
+use crate::thresholds::between::{FIT_ROUNDS, LEAST_FALL, LEAST_SQUARE, MOST_CORRELATED, RIDGE};
 
 /// A fit of one joint.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub(super) struct Fitted {
     pub(super) sd: f64,
     /// Correlation of neighbouring rows of the rest.
     pub(super) correlation: f64,
+    /// Whether a further round would change the likelihood by less than `LEAST_FALL`.
+    pub(super) has_converged: bool,
 }
 
 impl Fitted {
@@ -62,14 +64,15 @@ impl Fitted {
         offsets.iter().sum::<f64>() / offsets.len().max(1) as f64
     }
 
-    /// Whether nature allows it.
+    /// Whether nature allows it; a fit that has not converged is of nothing.
     pub(super) fn is_possible(&self, rows: &JointRows) -> bool {
         let mut at = 0;
-        self.terms.iter().all(|own| {
-            let from = at;
-            at += own.columns_count();
-            own.is_possible(rows, &self.coefficients[from..at])
-        })
+        self.has_converged
+            && self.terms.iter().all(|own| {
+                let from = at;
+                at += own.columns_count();
+                own.is_possible(rows, &self.coefficients[from..at])
+            })
     }
 }
 
@@ -101,8 +104,8 @@ pub(super) fn determined(fitted: &Fitted, rows: &JointRows, with_offsets: bool) 
         // another recording is looked at about its own offsets
         false => columns.iter_mut().for_each(|own| about_means(rows, own)),
     }
-    // a fit that had no solution determines nothing
-    let has_solution = fitted.covariance.columns() >= columns.len();
+    // a fit that has no solution, or has not converged, determines nothing
+    let has_solution = fitted.has_converged && fitted.covariance.columns() >= columns.len();
     let leverage = |row: usize| {
         let entry = |a: usize| columns[a][row];
         let along = |a: usize| -> f64 {
@@ -157,6 +160,7 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
         weights: Vec::new(),
         sd: 0.0,
         correlation: 0.0,
+        has_converged: false,
     };
     let delay = probe.of(Term::Delay).map(|own| own.0);
     let play = probe.of(Term::PLAY).map(|own| own.0);
@@ -204,6 +208,7 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
         let square = dot(&u, &u);
         let logs: f64 = kept.iter().map(|&k| sds[k].ln()).sum();
         let chained = starts.iter().filter(|own| !**own).count() as f64;
+        let before = found.log_likelihood;
         found.log_likelihood = -logs - chained * fresh.ln() - 0.5 * square;
         found.covariance = solved.inverse();
         found.rest = (0..rows.count()).map(rest).collect();
@@ -211,6 +216,10 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
         found.coefficients.clone_from(&coefficients);
         found.sd = sd;
         found.correlation = correlation;
+        found.has_converged = (found.log_likelihood - before).abs() < 0.5 * LEAST_FALL;
+        if found.has_converged {
+            break;
+        }
         let (mut own, mut next) = (0.0, 0.0);
         for at in 1..z.len() {
             if !starts[at] {
@@ -223,4 +232,53 @@ pub(super) fn fit(rows: &JointRows, terms: &[Term], is_kept: &dyn Fn(usize) -> b
     }
     debug_assert!(found.coefficients.len() == effects + pieces);
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use haptical_model::Recording;
+
+    use super::super::LoadSource;
+    use super::super::rows::Rows;
+    use super::*;
+
+    /// A motor that swings, and an encoder on its link that is late.
+    fn rows() -> Rows {
+        let time_s: Vec<f64> = (0..2000).map(|k| 0.004 * f64::from(k)).collect();
+        let at = |late_s: f64| -> Vec<f64> {
+            let angle = |t: &f64| (1.3 * (t - late_s)).sin() + 0.4 * (4.1 * (t - late_s)).sin();
+            time_s.iter().map(angle).collect()
+        };
+        let recording = Recording {
+            line: (2..).take(2000).collect(),
+            joint: vec![at(0.0)],
+            output: vec![Some(at(0.01))],
+            torque_nm: vec![Some(at(0.3))],
+            time_s: Some(time_s),
+            ..Recording::default()
+        };
+        Rows::of(&recording, LoadSource::Links).unwrap()
+    }
+
+    #[test]
+    fn a_fit_that_has_not_converged_names_nothing_and_predicts_nothing() {
+        let rows = &rows().joints[0];
+        let fitted = fit(rows, &[Term::Delay], &|_| true);
+        assert!(fitted.has_converged && fitted.is_possible(rows));
+        let predicts = |own: &Fitted| determined(own, rows, true).contains(&true);
+        assert!(predicts(&fitted));
+        let unfinished = Fitted {
+            has_converged: false,
+            ..fitted
+        };
+        assert!(!unfinished.is_possible(rows) && !predicts(&unfinished));
+    }
+
+    /// Readings that no number can hold are of no fit.
+    #[test]
+    fn a_fit_without_a_solution_has_not_converged() {
+        let mut all = rows();
+        all.joints[0].beside[100] = f64::INFINITY;
+        assert!(!fit(&all.joints[0], &[Term::Delay], &|_| true).has_converged);
+    }
 }

@@ -35,7 +35,7 @@ pub enum LoadSource {
 pub struct Between {
     /// In the words of the torques; a channel is a joint's encoder, in its unit.
     pub examined: Examined,
-    /// Whether the terms explain what it shows, on these rows and on those that were not fitted.
+    /// Whether the fits have converged and the terms explain what it shows, on these rows and on those that were not fitted.
     pub is_adequate: bool,
     /// Delay of each joint by itself with its standard deviation \[s\], where one that they share was found.
     pub own_delays_s: Vec<(usize, f64, f64)>,
@@ -74,13 +74,15 @@ pub fn examine_between(
             let (delay_s, sd) = fitted.delay_s()?;
             Some((rows.joint, delay_s, sd))
         });
+    let mut all = chosen.bare.iter().chain(&chosen.fitted);
+    let have_converged = all.all(|own| own.has_converged);
     let offsets = rows.joints.iter().zip(&chosen.fitted);
     let offsets = offsets.filter(|(_, own)| own.of(Term::Shape).is_none());
     Ok(Between {
         offsets_rad: offsets
             .map(|(rows, own)| (rows.joint, own.offset_rad()))
             .collect(),
-        is_adequate: is_adequate(&examined),
+        is_adequate: have_converged && is_adequate(&examined),
         own_delays_s: own_delays_s.collect(),
         examined,
     })

@@ -62,7 +62,7 @@ pub fn examine_own(
         energy(after) > LEFT_UNSEEN * energy(before) && energy(after) > NOISE_ENERGY
     };
     let mut triples = rows.joints.iter().zip(&bare).zip(&fitted);
-    let is_adequate = !triples.any(is_left);
+    let is_adequate = bare.iter().all(|own| own.has_converged) && !triples.any(is_left);
     let none = rows.joints.iter().map(|_| Vec::new());
     let chosen = Chosen {
         nats: none.collect(),

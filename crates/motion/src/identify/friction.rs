@@ -67,6 +67,13 @@ pub(crate) fn first(problem: &Problem) -> Vec<FrictionLaw> {
     vec![FrictionLaw::Speed(FRICTION_SPEEDS[FRICTION_SPEEDS.len() / 2]); problem.arm.joints()]
 }
 
+/// What laws are ahead of others with a memory \[nats\].
+pub(crate) fn margin(problem: &Problem, laws: &[FrictionLaw]) -> f64 {
+    let is_ahead = |joint: &&usize| matches!(laws[**joint], FrictionLaw::Speed(_));
+    let ahead = problem.channels.iter().filter(is_ahead).count();
+    ahead as f64 * MEMORY_NATS_PER_ROW * problem.states.rows() as f64
+}
+
 /// The law of each joint that explains most of a target beside all other numbers.
 pub(crate) fn choose(
     problem: &Problem,
@@ -103,6 +110,7 @@ pub(crate) fn choose(
     let mut chosen = vec![FRICTION_SPEEDS.len() / 2; problem.channels.len()];
     let margin = MEMORY_NATS_PER_ROW * problem.states.rows() as f64;
     for round in 0..FRICTION_ROUNDS {
+        let before = chosen.clone();
         for channel in 0..problem.channels.len() {
             let beside = (0..tried.len()).filter(|other| round > 0 && *other != channel);
             let beside: Vec<_> = beside.map(|other| &tried[other][chosen[other]]).collect();
@@ -119,6 +127,9 @@ pub(crate) fn choose(
             let gains: Vec<f64> = (0..tried[channel].len()).map(gain).collect();
             let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             chosen[channel] = best.unwrap_or(chosen[channel]);
+        }
+        if round > 0 && chosen == before {
+            break;
         }
     }
     let mut found = first(problem);

@@ -99,7 +99,7 @@ fn pass(
         problem.carry(own)?;
     }
     let numbers = numbers(&problem, &is_held, &loaded.joints);
-    let settled = settle(&mut problem, &numbers);
+    let settled = settle(&mut problem, &numbers)?;
     let known = Known {
         arm: &arm,
         recording,

@@ -37,8 +37,11 @@ pub(crate) const FINER_STEPS: i32 = 16;
 pub(crate) const FINER_STEP: f64 = 1.1;
 
 // `between::fit`
-/// Rounds of the fit of the noise and of a delay's second order.
-pub(crate) const FIT_ROUNDS: usize = 12;
+/// Rounds of the fit of the noise and of a delay's second order after which it has not converged. Cost.
+pub(crate) const FIT_ROUNDS: usize = 200;
+/// Change of twice the logarithm of the likelihood by a round that is the last: numbers are within a tenth of their standard deviations.
+/// Choice.
+pub(crate) const LEAST_FALL: f64 = 0.01;
 /// Largest correlation of neighbouring rows that is looked for.
 pub(crate) const MOST_CORRELATED: f64 = 0.95;
 /// What is added to the square of each column, over it, and the least square that counts there.

@@ -16,12 +16,13 @@ pub(crate) const ASSUMED_BODY_SD: f64 = 1.0;
 pub(crate) const FLATTEST_BODY: f64 = 1e-3;
 
 // `identify::fit`
-/// Rounds of the fit of friction, delay and weights.
-pub(crate) const FIT_ROUNDS: usize = 3;
-/// Steps of the delay in each.
-pub(crate) const DELAY_STEPS: usize = 4;
-/// The delay has converged where it moves by less than this share of the log's step.
-pub(crate) const DELAY_TOLERANCE: f64 = 1e-3;
+/// Rounds of the fit of friction, delay and weights after which it has not converged. Cost.
+pub(crate) const FIT_ROUNDS: usize = 40;
+/// Steps of the delay in each. Cost.
+pub(crate) const DELAY_STEPS: usize = 10;
+/// Fall of the cost below which a round or a step is the last \[variances of the noise\]: numbers are within a tenth of their standard
+/// deviations. Choice.
+pub(crate) const LEAST_FALL: f64 = 0.01;
 /// Longest delay that is looked for, in steps of the log, and in seconds.
 pub(crate) const LONGEST_DELAY_STEPS: f64 = 10.0;
 pub(crate) const LONGEST_DELAY_S: f64 = 0.05;
@@ -36,8 +37,8 @@ pub(crate) const FRICTION_SPEEDS: [f64; 11] = [
 /// Travels over which it builds up that are tried \[rad\], \[m\]: the shortest is an encoder's count, the longest a soft seal.
 pub(crate) const FRICTION_TRAVELS: [f64; 10] =
     [3e-6, 1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1];
-/// Rounds in which each joint's law is chosen with those of the others.
-pub(crate) const FRICTION_ROUNDS: usize = 2;
+/// Rounds in which each joint's law is chosen with those of the others, until none changes. Cost.
+pub(crate) const FRICTION_ROUNDS: usize = 40;
 /// A law with a memory is taken where it explains this much more \[nats\] per row of a joint: both laws are of three numbers, and
 /// the one without a memory is what simulators have.
 pub(crate) const MEMORY_NATS_PER_ROW: f64 = 0.005;

@@ -80,6 +80,20 @@ fn numbers_of_a_known_arm_are_in_their_intervals_and_those_are_narrow() {
     }
 }
 
+/// Friction that falls with the speed is of no law that is tried: two of them take turns, each chosen with the other's numbers.
+#[test]
+fn laws_of_friction_that_take_turns_come_to_an_end() {
+    for seed in [1, 2, 3] {
+        let truth = Truth {
+            stribeck_nm: 1.5,
+            ..Truth::default()
+        };
+        let (found, _) = identified(truth, seed);
+        let coulomb = found.joints[0].coulomb;
+        assert!(coulomb.is_told() && coulomb.sd > 0.0, "{coulomb:?}");
+    }
+}
+
 #[test]
 fn what_the_plane_hides_is_said_to_be_unseen_or_in_a_sum() {
     let (found, _) = identified(Truth::default(), 5);
