@@ -26,6 +26,7 @@ mod thresholds;
 mod torques_alone;
 mod version;
 
+pub use answer::corrected::BESIDE_TORQUES;
 pub use answer::shrink::BOOTSTRAP_SEED;
 pub use answer::{
     AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,

@@ -22,7 +22,8 @@ pub(crate) struct Left {
 }
 
 impl Left {
-    fn is_missed_by(&self, rms: f64) -> bool {
+    /// Whether a replay that leaves so much misses the fit.
+    pub(crate) fn is_missed_by(&self, rms: f64) -> bool {
         let most = SHARE * self.rms + SHARE_OF_NOISE * self.noise_floor;
         // a replay without a number is no replay
         rms.is_nan() || (rms - self.rms).abs() > most

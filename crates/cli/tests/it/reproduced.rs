@@ -257,3 +257,33 @@ fn every_labelled_set_is_reproduced_by_its_corrected_device() {
         assert_eq!(reproduced(&told["gap"]["channels"], &after), 5, "{set}");
     }
 }
+
+/// The drives of a moving arm are in its file beside the payload: with them the log has no gap, and nothing is left to identify.
+#[test]
+fn a_moving_arm_gets_the_numbers_of_its_drives() {
+    let log = "moving-sets/02-payload/log.csv.gz";
+    let Some((folder, log)) = of_shared("moving-sets/arm_a.urdf", log) else {
+        return;
+    };
+    let told = gap(&folder.path().join("gap"));
+    assert_eq!(told["causes"][0]["effect"], "payload");
+    let left_out = told["not_in_file"].as_array().unwrap();
+    assert_eq!(left_out.len(), 1, "{left_out:?}");
+    assert!(left_out[0].as_str().unwrap().starts_with("the delay of"));
+    let file = std::fs::read_to_string(folder.path().join("gap/corrected.toml")).unwrap();
+    for key in [
+        "armature_kgm2",
+        "torque_offset_nm",
+        "name = \"joint-friction\"",
+    ] {
+        assert_eq!(file.matches(key).count(), 6, "{key}: {file}");
+    }
+    let output = haptical()
+        .current_dir(folder.path())
+        .args(["diagnose", "--device", "gap/corrected.toml", "--json"])
+        .args(["--out", "again", "--log", log.to_str().unwrap()])
+        .output()
+        .unwrap();
+    let again: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(again["verdict"], "no-gap", "{again}");
+}

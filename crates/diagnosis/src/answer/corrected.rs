@@ -107,8 +107,8 @@ pub(crate) fn corrected(
     }))
 }
 
-/// What a moving arm's torques were judged beside, which is not in the device with its causes.
-const BESIDE_TORQUES: &str = "friction, armature, offsets and delay of the drives, which the fit of the torques has beside the causes: \
+/// What a moving arm's torques were judged with, where the device with its causes does not hold it.
+pub const BESIDE_TORQUES: &str = "friction, armature, offsets and delay of the drives, which the fit of the torques has beside the causes: \
                               `haptical identify --with dynamics` finds them";
 
 /// What an answer rests on, and the device with its causes does not hold; `file` is none where no such device is written, and

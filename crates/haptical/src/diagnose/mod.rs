@@ -4,6 +4,7 @@ mod absorbed;
 #[cfg(test)]
 mod agreement_tests;
 mod corrected;
+mod drives;
 #[cfg(test)]
 mod example_tests;
 mod faults;
@@ -191,6 +192,7 @@ pub fn diagnose_as(
         [log] => Cow::Borrowed(*log),
         _ => Cow::Owned(log.with_recording(recording.as_ref().clone())),
     };
+    drives::fill(device, &fitted, &mut diagnosis);
     let reproduced = corrected::reproduced(device, &fitted, &diagnosis);
     let repair = match repair {
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
@@ -216,8 +218,7 @@ pub fn diagnose_as(
     files.extend(validate.and_then(|log| log.input("validate")));
     let mut arguments: Vec<String> = files.iter().map(InputFile::argument).collect();
     arguments.extend(device.equipment().chain_flags());
-    let flag = || format!("--without={}", without.join(","));
-    arguments.extend((!without.is_empty()).then(flag));
+    arguments.extend((!without.is_empty()).then(|| format!("--without={}", without.join(","))));
     arguments.extend((*loss != LossChoice::Auto).then(|| flag_of_loss(*loss)));
     let with: Vec<String> = (joint_compliance.then(|| JOINT_COMPLIANCE.name.to_owned()))
         .into_iter()

@@ -26,6 +26,7 @@ pub use self::dynamics::{
     BodyEntry, CombinationEntry, DYNAMICS, FoundDynamics, IdentifiedDynamics, JointEntry,
     NumberEntry, StackedEntry, TorqueEntry, identify_dynamics, identify_dynamics_as,
 };
+pub(crate) use self::dynamics::{without_effects, without_friction};
 pub use self::effects::{EffectEntry, EffectNumber};
 use self::effects::{EffectFitError, calibrate_with_effects, held};
 pub use self::moved::MovedEntry;

@@ -43,7 +43,7 @@ pub use bias::NOISE_SEED;
 pub use device::with_dynamics;
 pub use friction::FrictionLaw;
 pub use instruments::Instruments;
-pub use predict::Residual;
+pub use predict::{Residual, torques_left};
 pub use result::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, JointDynamics, stacked_percent,
 };
@@ -59,12 +59,29 @@ pub fn identify_dynamics(
     validate: Option<&Recording>,
     edge_hz: Option<f64>,
 ) -> Result<Dynamics, MotionError> {
-    let logs = (recording, validate);
-    let (first, loaded) = pass(device, logs, edge_hz, &Loaded::default())?;
+    identify(device, (recording, validate), edge_hz, false)
+}
+
+/// Identifies what a device file holds of friction, armatures and offsets of a device's drives; its bodies are those of its file.
+///
+/// # Errors
+/// As [`identify_dynamics`].
+pub fn identify_drives(device: &Device, recording: &Recording) -> Result<Dynamics, MotionError> {
+    identify(device, (recording, None), None, true)
+}
+
+fn identify(
+    device: &Device,
+    logs: (&Recording, Option<&Recording>),
+    edge_hz: Option<f64>,
+    of_drives: bool,
+) -> Result<Dynamics, MotionError> {
+    let given = (edge_hz, of_drives);
+    let (first, loaded) = pass(device, logs, given, &Loaded::default())?;
     // what a joint carries is by the bodies of a first fit
     match loaded.joints.is_empty() {
         true => Ok(first),
-        false => Ok(pass(device, logs, Some(first.edge_hz), &loaded)?.0),
+        false => Ok(pass(device, logs, (Some(first.edge_hz), of_drives), &loaded)?.0),
     }
 }
 
@@ -72,14 +89,19 @@ pub fn identify_dynamics(
 fn pass(
     device: &Device,
     (recording, validate): (&Recording, Option<&Recording>),
-    edge_hz: Option<f64>,
+    (edge_hz, of_drives): (Option<f64>, bool),
     loaded: &Loaded,
 ) -> Result<(Dynamics, Loaded), MotionError> {
-    // offsets and delay are found anew
+    // offsets and delay are found anew, of drives alone the offsets
+    let known = Arm::new(device)?;
     let arm = Arm {
         offset: vec![0.0; device.joints.len()],
-        early_s: vec![0.0; device.joints.len()],
-        ..Arm::new(device)?
+        early_s: known
+            .early_s
+            .iter()
+            .map(|own| if of_drives { *own } else { 0.0 })
+            .collect(),
+        ..known.clone()
     };
     check(&arm, recording)?;
     let reading = Reading {
@@ -94,11 +116,12 @@ fn pass(
         edge_hz: Some(edge_hz),
         ..reading
     };
-    let is_held = held(device, &arm);
+    let mut is_held = held(device, &arm);
+    is_held.iter_mut().for_each(|own| *own |= of_drives);
     if let Some(own) = &loaded.arm {
         problem.carry(own)?;
     }
-    let numbers = numbers(&problem, &is_held, &loaded.joints);
+    let numbers = numbers(&problem, (&is_held, of_drives), &loaded.joints);
     let settled = settle(&mut problem, &numbers)?;
     let known = Known {
         arm: &arm,

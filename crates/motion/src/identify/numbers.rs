@@ -116,8 +116,13 @@ impl Number {
     }
 }
 
-/// All numbers of a problem; a body that is said to weigh nothing has none. `loaded`: joints whose friction grows with their load.
-pub(crate) fn numbers(problem: &Problem, is_held: &[bool], loaded: &[usize]) -> Vec<Number> {
+/// All numbers of a problem; a body that is said to weigh nothing has none. Of drives alone there are no numbers of friction that no file holds,
+/// and so no delay (A185). `loaded`: joints whose friction grows with their load.
+pub(crate) fn numbers(
+    problem: &Problem,
+    (is_held, of_drives): (&[bool], bool),
+    loaded: &[usize],
+) -> Vec<Number> {
     let bodies = (0..problem.arm.body_count()).filter(|body| !is_held[*body]);
     let of_body = |body| (0..PARAMETERS).map(move |entry| Number::Body { body, entry });
     let joints = || problem.channels.iter().copied();
@@ -131,6 +136,7 @@ pub(crate) fn numbers(problem: &Problem, is_held: &[bool], loaded: &[usize]) -> 
         .chain(joints().map(|joint| Number::Lead { joint }))
         .chain(loaded.iter().map(|joint| Number::Load { joint: *joint }))
         .chain([Number::Delay])
+        .filter(|own| !of_drives || !own.is_beside())
         .collect()
 }
 

@@ -1,14 +1,16 @@
 //! How well numbers predict torques: of the log that they were fitted to, and of one that they have not seen.
 
 use haptical_linalg::dot;
-use haptical_model::Recording;
+use haptical_model::{Device, FrictionNumber, JOINT_FRICTION, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
 use crate::fit::problem::{Problem, Reading};
 use crate::identify::fit::{Settled, rest};
+use crate::identify::friction::FrictionLaw;
 use crate::identify::loaded::Loaded;
 use crate::identify::numbers::{Number, columns};
+use crate::thresholds::identify::POSITION_NOISE;
 
 /// A joint's torque, measured and predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,4 +98,60 @@ impl Numbers<'_> {
         }
         Ok(self.residuals(&mut problem))
     }
+}
+
+/// What a device leaves of a recording's torques in a band, by its masses, armatures, friction, offsets and delays: joint from 0, root mean
+/// square. What its other effects add has to be taken off the torques.
+///
+/// # Errors
+/// As [`identify_dynamics`](super::identify_dynamics); a friction that falls with the speed.
+pub fn torques_left(
+    device: &Device,
+    recording: &Recording,
+    edge_hz: f64,
+) -> Result<Vec<(usize, f64)>, MotionError> {
+    let reading = Reading {
+        edge_hz: Some(edge_hz),
+        sets_right: true,
+        noise_share: POSITION_NOISE,
+        ..Reading::default()
+    };
+    let mut problem = Problem::new(Arm::new(device)?, recording, reading)?;
+    problem.reweigh(&vec![1.0; problem.channels.len()]);
+    let mut left = problem.recorded(0.0);
+    for own in device
+        .effects
+        .iter()
+        .filter(|own| own.name == JOINT_FRICTION)
+    {
+        let Some((joint, joint_type)) = own
+            .joint
+            .zip(own.joint.map(|joint| device.joints[joint].joint_type))
+        else {
+            continue;
+        };
+        let number = |number: FrictionNumber| own.numbers.get(number.key(joint_type)).copied();
+        if number(FrictionNumber::Stribeck).is_some_and(|own| own != 0.0) {
+            let message = format!("friction of joint {} falls with the speed", joint + 1);
+            return Err(MotionError::Fit(message));
+        }
+        let by_speed = number(FrictionNumber::TurnoverSpeed).map(FrictionLaw::Speed);
+        let by_travel = number(FrictionNumber::TurnoverTravel).map(FrictionLaw::Travel);
+        let Some(law) = by_speed.or(by_travel) else {
+            continue;
+        };
+        let [dry, viscous] = [FrictionNumber::Coulomb, FrictionNumber::Viscous]
+            .map(|own| number(own).unwrap_or(0.0));
+        let side = law.side(&problem, joint);
+        let pairs = side.iter().zip(&problem.states.motor.dq[joint]);
+        let torque: Vec<f64> = pairs.map(|(side, dq)| dry * side + viscous * dq).collect();
+        if let Some(column) = problem.of_joint(joint, &torque) {
+            column.add_to(&mut left, -1.0);
+        }
+    }
+    let rows = problem.states.rows();
+    let of_channel =
+        |(own, joint): (&[f64], &usize)| (*joint, (dot(own, own) / rows as f64).sqrt());
+    let channels = left.chunks_exact(rows).zip(&problem.channels);
+    Ok(channels.map(of_channel).collect())
 }

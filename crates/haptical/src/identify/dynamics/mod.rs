@@ -164,14 +164,14 @@ impl std::fmt::Display for FoundDynamics {
 }
 
 /// A device without the friction that is found anew.
-fn without_friction(model: &Model) -> Model {
+pub(crate) fn without_friction(model: &Model) -> Model {
     let mut bare = model.clone();
     bare.effects.retain(|own| own.name != FRICTION);
     bare
 }
 
 /// A recording whose torques lack what the device's own effects add to them.
-fn without_effects<'r>(
+pub(crate) fn without_effects<'r>(
     model: &Model,
     recording: &'r Recording,
     (device, log): (&Path, &Path),
