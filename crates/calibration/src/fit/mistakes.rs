@@ -17,8 +17,10 @@ const MOST_ROWS: usize = 80;
 const LEFT: f64 = 0.2;
 /// Share of the residual before a fit that a hypothesis must leave at most to be fitted.
 const NEARER: f64 = 0.7;
-/// Residual of a mirror image of the device, in shares of which the device's own is as good.
+/// Residual of a mirror image of the device, in shares of which that of the device is as good.
 const MIRROR: f64 = 1.5;
+/// The same of another hypothesis: half of what an implausible device leaves of the log as it is.
+const HALF: f64 = 0.5;
 /// Ratio of residuals up to which two hypotheses are as good.
 const AS_GOOD: f64 = 2.0;
 /// Most hypotheses that are fitted, the nearest first.
@@ -83,8 +85,12 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
         let (left, odd_values) = Trial::new(request, &device, &part)?.fitted()?;
         let is_far_better = left < LEFT * before && odd_values <= odd;
         // the log as it is may be that of a mirror image of the device
-        let is_more_plausible =
-            hypothesis.is_of_columns() && left < MIRROR * before && odd_values == 0 && odd > 0;
+        let enough = if hypothesis.is_of_columns() {
+            MIRROR
+        } else {
+            HALF
+        };
+        let is_more_plausible = left < enough * before && odd_values == 0 && odd > 0;
         (is_far_better || is_more_plausible).then_some((left, hypothesis))
     });
     let mut found: Vec<(f64, &Hypothesis<'_>)> = fitted.collect();
@@ -93,7 +99,9 @@ pub(crate) fn refuse(request: &FitRequest<'_>, fit: &ParameterFit) -> Result<(),
         return Ok(());
     };
     let as_good = found.iter().filter(|(left, _)| *left < AS_GOOD * after);
-    let what: Vec<&str> = as_good.map(|(_, own)| own.what.as_str()).collect();
+    let what: Vec<&str> = as_good
+        .map(|(_, hypothesis)| hypothesis.what.as_str())
+        .collect();
     Err(CalibrationError::MistakenColumns {
         what: what.join(", or "),
         before,

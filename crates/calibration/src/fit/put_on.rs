@@ -23,15 +23,15 @@ pub(super) fn of_tools(
     rows: &[usize],
 ) -> Vec<Hypothesis<'static>> {
     let tools = bare.surroundings.tools.iter().enumerate();
-    let of_tool = |(tool, own): (usize, &Tool)| {
-        let stated = own.from_line?;
-        let (first, _) = nearest(request, bare, tool, &request.recording.select(rows))?;
+    let of_tool = |(index, tool): (usize, &Tool)| {
+        let stated = tool.from_line?;
+        let (first, _) = nearest(request, bare, index, &request.recording.select(rows))?;
         // some rows say it to the rows between them: all of these say it to the row
         let near = around(request.recording, rows, first);
-        let near = nearest(request, bare, tool, &request.recording.select(&near));
+        let near = nearest(request, bare, index, &request.recording.select(&near));
         let line = near.map_or(first, |(line, _)| line);
-        let what = format!("from_line = {line} of [[tool]] `{}`, not {stated}", own.id);
-        let change = move |device: &mut Device| put_on(device, tool, line);
+        let what = format!("from_line = {line} of [[tool]] `{}`, not {stated}", tool.id);
+        let change = move |device: &mut Device| put_on(device, index, line);
         (line != stated).then(|| Hypothesis::of_device(what, LINES, 1, change))
     };
     tools.filter_map(of_tool).collect()

@@ -72,7 +72,7 @@ impl<'a> Hypothesis<'a> {
         matches!(self.change, Change::Columns(_))
     }
 
-    /// The device, and rows of the recording, with the change; what has no neighbour keeps its own.
+    /// The device, and rows of the recording, with the change; what has no neighbour stays.
     pub(crate) fn apply<'d>(
         &self,
         device: &'d Device,
@@ -154,16 +154,16 @@ pub(crate) fn of_joints(device: &Device) -> Vec<Hypothesis<'static>> {
             continue;
         }
         // an angle against the horizontal, or against the ground, is the sum of two
-        for (own, other, sign, word) in [
+        for (changed, added, sign, word) in [
             (b, a, 1.0, "plus"),
             (b, a, -1.0, "minus"),
             (a, b, 1.0, "plus"),
             (a, b, -1.0, "minus"),
         ] {
-            let what = format!("column {} {word} {}", theta(own), theta(other));
+            let what = format!("column {} {word} {}", theta(changed), theta(added));
             let change = move |log: &mut Recording| {
-                let added = log.joint[other].clone();
-                let pairs = log.joint[own].iter_mut().zip(added);
+                let added = log.joint[added].clone();
+                let pairs = log.joint[changed].iter_mut().zip(added);
                 pairs.for_each(|(reading, added)| *reading += sign * added);
             };
             add(what, SUMS, Box::new(change));

@@ -12,6 +12,8 @@ use crate::start::sights::{Frames, Rig, Sight, sights};
 
 /// Fewest rows: through fewer, wrong places and turns fit as well.
 pub(super) const LEAST_ROWS: usize = 8;
+/// Spread of positions that an error is a share of at least \[m\]: a device file's lengths are known to 5 mm.
+const LEAST_SPREAD_M: f64 = 0.1;
 /// What the ratio of a transmission may be off by, as a share.
 pub(super) const RATIO_OFF: f64 = 0.5;
 
@@ -37,7 +39,7 @@ impl Misses {
             let anchor_m = device
                 .cables
                 .get(index)
-                .map_or([0.0; 3], |own| own.anchor_m);
+                .map_or([0.0; 3], |cable| cable.anchor_m);
             let share = |read: &Vec<f64>| cable_share(anchor_m, read, &poses);
             all.push(distances.as_ref().map_or(f64::NAN, share));
         }
@@ -76,7 +78,7 @@ fn seen(device: &Device, recording: &Recording, poses: &[Pose]) -> [f64; 2] {
     let square = missed(&seen, &frames) / places.len() as f64;
     let has_turns = seen.iter().any(|sight| sight.rotation.is_some());
     [
-        square.sqrt() / spread_m(&places),
+        square.sqrt() / spread_m(&places).max(LEAST_SPREAD_M),
         if has_turns {
             angle_rad(&seen, &frames)
         } else {
@@ -140,7 +142,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// None where either column stands still, or has few readings.
+    /// None where either column does not change, or has few readings.
     pub(super) fn new(pairs: impl Iterator<Item = (f64, f64)>) -> Option<Self> {
         let pairs: Vec<(f64, f64)> = pairs
             .filter(|(x, y)| x.is_finite() && y.is_finite())

@@ -18,7 +18,7 @@ const MOST_ROWS: usize = 300;
 const GROSS: f64 = 0.05;
 /// How many times less must be missed with a hypothesis. A device file is off by the same for each of them.
 const BETTER: f64 = 5.0;
-/// The same where the hypothesis has numbers of its own that the closed form chooses: these fit a part of any error.
+/// The same where the hypothesis brings numbers that the closed form chooses: these fit a part of any error.
 const BETTER_BY_NUMBERS: f64 = 10.0;
 /// Ratio of what they miss up to which two hypotheses are as good.
 const AS_GOOD: f64 = 1.5;
@@ -67,7 +67,7 @@ struct Found<'h> {
 /// One rule for all hypotheses: what the channels miss that it changes is gross as logged and several times less with it.
 ///
 /// Of several the one with which all channels together miss least is named, with those that change the same channels, are as
-/// good and have no more numbers of their own.
+/// good and bring the fewest numbers.
 fn judge(
     device: &Device,
     recording: &Recording,
@@ -92,7 +92,7 @@ fn judge(
         let with = Misses::new(&device, &log);
         let channels = logged.differ(&with);
         let [before, after] =
-            [&logged, &with].map(|own| own.total(|channel| channels.contains(&channel)));
+            [&logged, &with].map(|misses| misses.total(|channel| channels.contains(&channel)));
         let better = match hypothesis.numbers {
             0 => BETTER,
             _ => BETTER_BY_NUMBERS,
@@ -111,14 +111,15 @@ fn judge(
     let Some(best) = found.iter().min_by(|a, b| a.all.total_cmp(&b.all)) else {
         return Ok(());
     };
-    let as_good = |own: &&Found<'_>| own.channels == best.channels && own.all <= AS_GOOD * best.all;
+    let as_good =
+        |other: &&Found<'_>| other.channels == best.channels && other.all <= AS_GOOD * best.all;
     let as_good: Vec<&Found<'_>> = found.iter().filter(as_good).collect();
-    let fewest = as_good.iter().map(|own| own.hypothesis.numbers).min();
-    let is_named = |own: &&&Found<'_>| Some(own.hypothesis.numbers) == fewest;
+    let fewest = as_good.iter().map(|found| found.hypothesis.numbers).min();
+    let is_named = |found: &&&Found<'_>| Some(found.hypothesis.numbers) == fewest;
     let named: Vec<&Found<'_>> = as_good.iter().filter(is_named).copied().collect();
     let what: Vec<&str> = named
         .iter()
-        .map(|own| own.hypothesis.what.as_str())
+        .map(|found| found.hypothesis.what.as_str())
         .collect();
     let first = named.first().copied().unwrap_or(best);
     Err(CalibrationError::MistakenLog {

@@ -10,9 +10,9 @@ const FOLLOWS: f64 = 0.01;
 
 const ANGLES: &str =
     "give both in rad (or m) of the joint, motor-side readings over the transmission ratio";
-const OF_JOINTS: &str = "write each external encoder into its own joint's column";
+const OF_JOINTS: &str = "write each external encoder into the column of its joint";
 
-/// Another joint's column, the own one negated, and factors that no transmission has: degrees and counts.
+/// Another joint's column, its joint's negated, and factors that no transmission has: degrees and counts.
 pub(super) fn of_outputs(device: &Device, recording: &Recording) -> Vec<Hypothesis<'static>> {
     let mut all = Vec::new();
     let mut add = |what, mend, change: Box<dyn Fn(&mut Recording)>| {
@@ -49,7 +49,7 @@ pub(super) fn of_outputs(device: &Device, recording: &Recording) -> Vec<Hypothes
             if recording
                 .output
                 .get(other)
-                .is_some_and(|own| other > joint || own.is_none())
+                .is_some_and(|swapped| other > joint || swapped.is_none())
             {
                 let what = format!(
                     "columns {name} and {} swapped",

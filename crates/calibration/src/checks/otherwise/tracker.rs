@@ -31,7 +31,7 @@ pub(super) fn of_tracker<'a>(device: &Device, recording: &'a Recording) -> Vec<H
             "the quaternions inverted",
             Box::new(|log| change_turns(log, inverse)),
         );
-        let both = |own| inverse(last(own));
+        let both = |turn| inverse(last(turn));
         add(
             "the quaternions read as x, y, z, w and inverted",
             Box::new(move |log| change_turns(log, both)),
@@ -126,15 +126,16 @@ fn mirrors<'a>(device: &Device, recording: &Recording) -> Vec<Hypothesis<'a>> {
         ]
     };
     let open = Rig::new(device, recording).open;
-    let [base, tool] = [open.bases, open.tools].map(|own| own.contains(&true));
+    let [base, tool] = [open.bases, open.tools].map(|places| places.contains(&true));
     let has_turns = recording.orientation_wxyz.is_some();
     let of_positions = |(what, matrix): (String, Matrix3<f64>)| {
-        let change = move |log: &mut Recording| change_positions(log, |_, own| matrix * own);
+        let change =
+            move |log: &mut Recording| change_positions(log, |_, position_m| matrix * position_m);
         Hypothesis::of_columns(what, RIGHT_HANDED, change)
     };
     let of_poses = |(what, matrix): (String, Matrix3<f64>)| {
         let change = move |log: &mut Recording| {
-            change_positions(log, |_, own| matrix * own);
+            change_positions(log, |_, position_m| matrix * position_m);
             change_turns(log, |[w, x, y, z]| {
                 let axis = -(matrix * Vector3::new(x, y, z));
                 [w, axis.x, axis.y, axis.z]
@@ -154,7 +155,7 @@ fn mirrors<'a>(device: &Device, recording: &Recording) -> Vec<Hypothesis<'a>> {
     all
 }
 
-/// Positions in a frame of the tracker's own, or of a marker that is not the handle, where both are said to be known.
+/// Positions in another frame of the tracker, or of a marker that is not the handle, where both are said to be known.
 fn of_places(device: &Device, recording: &Recording) -> Vec<Hypothesis<'static>> {
     let around = &device.surroundings;
     let are_known = device
