@@ -137,7 +137,7 @@ pub(crate) fn of_joints(device: &Device) -> Vec<Hypothesis<'static>> {
                 times(PI / 180.0),
             ),
             JointType::Prismatic => {
-                add(format!("column {name} divided by 1000"), UNITS, times(1e-3))
+                add(format!("column {name} divided by 1000"), UNITS, times(1e-3));
             }
         }
     }

@@ -27,7 +27,7 @@ pub(super) fn of_outputs(device: &Device, recording: &Recording) -> Vec<Hypothes
         let name = column(device, "out", joint);
         let times = |factor: f64| {
             let scaled = move |log: &mut Recording| {
-                scale(log.output[joint].as_deref_mut().unwrap_or_default(), factor)
+                scale(log.output[joint].as_deref_mut().unwrap_or_default(), factor);
             };
             Box::new(scaled)
         };
