@@ -13,6 +13,9 @@ use crate::rig::motion::MotionPlan;
 use crate::trial::{Order, Trial};
 use crate::{arms, colour, moving, wrist};
 
+/// A trial by the suite's name, its number, the batch's seed and random numbers.
+type Draws = fn(&str, u64, u64, &mut Random) -> Result<Trial, BlindError>;
+
 /// One row per suite: its name, the number of its streams, its place among the salts, its trials in a scored batch and in a
 /// quick one, what it holds. A suite keeps its numbers when others are added.
 macro_rules! suites {
@@ -159,7 +162,7 @@ impl Suite {
     }
 
     /// How a suite draws that has no orders.
-    fn draws(self) -> Option<fn(&str, u64, u64, &mut Random) -> Result<Trial, BlindError>> {
+    fn draws(self) -> Option<Draws> {
         Some(match self {
             Self::Elastic => arms::elastic,
             Self::Repeats => arms::repeats,

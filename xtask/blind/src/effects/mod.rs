@@ -104,6 +104,8 @@ pub(crate) enum Stage {
 
 /// Changes something of a recording.
 type Change<T> = Box<dyn Fn(&Scene<'_>, &mut T) + Send + Sync>;
+/// Makes lengths of the first cable from its straight path.
+type OtherPath = Box<dyn Fn(&Scene<'_>, &CablePath, &mut [f64]) + Send + Sync>;
 
 /// What an effect does.
 pub(crate) enum Act {
@@ -113,7 +115,7 @@ pub(crate) enum Act {
     /// Flexes the structure.
     Flex(Change<Flex>),
     /// Replaces the straight path of the first cable \[m\].
-    Path(Box<dyn Fn(&Scene<'_>, &CablePath, &mut [f64]) + Send + Sync>),
+    Path(OtherPath),
     Noise(Change<NoisePlan>),
 }
 

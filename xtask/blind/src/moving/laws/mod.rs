@@ -50,6 +50,10 @@ pub(crate) struct Instant<'a> {
     pub(crate) at: &'a At,
 }
 
+type ChangeOfLevels = Box<dyn Fn(&Sliding, &mut Levels) + Send + Sync>;
+type AddedTorque = Box<dyn Fn(&Instant<'_>, &mut [f64]) + Send + Sync>;
+type ChangeOfRows = Box<dyn Fn(&mut Vec<usize>, &mut Random) + Send + Sync>;
+
 /// Something that an effect changes.
 enum Hook {
     /// What the arm has with or without the effect: levels that its user does not know anyway.
@@ -57,9 +61,9 @@ enum Hook {
     /// The arm before it moves.
     Build(Box<dyn Fn(&mut Specimen) + Send + Sync>),
     /// Levels of the friction of the effect's drive.
-    Friction(Box<dyn Fn(&Sliding, &mut Levels) + Send + Sync>),
+    Friction(ChangeOfLevels),
     /// Torques on the joints.
-    Torque(Box<dyn Fn(&Instant<'_>, &mut [f64]) + Send + Sync>),
+    Torque(AddedTorque),
     /// How late the controller hears its command \[s\].
     CommandDelay(f64),
     /// Factors of the controller's stiffness and damping, by time.
@@ -67,7 +71,7 @@ enum Hook {
     /// What is logged, at the controller's rate.
     Readings(Box<dyn Fn(&mut Ticks) + Send + Sync>),
     /// Which of the ticks are logged: entry i is the tick that row i shows.
-    Rows(Box<dyn Fn(&mut Vec<usize>, &mut Random) + Send + Sync>),
+    Rows(ChangeOfRows),
 }
 
 /// An effect that was drawn: what it changes, at which joint (from 0), and the numbers of its law.
