@@ -38,3 +38,30 @@ fn scatter(series: &Series, weights: &[f64]) -> f64 {
     // a normal deviate's median size is 0.6745
     median / 0.6745 / gain
 }
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::floor;
+    use crate::log::{JointLog, Series};
+
+    #[test]
+    fn the_floor_is_the_standard_deviation_of_the_readings() {
+        let mut random = ChaCha8Rng::seed_from_u64(1);
+        let time_s: Vec<f64> = (0..4000).map(|row| 0.01 * f64::from(row)).collect();
+        let command: Vec<f64> = time_s.iter().map(|time| time.sin()).collect();
+        // the sum of twelve even draws is nearly normal, with variance 1
+        let mut normal = || (0..12).map(|_| random.random_range(-0.5..0.5)).sum::<f64>();
+        let response: Vec<f64> = command.iter().map(|at| at + 0.003 * normal()).collect();
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&command),
+            response: &response,
+            ..JointLog::default()
+        };
+        let found = floor(&Series::new(&log).unwrap());
+        assert!((found / 0.003 - 1.0).abs() < 0.05, "{found}");
+    }
+}

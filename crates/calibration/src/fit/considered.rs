@@ -454,3 +454,43 @@ pub(crate) fn second_moment(
 const LEAST_NOISE: f64 = 1e-3;
 /// Relative pivot below which a direction of the fitted parameters is rounding.
 const SMALLEST_PIVOT: f64 = 1e-13;
+
+#[cfg(test)]
+mod tests {
+    use haptical_identification::{Matrix, Reduction};
+
+    use super::{Considered, sensitivity};
+
+    #[test]
+    fn a_fitted_column_gives_way_to_what_a_held_one_adds() {
+        // ones, and a slope of 0 to 3: what the slope adds to the mean is taken off again
+        let columns = Matrix::from_fn(
+            4,
+            2,
+            |row, column| if column == 0 { 1.0 } else { row as f64 },
+        );
+        let reduction = Reduction::new(&columns, &[0.0; 4]).unwrap();
+        let (found, rests) = sensitivity(&reduction, &[0], &[1]).unwrap();
+        assert!((found[(0, 0)] + 1.5).abs() < 1e-12, "{}", found[(0, 0)]);
+        let left: f64 = rests[0].iter().map(|rest| rest * rest).sum();
+        assert!((left - 5.0).abs() < 1e-12, "{left}");
+    }
+
+    #[test]
+    fn fitted_and_held_scatter_together() {
+        let considered = Considered {
+            covariance: Matrix::from_fn(1, 1, |_, _| 4.0),
+            sensitivity: Matrix::from_fn(2, 1, |row, _| [-0.5, 0.25][row]),
+            parameters: vec![haptical_model::ParameterId::Compliance { joint: 0 }],
+            ..Considered::none(2)
+        };
+        let noise = Matrix::from_fn(2, 2, |a, b| if a == b { 0.1 } else { 0.02 });
+        let whole = considered.whole(&noise);
+        let wanted = [[1.1, -0.48, -2.0], [-0.48, 0.35, 1.0], [-2.0, 1.0, 4.0]];
+        for (a, row) in wanted.iter().enumerate() {
+            for (b, wanted) in row.iter().enumerate() {
+                assert!((whole[(a, b)] - wanted).abs() < 1e-12, "{a}, {b}");
+            }
+        }
+    }
+}

@@ -32,6 +32,12 @@ fn chosen(
                 .iter()
                 .any(|entry| entry.terms == TransmissionTerms::None)
         );
+        // a residual about the mean of the others is n / (n - 1) times as large
+        let mut entries = fit.evidence.iter();
+        let mean = entries.find(|entry| entry.terms == TransmissionTerms::Offset);
+        let grown = mean.map(|mean| mean.leave_one_out_rms / mean.rms).unwrap();
+        let wanted = rows as f64 / (rows - 1) as f64;
+        assert!((grown - wanted).abs() < 1e-9, "{grown}, {wanted}");
     }
     let found = fit.fit.unwrap();
     assert_eq!(

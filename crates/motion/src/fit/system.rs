@@ -241,6 +241,15 @@ mod tests {
     }
 
     #[test]
+    fn what_is_known_counts_as_one_more_row() {
+        // 1 with deviation 1 twice, and 0 with deviation 1/2: (1 + 1) / (1 + 1 + 4)
+        let solved = System::new(&[all(&[1.0; 2])], &[Some(0.5)]).solve(&[1.0; 2], &[]);
+        assert!((solved.solution[0] - 1.0 / 3.0).abs() < 1e-12);
+        // squares 2 (2/3)^2 and 4 (1/3)^2
+        assert!((solved.energy - 2.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_gain_is_what_a_fit_takes_off() {
         let one = all(&[1.0; 4]);
         let system = System::new(&[one], &[None]);

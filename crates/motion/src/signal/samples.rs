@@ -334,6 +334,21 @@ mod tests {
         assert!((samples.lost_share - 0.005).abs() < 1e-12);
     }
 
+    #[test]
+    fn uneven_rows_are_interpolated_from_both_sides() {
+        let stamp = |k: u32| 0.01 * (f64::from(k) + 0.3 * (1.7 * f64::from(k)).sin());
+        let stamps: Vec<f64> = (0..300).map(stamp).collect();
+        let sine = |time: f64| (8.0 * time).sin();
+        let values: Vec<f64> = stamps.iter().map(|time| sine(*time)).collect();
+        let even = resampled(&stamps, &values, 0.01);
+        let off = |(k, own): (usize, &f64)| (own - sine(stamps[0] + 0.01 * k as f64)).abs();
+        let most = even.iter().enumerate().skip(2).take(290).map(off);
+        let most = most.fold(0.0, f64::max);
+        // a cubic through four neighbours at steps h is off by 3 / 128 h^4 of the fourth derivative, and from one side ten times that
+        let allowed = 3.0 / 128.0 * 0.016_f64.powi(4) * 8.0_f64.powi(4);
+        assert!(most < allowed, "{most}");
+    }
+
     /// Steps from nothing to two and a half: no rows are missing, but for those behind row 300.
     #[test]
     fn stamps_that_jitter_are_no_gap_and_lost_rows_are_one() {

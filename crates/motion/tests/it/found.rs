@@ -88,6 +88,26 @@ fn torques_that_are_late_are_no_early_encoders() {
 }
 
 #[test]
+fn readings_as_the_file_states_them_leave_no_gap() {
+    let truth = Truth {
+        offset_nm: 5.0,
+        late_s: -0.016,
+        ..Truth::default()
+    };
+    let mut stated = device();
+    stated.joints[0].torque_offset_nm = Some(truth.offset_nm);
+    for joint in &mut stated.joints {
+        joint.torque_delay_s = Some(-truth.late_s);
+    }
+    for seed in [1, 2] {
+        let log = recording(truth, seed);
+        assert!(examine(&device(), &log, None, &[]).unwrap().has_gap());
+        let found = examine(&stated, &log, None, &[]).unwrap();
+        assert!(!found.has_gap(), "seed {seed}: {:?}", found.findings);
+    }
+}
+
+#[test]
 fn a_sound_arm_that_rests_between_its_moves_has_no_gap() {
     let truth = Truth {
         rests: true,

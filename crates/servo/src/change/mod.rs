@@ -404,3 +404,33 @@ fn scaled(series: &Series, change: &Change) -> (f64, Option<(f64, f64)>) {
         factor.is_finite().then_some((factor, y - factor * x)),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Change, Kind};
+    use crate::log::{JointLog, Series};
+
+    #[test]
+    fn what_a_change_does_to_readings_is_undone() {
+        let time_s: Vec<f64> = (0..600).map(|row| 0.02 * f64::from(row)).collect();
+        let course: Vec<f64> = time_s.iter().map(|time| time.sin()).collect();
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&course),
+            response: &course,
+            ..JointLog::default()
+        };
+        let sound = Series::new(&log).unwrap();
+        let (factor, level) = (1.5, 0.3);
+        for kind in [Kind::Gain { factor, level }, Kind::Offset(0.2)] {
+            let mut series = sound.clone();
+            let change = Change::new(&series, kind, [300; 3], 0.0);
+            change.read_all(&mut series.response[300..]);
+            assert!((series.response[400] - sound.response[400]).abs() > 0.1);
+            change.undo(&mut series);
+            for (own, wanted) in series.response.iter().zip(&sound.response) {
+                assert!((own - wanted).abs() < 1e-12, "{kind:?}");
+            }
+        }
+    }
+}

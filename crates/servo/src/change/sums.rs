@@ -205,3 +205,26 @@ pub(super) fn fitted(sums: &NormalEquations) -> NormalSolution {
     let all: Vec<usize> = (0..sums.columns()).collect();
     sums.solve(&all, |column| RIDGE * sums.product(column, column))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{PAST_READINGS, Regression};
+    use crate::log::{JointLog, Series};
+
+    #[test]
+    fn inputs_between_rows_lie_between_those_of_the_rows_before() {
+        let time_s: Vec<f64> = (0..400).map(|row| 0.02 * f64::from(row)).collect();
+        let log = JointLog {
+            time_s: Some(&time_s),
+            command: Some(&time_s),
+            response: &time_s,
+            ..JointLog::default()
+        };
+        let regression = Regression::new(&Series::new(&log).unwrap(), None);
+        let command = |shift: f64| regression.row(200, shift).unwrap()[PAST_READINGS];
+        for shift in [0.0, 0.25, 1.0, 2.75] {
+            let late = command(0.0) - command(shift);
+            assert!((late - 0.02 * shift).abs() < 1e-12, "{shift}: {late}");
+        }
+    }
+}

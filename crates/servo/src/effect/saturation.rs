@@ -16,3 +16,20 @@ pub(crate) fn limited(time_s: &[f64], piece: Range<usize>, slowness: f64, input:
         input[row] = input[row - 1] + step.clamp(-most, most);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::limited;
+
+    #[test]
+    fn a_drive_is_no_faster_up_than_down() {
+        let time_s: Vec<f64> = (0..8).map(|row| 0.1 * f64::from(row)).collect();
+        let mut course = [0.0, 0.5, 0.5, 0.5, 0.0, 0.0, 0.0, 0.1];
+        // 2 rad/s: a fifth in a tenth of a second
+        limited(&time_s, 0..8, 0.5, &mut course);
+        let wanted = [0.0, 0.2, 0.4, 0.5, 0.3, 0.1, 0.0, 0.1];
+        for (own, wanted) in course.iter().zip(wanted) {
+            assert!((own - wanted).abs() < 1e-12, "{course:?}");
+        }
+    }
+}

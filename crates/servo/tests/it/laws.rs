@@ -74,6 +74,8 @@ fn an_offset_has_its_size() {
         let answer = asked(&servo.log(&motion(seed), 60.0)).unwrap();
         let found = number(cause(&answer, "joint-offset").unwrap(), "offset_rad");
         assert!((found.value - offset_rad).abs() < 1e-3, "{found:?}");
+        let [low, high] = found.ci95.map(|end| end - found.value);
+        assert!(low < 0.0 && (low + high).abs() < 1e-12, "{found:?}");
         // without gravity's course it may be a droop
         let rivals = &cause(&answer, "joint-offset").unwrap().confusable_with;
         assert_eq!(rivals[..], ["servo-stiffness"]);
