@@ -5,6 +5,7 @@
     reason = "a command talks to its terminal"
 )]
 
+mod mutants;
 mod real_arms;
 
 use std::process::ExitCode;
@@ -47,6 +48,8 @@ enum Job {
     RealArms(real_arms::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
     Instructions(instructions::Arguments),
+    /// Plants small faults of the maths one after the other in a copy of the sources, and expects that named tests catch each.
+    Mutants(mutants::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -63,6 +66,7 @@ fn main() -> ExitCode {
         Job::Laws(arguments) => xtask_scenes::laws(&arguments),
         Job::RealArms(arguments) => real_arms::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
+        Job::Mutants(arguments) => mutants::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

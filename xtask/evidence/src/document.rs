@@ -19,7 +19,7 @@ pub(super) struct Part {
 }
 
 /// All parts, in the order of the page of claims.
-pub(super) const PARTS: [Part; 14] = [
+pub(super) const PARTS: [Part; 13] = [
     part(
         "solver",
         &[
@@ -34,12 +34,11 @@ pub(super) const PARTS: [Part; 14] = [
     part("parallel-joints", &["Parallel joints"]),
     part("poses", &["Chosen poses"]),
     part("watch", &["Watch"]),
-    part("formats", &["Parquet and MCAP"]),
+    part("formats", &["Parquet and bags of ROS 2"]),
     part("fuzz", &["Fuzzing"]),
     part("python", &["Python package"]),
     part("licences", &["Licences"]),
     part("coverage", &["Line coverage"]),
-    part("mutants", &["Planted faults"]),
 ];
 
 const fn part(name: &'static str, sections: &'static [&'static str]) -> Part {

@@ -132,9 +132,6 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("coverage") && !arguments.quick {
         project::quality::coverage(&mut output, &arguments.out)?;
     }
-    if runs("mutants") && !arguments.quick {
-        project::quality::mutants(&mut output, &arguments.out)?;
-    }
     output.write(&arguments.out, "Evidence", LEAD)?;
     if arguments.quick && !arguments.check {
         return Ok(());

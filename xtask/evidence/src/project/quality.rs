@@ -1,6 +1,5 @@
-//! Line coverage of the tests, and the planted faults that they notice: with tools that must be installed.
+//! Line coverage of the tests, with a tool that must be installed.
 
-use std::collections::BTreeMap;
 #[cfg(unix)]
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -27,44 +26,10 @@ if [ -z "$CARGO_PRIMARY_PACKAGE" ]; then
 fi
 exec "$@"
 "#;
-/// Largest share of mutants that may survive.
-const SURVIVING_PERCENT: f64 = 5.0;
-/// Crates whose mutants are tried, and where their tests are: what has none is not built for each mutant.
-const MUTATED: [(&str, &[&str]); 3] = [
-    ("haptical-transmission", &["--test=it"]),
-    ("haptical-kinematics", &["--lib", "--test=it"]),
-    ("haptical-metrics", &["--lib", "--test=it"]),
-];
-/// Part of the mutants that is tried: one after the other in turn, so that every function has its share.
-const SHARD: &str = "0/2";
-/// Survivors that were looked into, by their line in the tool's list, and why no test can see them.
-const EXPLAINED: &str = "fixtures/mutants/survivors.toml";
-
-/// A survivor that was looked into.
-#[derive(Debug, Deserialize)]
-struct Explained {
-    /// As cargo-mutants names it, without line and column.
-    mutant: String,
-    /// How many of that name survive: one more is a new one.
-    #[serde(default = "one")]
-    places: usize,
-    why: String,
-}
-
-fn one() -> usize {
-    1
-}
-
-#[derive(Debug, Default, Deserialize)]
-struct Survivors {
-    #[serde(default)]
-    survivor: Vec<Explained>,
-}
-
-/// A cargo command with its version, if it is installed.
-fn version_of(tool: &str) -> Option<String> {
+/// cargo-tarpaulin with its version, if it is installed.
+fn version() -> Option<String> {
     let found = Command::new("cargo")
-        .args([tool, "--version"])
+        .args(["tarpaulin", "--version"])
         .output()
         .ok()?;
     let text = String::from_utf8(found.stdout).ok()?;
@@ -72,7 +37,7 @@ fn version_of(tool: &str) -> Option<String> {
     found
         .status
         .success()
-        .then(|| format!("cargo-{tool} {version}"))
+        .then(|| format!("cargo-tarpaulin {version}"))
 }
 
 /// Library crates that others can depend on: package and folder, in alphabetical order.
@@ -146,7 +111,7 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
 /// Writes the coverage section.
 pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
     output.section("Line coverage");
-    let Some(version) = version_of("tarpaulin") else {
+    let Some(version) = version() else {
         output.words("Not run: `cargo install cargo-tarpaulin` first.");
         return Ok(());
     };
@@ -206,139 +171,4 @@ struct CoveredFile {
     path: Vec<String>,
     covered: usize,
     coverable: usize,
-}
-
-/// The lists that cargo-mutants leaves of one crate.
-struct Outcome {
-    caught: Vec<String>,
-    not_built: Vec<String>,
-    timed_out: Vec<String>,
-    missed: Vec<String>,
-}
-
-/// Tries every second mutant of a crate, in copies of the tree with target folders of their own.
-fn try_mutants(package: &str, tests: &[&str], folder: &Path) -> Result<Outcome> {
-    std::fs::create_dir_all(folder)?;
-    let mut command = Command::new("cargo");
-    command
-        .current_dir(crate::root())
-        .args(["mutants", "--package", package, "--no-shuffle"])
-        .args(["--shard", SHARD, "--sharding", "round-robin"])
-        .args(["--jobs", "2", "--timeout", "20", "--output"])
-        .arg(folder)
-        .args(tests.iter().map(|test| format!("--cargo-test-arg={test}")))
-        // two jobs in one target folder would wait for each other
-        .env_remove("CARGO_TARGET_DIR")
-        // that a property fails is enough; its smallest case is not asked for
-        .env("PROPTEST_MAX_SHRINK_ITERS", "0")
-        .stdout(Stdio::null());
-    let status = command.status().context("cargo mutants")?;
-    // 2 where mutants were missed, 3 where tests timed out
-    ensure!(
-        matches!(status.code(), Some(0 | 2 | 3)),
-        "cargo mutants --package {package} ended with {status}: its log is in {}",
-        folder.display()
-    );
-    let lines = |name: &str| -> Result<Vec<String>> {
-        let path = folder.join("mutants.out").join(name);
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        Ok(text.lines().map(str::to_owned).collect())
-    };
-    Ok(Outcome {
-        caught: lines("caught.txt")?,
-        not_built: lines("unviable.txt")?,
-        timed_out: lines("timeout.txt")?,
-        missed: lines("missed.txt")?,
-    })
-}
-
-/// Writes the section of planted faults.
-pub(crate) fn mutants(output: &mut Output, out: &Path) -> Result<()> {
-    output.section("Planted faults");
-    let Some(version) = version_of("mutants") else {
-        output.words("Not run: `cargo install cargo-mutants` first.");
-        return Ok(());
-    };
-    let text = std::fs::read_to_string(crate::root().join(EXPLAINED)).context(EXPLAINED)?;
-    let explained: Survivors = toml::from_str(&text).context(EXPLAINED)?;
-    let columns = "crate | mutants | caught | timed out | missed | not built";
-    let mut table = Table::with_heads(
-        "Every second mutant, tested with the crate's own tests",
-        columns,
-    );
-    let (mut all, mut survivors) = (0, BTreeMap::<String, usize>::new());
-    for (package, tests) in MUTATED {
-        let folder = std::path::absolute(out.join("mutants").join(package))?;
-        let outcome = try_mutants(package, tests, &folder)?;
-        let total = outcome.caught.len() + outcome.timed_out.len() + outcome.missed.len();
-        all += total;
-        let counts = [
-            total,
-            outcome.caught.len(),
-            outcome.timed_out.len(),
-            outcome.missed.len(),
-            outcome.not_built.len(),
-        ];
-        let counts = counts.map(|count| Cell::number(count as f64, 0));
-        table.push([Cell::from(package)].into_iter().chain(counts).collect())?;
-        for missed in &outcome.missed {
-            *survivors.entry(without_place(missed)).or_default() += 1;
-        }
-    }
-    output.words(format!(
-        "By {version}: small changes to the code, each of which a test should notice. Every second of them is tried \
-         (`--shard {SHARD}`), which takes a quarter of an hour on two cores. A mutant that does not build is not counted."
-    ));
-    output.table("mutants", table)?;
-    let mut unexplained = Vec::new();
-    for (name, places) in &survivors {
-        let known = explained
-            .survivor
-            .iter()
-            .find(|known| known.mutant == *name);
-        let known = known.filter(|known| *places <= known.places);
-        if known.is_none() {
-            unexplained.push(name.as_str());
-        }
-        let why = known.map_or("not looked into", |known| known.why.as_str());
-        output.words(format!("- survived: {name}: {why}"));
-    }
-    let missed: usize = survivors.values().sum();
-    let percent = 100.0 * missed as f64 / (all as f64).max(1.0);
-    output.verdict(
-        all > 0 && percent <= SURVIVING_PERCENT,
-        format!("{missed} of {all} mutants survive: {percent:.1} %, at most {SURVIVING_PERCENT} %"),
-    );
-    let named = if unexplained.is_empty() {
-        "none".to_owned()
-    } else {
-        unexplained.join("; ")
-    };
-    output.verdict(
-        unexplained.is_empty(),
-        format!("survivors without an explanation in {EXPLAINED}: {named}"),
-    );
-    Ok(())
-}
-
-/// `crates/x/src/y.rs:12:3: replace ...` without line and column, which move.
-fn without_place(mutant: &str) -> String {
-    match mutant.split_once(':') {
-        Some((file, rest)) => {
-            let words = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':');
-            format!("{file}:{words}")
-        }
-        None => mutant.to_owned(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::without_place;
-
-    #[test]
-    fn mutants_keep_their_name_when_lines_move() {
-        let name = without_place("crates/metrics/src/rms.rs:12:34: replace + with - in rms");
-        assert_eq!(name, "crates/metrics/src/rms.rs: replace + with - in rms");
-    }
 }
