@@ -161,6 +161,73 @@ fn rivals_are_sorted_by_how_far_they_are_behind() {
     assert_eq!(found[0].behind, 2.0);
 }
 
+/// Names that stand in several places of a list.
+struct Repeated;
+
+impl Backward for Repeated {
+    type State = ();
+    type Error = Infallible;
+
+    fn effects(&self, (): &()) -> usize {
+        1
+    }
+
+    fn without(&mut self, (): &(), _: usize) -> Result<Without<()>, Infallible> {
+        let worth = 5.0;
+        Ok(Without { state: (), worth })
+    }
+}
+
+impl InPlace for Repeated {
+    type Name = &'static str;
+    type Fit = ();
+
+    fn in_place(&mut self, (): &(), (): &(), _: usize) -> Result<Others<Self>, Infallible> {
+        let all = [("lag", 1.0), ("play", 2.0), ("lag", 3.0), ("play", 1.5)];
+        let other = |(name, merit)| Other {
+            name,
+            merit,
+            fit: (),
+        };
+        Ok(all.map(other).into())
+    }
+}
+
+#[test]
+fn a_name_counts_once_by_its_best() {
+    let Ok(without) = Repeated.without(&(), 0);
+    let Ok(found) = rivals(&mut Repeated, &(), 0, &without, 1.0);
+    let found: Vec<_> = found
+        .iter()
+        .map(|rival| (rival.name, rival.behind))
+        .collect();
+    assert_eq!(found, [("lag", 2.0), ("play", 3.0)]);
+}
+
+#[test]
+fn a_name_is_as_likely_as_it_is_ahead() {
+    assert_eq!(probability([0.0, 0.0]), 1.0 / 3.0);
+    assert!((probability([9.0_f64.ln()]) - 0.9).abs() < 1e-12);
+    // one that is far ahead leaves it nothing, and a number
+    let beaten = probability([-1e9]);
+    assert!(beaten > 0.0 && beaten < 1e-20);
+}
+
+#[test]
+fn ranks_count_the_sizes_of_those_against() {
+    assert_eq!(Gain::new(&[5.0, -1.0, 8.0]).ranks_against, 1.0);
+    assert_eq!(Gain::new(&[2.0, 1.0, -3.0]).ranks_against, 3.0);
+}
+
+#[test]
+fn noise_is_no_part_of_what_is_closed() {
+    // 9 of 10 squares in a part are the gap's, and 8 of these 9 are closed
+    let closed = closed_share(&[10.0; 5], &[2.0; 5], 5.0);
+    for value in [closed.share, closed.ci95[0], closed.ci95[1]] {
+        assert!((value - 8.0 / 9.0).abs() < 1e-12, "{closed:?}");
+    }
+}
+
 #[test]
 fn a_gain_that_no_part_is_against_is_sure_by_its_signs() {
     let gain = Gain::between(&[2.0, 3.0, 400.0, 2.5], &[1.0; 4]);

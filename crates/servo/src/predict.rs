@@ -164,15 +164,6 @@ mod tests {
 
     /// Sines and cosines of a droop that a small swing hardly tells from an offset.
     #[test]
-    fn noise_is_no_part_of_what_is_closed() {
-        // 9 of 10 squares in a part are the gap's, and 8 of these 9 are closed
-        let (share, ci95) = closed(&[10.0; 5], &[2.0; 5], 5.0);
-        for value in [share, ci95[0], ci95[1]] {
-            assert!((value - 8.0 / 9.0).abs() < 1e-12, "{share}, {ci95:?}");
-        }
-    }
-
-    #[test]
     fn a_droop_is_not_predicted_where_the_first_log_did_not_go() {
         let terms = Terms {
             offset: true,
