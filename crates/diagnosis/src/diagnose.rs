@@ -11,6 +11,7 @@ use crate::answer::assemble::answer;
 use crate::answer::corrected::{changed, not_in_file};
 use crate::answer::second::judged;
 use crate::answer::{Diagnosis, Verdict};
+use crate::current::without_currents;
 use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
@@ -18,7 +19,7 @@ use crate::engine::onto_touches::onto_touches;
 use crate::engine::own_sizes::own_sizes;
 use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
-use crate::joined::joined;
+use crate::joined::{View, joined};
 use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
 use crate::log::{Log, thinned};
@@ -32,7 +33,7 @@ use crate::select::{Selection, Selector};
 use crate::servo_loop::has_commands;
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
-use crate::{DiagnosisError, Options, servo_loop, torques_alone};
+use crate::{DiagnosisError, Options, current, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -45,13 +46,21 @@ pub fn diagnose(
     recording: &Recording,
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let log = Log::new(device, recording, options.model);
+    let currents = without_currents(device, recording);
+    let log = Log::new(
+        device,
+        currents.as_ref().unwrap_or(recording),
+        options.model,
+    );
     let second = options.validation;
+    let of_second = second.and_then(|second| without_currents(device, second));
+    let second = of_second.as_ref().or(second);
     let second = second.map(|second| Log::new(device, second, options.model));
     let options = &Options {
         validation: second.as_ref().map(|second| second.recording.as_ref()),
         ..options.clone()
     };
+    let whole = recording;
     let recording = log.recording.as_ref();
     let of_chain = of_chain(device, recording, options).map(|mut found| {
         log.of_log(&mut found, second.as_ref());
@@ -63,12 +72,17 @@ pub fn diagnose(
     let model = options.model.unwrap_or(device);
     let is_by_torques = of_chain.is_ok() && is_moving_arm(model, recording);
     let is_asked = has_commands(device, recording) && !is_by_torques;
-    let of_loop = is_asked.then(|| {
-        let effects = effects_of(device, options)?;
-        servo_loop::diagnose(device, recording, &effects, options)
+    let of_loop = is_asked.then(|| View {
+        answer: effects_of(device, options)
+            .and_then(|effects| servo_loop::diagnose(device, recording, &effects, options)),
+        names: &haptical_servo::NAMES,
     });
     options.interrupt.check()?;
-    joined(of_chain, of_loop).map(judged)
+    let of_currents = currents.is_some().then(|| View {
+        answer: current::diagnose(device, whole, options),
+        names: &current::NAMES,
+    });
+    joined(of_chain, of_loop.into_iter().chain(of_currents)).map(judged)
 }
 
 /// The diagnosis of positions, of encoders on links and of torques.

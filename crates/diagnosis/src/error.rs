@@ -70,6 +70,12 @@ pub enum DiagnosisError {
         /// Reason.
         why: String,
     },
+    /// Motors' currents cannot be compared with torques.
+    #[error("the motors' currents cannot be tested: {why}")]
+    Currents {
+        /// Reason.
+        why: String,
+    },
     /// There is nothing that a further recording could tell apart.
     #[error("nothing to settle: {why}")]
     NothingToSettle {
@@ -96,7 +102,10 @@ impl DiagnosisError {
     pub fn is_unidentifiable(&self) -> bool {
         match self {
             Self::Calibration(error) => error.is_unidentifiable(),
-            Self::TooFewReadings { .. } | Self::Torques { .. } | Self::Commands { .. } => true,
+            Self::TooFewReadings { .. }
+            | Self::Torques { .. }
+            | Self::Commands { .. }
+            | Self::Currents { .. } => true,
             _ => false,
         }
     }

@@ -1,10 +1,9 @@
-//! The answers of two views of one log, as one: of its chain (positions, encoders on links, torques), and of the loops that follow its
-//! commands.
+//! The answers of several views of one log, as one: of its chain (positions, encoders on links, torques), of the loops that follow its
+//! commands, of its motors' currents.
 
 use std::cmp::Ordering;
 
 use haptical_calibration::CalibrationError;
-use haptical_servo::NAMES;
 
 use crate::DiagnosisError;
 use crate::answer::{
@@ -15,24 +14,31 @@ use crate::thresholds::servo::ALL_CLOSED;
 
 type Answered = Result<Diagnosis, DiagnosisError>;
 
-/// The answer of both views; `of_loop`: none where the log has no commands. A view that has no rows to judge, or too few, leaves the word to
-/// the other one, which says so.
+/// What one view of a log says.
+pub(crate) struct View {
+    pub(crate) answer: Answered,
+    /// Effects of which it says alone why they cannot be tested.
+    pub(crate) names: &'static [&'static str],
+}
+
+/// The answer of all views. One that has no rows to judge, or too few, leaves the word to the others, which say so.
 ///
 /// # Errors
-/// Those of the chain, else those of the loops, where neither view answers; any that says that the input is wrong.
-pub(crate) fn joined(of_chain: Answered, of_loop: Option<Answered>) -> Answered {
+/// Those of the first view where none answers; any that says that the input is wrong.
+pub(crate) fn joined(of_chain: Answered, others: impl IntoIterator<Item = View>) -> Answered {
+    others.into_iter().fold(of_chain, of_two)
+}
+
+fn of_two(first: Answered, other: View) -> Answered {
     let has_nothing = |error: &DiagnosisError| {
         matches!(
             error,
             DiagnosisError::Calibration(CalibrationError::NoChannel)
         )
     };
-    let Some(of_loop) = of_loop else {
-        return of_chain;
-    };
-    match (of_chain, of_loop) {
-        (Ok(of_chain), Ok(of_loop)) => Ok(of_both(of_chain, of_loop)),
-        (Err(why), of_loop) if has_nothing(&why) => of_loop,
+    match (first, other.answer) {
+        (Ok(first), Ok(answer)) => Ok(of_both(first, answer, other.names)),
+        (Err(why), answer) if has_nothing(&why) => answer,
         (Ok(answer), Err(why)) | (Err(why), Ok(answer)) if why.is_unidentifiable() => {
             Ok(without_other(answer, &why))
         }
@@ -45,24 +51,25 @@ fn without_other(mut answer: Diagnosis, why: &DiagnosisError) -> Diagnosis {
     let words = match why {
         DiagnosisError::Torques { why } => format!("the torques were not tested: {why}"),
         DiagnosisError::Commands { why } => format!("the commands were not tested: {why}"),
+        DiagnosisError::Currents { why } => format!("the currents were not tested: {why}"),
         other => format!("the positions were not tested: {other}"),
     };
     answer.warnings.insert(0, words);
     answer
 }
 
-/// Two views, the one with the word first, each with its share of the squares beyond noise.
-fn of_both(of_chain: Diagnosis, of_loop: Diagnosis) -> Diagnosis {
-    let energies = [&of_chain, &of_loop].map(energy);
+/// Two views, the one with the word first, each with its share of the squares beyond noise; `names` are those of the second.
+fn of_both(first: Diagnosis, second: Diagnosis, names: &[&str]) -> Diagnosis {
+    let energies = [&first, &second].map(energy);
     let total = (energies[0] + energies[1]).max(f64::MIN_POSITIVE);
-    let untestable = untestable(&of_chain, &of_loop);
-    let (device, whiteness) = (of_chain.device.clone(), of_chain.whiteness.clone());
-    let is_loop_first = is_second_first([of_chain.verdict, of_loop.verdict], energies);
-    let of_chain = Weighed::new(of_chain, energies[0] / total);
-    let of_loop = Weighed::new(of_loop, energies[1] / total);
-    let answer = match is_loop_first {
-        true => of_loop.followed_by(of_chain),
-        false => of_chain.followed_by(of_loop),
+    let untestable = untestable(&first, &second, names);
+    let (device, whiteness) = (first.device.clone(), first.whiteness.clone());
+    let is_second_first = is_second_first([first.verdict, second.verdict], energies);
+    let [first, second] = [(first, energies[0]), (second, energies[1])]
+        .map(|(answer, energy)| Weighed::new(answer, energy / total));
+    let answer = match is_second_first {
+        true => second.followed_by(first),
+        false => first.followed_by(second),
     };
     Diagnosis {
         untestable,
@@ -211,15 +218,14 @@ fn unexplained_gap(gap: &ChannelGap) -> String {
     )
 }
 
-/// What neither view can test: the chain has nothing to say of how a loop follows its commands, nor the loops of the chain.
-fn untestable(of_chain: &Diagnosis, of_loop: &Diagnosis) -> Vec<Untestable> {
-    let is_of_loop = |entry: &&Untestable| NAMES.contains(&entry.effect.as_str());
-    let of_chain = of_chain
-        .untestable
-        .iter()
-        .filter(|entry| !is_of_loop(entry));
-    let of_loop = of_loop.untestable.iter().filter(is_of_loop);
-    of_chain.chain(of_loop).cloned().collect()
+/// What neither view can test: of its `names` the second one says it, of all others the first; of a cause neither does.
+fn untestable(first: &Diagnosis, second: &Diagnosis, names: &[&str]) -> Vec<Untestable> {
+    let is_of_second = |entry: &&Untestable| names.contains(&entry.effect.as_str());
+    let of_first = first.untestable.iter().filter(|own| !is_of_second(own));
+    let of_second = second.untestable.iter().filter(is_of_second);
+    let is_cause = |own: &&Untestable| second.causes.iter().any(|cause| cause.effect == own.effect);
+    let all = of_first.chain(of_second).filter(|own| !is_cause(own));
+    all.cloned().collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 
 mod answer;
+mod current;
 mod diagnose;
 mod engine;
 mod error;

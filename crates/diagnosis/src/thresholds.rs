@@ -483,6 +483,9 @@ pub(crate) mod answer;
 /// A moving arm's gap in words.
 pub(crate) mod moving;
 
+/// Motors whose torque does not follow their current.
+pub(crate) mod current;
+
 /// Causes of a joint that does not follow its command.
 pub(crate) mod servo;
 

@@ -101,6 +101,15 @@ pub(crate) fn diagnose(
     let corrected = of_drives(device, verdict, changes);
     let devices = (device, corrected.as_ref());
     let not_held = not_in_file(verdict, &causes, devices, (&force.changes, is_moving));
+    let provenance = Provenance {
+        rows: recording.len(),
+        base_parameters: force.numbers,
+        base_identifiable: force.numbers,
+        tested: force.tested,
+        thresholds: crate::version::version(),
+        last_step: 0.0,
+        without: options.without.clone(),
+    };
     Ok(Diagnosis {
         not_in_file: not_held,
         next_experiment: next_experiment(verdict, &force, is_moving),
@@ -117,19 +126,10 @@ pub(crate) fn diagnose(
         candidates,
         warnings,
         held_out,
-        provenance: Provenance {
-            rows: recording.len(),
-            base_parameters: force.numbers,
-            base_identifiable: force.numbers,
-            tested: force.tested,
-            thresholds: crate::version::version(),
-            without: options.without.clone(),
-            ..Provenance::default()
-        },
         corrected,
         predictions,
         place,
-        ..Diagnosis::of_causes(verdict, gap, causes, model.clone())
+        ..Diagnosis::of_causes(verdict, gap, causes, model.clone(), provenance)
     })
 }
 

@@ -18,6 +18,8 @@ pub enum Need {
     Order,
     /// The joint's torque, recorded or by masses and gravity.
     Torque,
+    /// The current of the joint's motor.
+    Current,
     /// The hand's force.
     Force,
     /// The moment of hand and weights about the base.
@@ -62,6 +64,7 @@ impl Need {
             Self::Motion => "motion",
             Self::Order => "motion or postures in order",
             Self::Torque => "torque",
+            Self::Current => "motor current",
             Self::Force => "force",
             Self::BaseMoment => "force or masses with gravity",
             Self::Temperature => "temperature",
@@ -120,6 +123,10 @@ impl Need {
                 }
                 Some(_) => None,
             },
+            Self::Current => lacks(
+                recording.current(joint).is_none(),
+                &format!("no column current{number}_a"),
+            ),
             Self::Force => force_is_missing(recording),
             Self::BaseMoment => lacks(
                 context.base_moment_nm.is_none(),

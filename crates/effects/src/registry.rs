@@ -180,6 +180,8 @@ const REGISTRY: &[Line] = &[
     at_joints!(any, force::torque_gain),
     elsewhere(&force::UNBALANCED_GRAVITY),
     elsewhere(&force::GRIP_FORCE),
+    elsewhere(&force::MAGNETIC_SATURATION),
+    elsewhere(&force::TORQUE_CONSTANT_DRIFT),
     elsewhere(&in_motion::PAYLOAD),
     elsewhere(&in_motion::STRIBECK_FRICTION),
     elsewhere(&in_motion::LOAD_FRICTION),

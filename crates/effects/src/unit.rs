@@ -18,6 +18,9 @@ pub enum Unit {
     PerRadian,
     PerMetre,
     PerNewtonMetre,
+    PerAmpere,
+    PerSecond,
+    PerKelvin,
     RadianPerSecond,
     RadianPerKelvin,
     RadianPerNewtonMetre,
@@ -32,7 +35,7 @@ pub enum Unit {
 }
 
 /// Suffix of names and symbol; a suffix comes before those that end it.
-const UNITS: [(Unit, &str, &str); 24] = [
+const UNITS: [(Unit, &str, &str); 27] = [
     (
         Unit::NewtonMetreSecondPerRadian,
         "nm_s_per_rad",
@@ -52,6 +55,9 @@ const UNITS: [(Unit, &str, &str); 24] = [
     (Unit::NewtonPerKelvin, "n_per_k", "N/K"),
     (Unit::PerNewtonMetre, "per_nm", "1/(N m)"),
     (Unit::PerRadian, "per_rad", "1/rad"),
+    (Unit::PerAmpere, "per_a", "1/A"),
+    (Unit::PerSecond, "per_s", "1/s"),
+    (Unit::PerKelvin, "per_degc", "1/°C"),
     (Unit::Celsius, "degc", "°C"),
     (Unit::Hertz, "hz", "Hz"),
     (Unit::Radian, "rad", "rad"),

@@ -124,6 +124,16 @@ impl Recording {
         ])
     }
 
+    /// Current of a joint's motor \[A\]: `current3_a`.
+    pub fn current(&self, joint: usize) -> Option<&[f64]> {
+        self.covariate(&[format!("current{}_a", joint + 1)])
+    }
+
+    /// Voltage of the drives' supply \[V\]: `supply_v`.
+    pub fn supply(&self) -> Option<&[f64]> {
+        self.covariate(&["supply_v".to_owned()])
+    }
+
     fn covariate(&self, names: &[String]) -> Option<&[f64]> {
         let mut columns = self.covariates.iter();
         let own = columns.find(|(name, _)| names.contains(name));

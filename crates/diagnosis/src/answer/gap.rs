@@ -100,6 +100,20 @@ impl ChannelGap {
         }
     }
 
+    /// The same as what a cause does on rows that its fit did not see.
+    pub(crate) fn as_held_out(&self) -> HeldOutAnswer {
+        HeldOutAnswer {
+            channel: self.channel.clone(),
+            rms_before: self.rms_before,
+            rms_after: self.rms_after,
+            noise_floor: self.noise_floor,
+            unit: self.unit.clone(),
+            reduction_percent: self.reduction_percent,
+            reduction_ci95: self.reduction_ci95,
+            no_reduction: self.no_reduction,
+        }
+    }
+
     /// Nothing is said of a gap in it.
     pub(crate) fn without_gap(mut self) -> Self {
         self.has_gap = false;

@@ -118,6 +118,7 @@ impl Diagnosis {
         gap: Gap,
         causes: Vec<CauseAnswer>,
         device: Device,
+        provenance: Provenance,
     ) -> Self {
         Self {
             probability_unknown: match (verdict, causes.first()) {
@@ -147,7 +148,7 @@ impl Diagnosis {
             next_experiment: None,
             warnings: Vec::new(),
             held_out: String::new(),
-            provenance: Provenance::default(),
+            provenance,
             device,
             corrected: None,
             fit_rows: FitRows::default(),

@@ -7,7 +7,7 @@ use haptical_servo::{Finding, NAMES};
 
 use super::Asked;
 use super::causes::{TORQUE_GAIN, cause, changed, of_torque};
-use super::channel::{Joint, channel, gap, held_out, noise, of_second, predictions, trace};
+use super::channel::{Joint, channel, gap, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
     CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
@@ -132,6 +132,16 @@ pub(super) fn answer(
         is_gap_of_it_alone: false,
     });
     let is_explained = verdict.has_causes();
+    let provenance = Provenance {
+        rows: recording.len(),
+        base_parameters: 0,
+        base_identifiable: 0,
+        tested: joints.iter().map(|joint| joint.answer.tried).sum(),
+        thresholds: crate::version::version(),
+        last_step: 0.0,
+        without: options.without.clone(),
+    };
+    let model = options.model.unwrap_or(device).clone();
     Diagnosis {
         next_experiment: located.and_then(|joint| {
             let next = joint.answer.next.as_ref();
@@ -153,21 +163,9 @@ pub(super) fn answer(
             Some(_) => SECOND_RECORDING.to_owned(),
             None => "an eighth of the log in turn".to_owned(),
         },
-        provenance: Provenance {
-            rows: recording.len(),
-            tested: joints.iter().map(|joint| joint.answer.tried).sum(),
-            thresholds: crate::version::version(),
-            without: options.without.clone(),
-            ..Provenance::default()
-        },
         predictions: joints.iter().flat_map(predictions).collect(),
         place,
-        ..Diagnosis::of_causes(
-            verdict,
-            gap,
-            causes,
-            options.model.unwrap_or(device).clone(),
-        )
+        ..Diagnosis::of_causes(verdict, gap, causes, model, provenance)
     }
 }
 
@@ -198,7 +196,7 @@ fn causes(
         .filter(|joint| joint.answer.verdict.has_causes());
     for joint in with_gap {
         for finding in &joint.answer.causes {
-            let held_out = held_out(device, joint);
+            let held_out = gap(device, joint).as_held_out();
             let cause = cause(device, joint.index, finding, joint.weight, held_out);
             found.push((finding.since.is_some(), cause));
             words.extend(changed(joint.index, finding).map(|word| (joint.index, word)));

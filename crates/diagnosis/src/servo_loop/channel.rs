@@ -4,9 +4,7 @@ use haptical_model::{Device, JointType};
 use haptical_servo::{JointAnswer, Predicted};
 
 use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{
-    ChannelGap, HeldOutAnswer, NoReduction, NoiseAnswer, Prediction, Trace, Verdict,
-};
+use crate::answer::{ChannelGap, NoReduction, NoiseAnswer, Prediction, Trace, Verdict};
 use crate::noise::NoiseSource;
 use crate::thresholds::second::ALLOWED_OF_COMMANDS;
 
@@ -118,20 +116,6 @@ pub(super) fn gap(device: &Device, joint: &Joint) -> ChannelGap {
         }),
         reduction_ci95: is_closed.then(|| closed_ci95.map(reduction_percent)),
         no_reduction: (!has_gap).then_some(NoReduction::NoGap),
-    }
-}
-
-pub(super) fn held_out(device: &Device, joint: &Joint) -> HeldOutAnswer {
-    let gap = gap(device, joint);
-    HeldOutAnswer {
-        channel: gap.channel,
-        rms_before: gap.rms_before,
-        rms_after: gap.rms_after,
-        noise_floor: gap.noise_floor,
-        unit: gap.unit,
-        reduction_percent: gap.reduction_percent,
-        reduction_ci95: gap.reduction_ci95,
-        no_reduction: gap.no_reduction,
     }
 }
 

@@ -12,6 +12,7 @@ mod cables;
 mod clean;
 mod columns;
 mod converged;
+mod currents;
 mod dependencies;
 mod determinism;
 mod floors;

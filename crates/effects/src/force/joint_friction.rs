@@ -15,7 +15,7 @@ const VISCOUS: Parameter = Parameter::size("viscous_nm_s_per_rad", 0.0, f64::MAX
 const STRIBECK: Parameter = Parameter::size("stribeck_nm", 0.0, f64::MAX);
 
 /// Coulomb's friction changes sides over a travel.
-pub(crate) const SPEC: Spec = Spec {
+pub const SPEC: Spec = Spec {
     name: "joint-friction",
     meaning: "friction of a joint that the model lacks",
     inspect: "bearings, gears and cable of the joint, and the gain that works against them",

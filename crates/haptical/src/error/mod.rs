@@ -208,6 +208,11 @@ impl Error {
                 Self::in_file("commands-not-tested", text, log, next)
                     .of_kind(ErrorKind::Unidentifiable)
             }
+            DiagnosisError::Currents { .. } => {
+                let next = "record t_s, thetaN_rad, torqueN_nm and currentN_a of a joint that moves for some seconds";
+                Self::in_file("currents-not-tested", text, log, next)
+                    .of_kind(ErrorKind::Unidentifiable)
+            }
             DiagnosisError::Identification(_) => {
                 Self::in_file("identification", text, log, CHECK_DEVICE)
             }

@@ -2,6 +2,7 @@
 
 mod arms;
 mod hand;
+mod motors;
 mod rigs;
 mod servos;
 mod torques;
@@ -9,12 +10,13 @@ mod torques;
 use crate::scene::Scene;
 
 /// The lists of scenes.
-const LISTS: [&[Scene]; 5] = [
+const LISTS: [&[Scene]; 6] = [
     rigs::SCENES,
     arms::SCENES,
     hand::SCENES,
     torques::SCENES,
     servos::SCENES,
+    motors::SCENES,
 ];
 
 /// All scenes, in order.

@@ -12,6 +12,10 @@ const SEED: u64 = 5;
 const FORCE_SD_N: f64 = 0.1;
 /// Noise of an encoder on a link \[rad\], \[m\].
 const OUTPUT_SD: f64 = 2e-5;
+/// A motor \[N m/A\], noise of its current's sensor \[A\], and its supply \[V\].
+const CONSTANT_NM_PER_A: f64 = 3.0;
+const CURRENT_SD_A: f64 = 1e-3;
+const SUPPLY_V: f64 = 48.0;
 /// A room \[degC\].
 const ROOM_DEGC: f64 = 21.5;
 
@@ -102,6 +106,32 @@ pub(super) fn velocities(made: &Made) -> Result<Option<Made>> {
             let speeds = (0..times.len()).map(speed).collect();
             log.push(format!("velocity{joint}_{unit}_per_s"), speeds);
         }
+        Ok(true)
+    })
+}
+
+/// Currents of motors that each torque follows, and a supply's voltage.
+pub(super) fn currents(made: &Made) -> Result<Option<Made>> {
+    to_each(made, |log, noise| {
+        let torque = |(name, column): &(String, Column)| {
+            let joint = name.strip_prefix("torque")?.strip_suffix("_nm")?;
+            match column {
+                Column::Numbers(cells) => Some((joint.to_owned(), cells.clone())),
+                _ => None,
+            }
+        };
+        let torques: Vec<(String, Vec<f64>)> = log.columns.iter().filter_map(torque).collect();
+        if torques.is_empty() || log.has("supply_v") {
+            return Ok(false);
+        }
+        for (joint, cells) in torques {
+            let read = |torque: &f64| torque / CONSTANT_NM_PER_A + noise.normal(CURRENT_SD_A);
+            log.push(
+                format!("current{joint}_a"),
+                cells.iter().map(read).collect(),
+            );
+        }
+        log.push("supply_v", vec![SUPPLY_V; log.rows()]);
         Ok(true)
     })
 }

@@ -39,12 +39,13 @@ pub(super) enum Allows {
 }
 
 /// All laws.
-pub(super) static LAWS: [Law; 13] = [
+pub(super) static LAWS: [Law; 14] = [
     law("forces-of-nearly-zero", columns::forces, Allows::Same),
     law("encoders-on-links", columns::outputs, Allows::Same),
     law("commands-that-are-met", columns::commands, Allows::Same),
     law("constant-temperature", columns::temperature, Allows::Same),
     law("velocities", columns::velocities, Allows::Same),
+    law("currents-of-sound-motors", columns::currents, Allows::Same),
     law(
         "renamed-joints",
         changes::renamed,

@@ -1,0 +1,49 @@
+//! The diagnosis of motors: whether each joint's torque follows its motor's current (docs/equations.md, Between current and torque).
+
+mod answer;
+mod choose;
+mod read;
+mod rows;
+
+use haptical_effects::force::{MAGNETIC_SATURATION, TORQUE_CONSTANT_DRIFT};
+use haptical_model::{Device, Recording};
+
+use self::answer::{Joint, answer};
+use self::read::read;
+pub(crate) use self::read::without_currents;
+use self::rows::Rows;
+use crate::answer::Diagnosis;
+use crate::{DiagnosisError, Options};
+
+/// Effects that this view alone tests.
+pub(crate) const NAMES: [&str; 2] = [MAGNETIC_SATURATION.name, TORQUE_CONSTANT_DRIFT.name];
+
+/// Diagnoses each joint's torque by its current.
+///
+/// # Errors
+/// [`DiagnosisError::Currents`] where no joint can be tested, and why.
+pub(crate) fn diagnose(
+    device: &Device,
+    recording: &Recording,
+    options: &Options<'_>,
+) -> Result<Diagnosis, DiagnosisError> {
+    let with = (0..device.joints.len()).filter(|joint| recording.current(*joint).is_some());
+    let asked = haptical_parallel::map(with, |joint| {
+        let place = (joint, device.joints[joint].joint_type);
+        let rows = read(recording, place).and_then(|own| Rows::new(own, &options.without));
+        rows.map(|rows| Joint::new(joint, rows))
+            .map_err(|why| format!("joint {}: its current was not tested: {why}", joint + 1))
+    });
+    let (mut joints, mut untested) = (Vec::new(), Vec::new());
+    for own in asked {
+        match own {
+            Ok(joint) => joints.push(joint),
+            Err(why) => untested.push(why),
+        }
+    }
+    if joints.is_empty() {
+        let why = untested.join("; ");
+        return Err(DiagnosisError::Currents { why });
+    }
+    Ok(answer((device, recording, options), joints, untested))
+}

@@ -1,0 +1,225 @@
+//! A joint's torque, and the columns of what may be between it and the current.
+
+use std::ops::Range;
+
+use haptical_effects::force::in_motion::{TORQUE_LATENCY, TORQUE_OFFSET, TORQUE_SATURATION};
+use haptical_effects::force::{JOINT_FRICTION, MAGNETIC_SATURATION, TORQUE_CONSTANT_DRIFT};
+use haptical_linalg::NormalEquations;
+use haptical_metrics::{correlation, median, quantile};
+
+use super::read::Block;
+use crate::thresholds::current::{
+    LEAST_LEFT, LEAST_NOISE, LEAST_VARIATION, LEAST_WARMING_K, LIMIT_SHARES, LIMITS, PARTS,
+};
+
+/// A number of a law: its name, what its coefficient is multiplied by, and whether that is over the torque constant.
+type Number = (&'static str, f64, bool);
+
+/// A law between current and torque.
+#[derive(Debug)]
+pub(super) struct Term {
+    pub(super) effect: &'static str,
+    /// Whether nature allows its first number above zero alone.
+    pub(super) is_positive: bool,
+    pub(super) numbers: Vec<Number>,
+    columns: Range<usize>,
+}
+
+/// A joint's torque with the columns of its laws; the first column is the current.
+#[derive(Debug)]
+pub(super) struct Rows {
+    pub(super) time_s: Vec<f64>,
+    pub(super) torque_nm: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    pub(super) terms: Vec<Term>,
+    pub(super) parts: Vec<NormalEquations>,
+    pub(super) all: NormalEquations,
+    /// Of the mean of a block \[N m\].
+    pub(super) noise_nm: f64,
+    /// Squared correlation of torque and current.
+    pub(super) follows: f64,
+}
+
+impl Rows {
+    /// The rows of uninterrupted blocks without some laws; why there are none otherwise.
+    pub(super) fn new(segments: Vec<Vec<Block>>, without: &[String]) -> Result<Self, String> {
+        let ends = segments.iter().scan(0, |end, own| {
+            *end += own.len();
+            Some(*end - own.len()..*end)
+        });
+        let runs: Vec<Range<usize>> = ends.collect();
+        let blocks: Vec<Block> = segments.into_iter().flatten().collect();
+        let current: Vec<f64> = blocks.iter().map(|own| own.current_a).collect();
+        let torque_nm: Vec<f64> = blocks.iter().map(|own| own.torque_nm).collect();
+        let mut rows = Self {
+            time_s: blocks.iter().map(|own| own.time_s).collect(),
+            parts: Vec::new(),
+            all: NormalEquations::new(0),
+            follows: correlation(&current, &torque_nm).unwrap_or(0.0).powi(2),
+            columns: vec![current],
+            torque_nm,
+            terms: Vec::new(),
+            noise_nm: 0.0,
+        };
+        rows.add_linear(&blocks);
+        let linear: Vec<usize> = (0..rows.terms.len()).collect();
+        let whole = rows.products(0..blocks.len());
+        let fit = whole.solve(&rows.columns_of(&linear), |_| 0.0);
+        let count = blocks.len() as f64;
+        let square = whole.target_square() / count;
+        let residual = rows.residual(&linear, fit.coefficients());
+        let noise = runs.iter().flat_map(|run| residual[run.clone()].windows(3));
+        let noise: f64 = noise.map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2)).sum();
+        rows.noise_nm = (noise / (6.0 * count))
+            .max(LEAST_NOISE.powi(2) * square)
+            .sqrt();
+        let mean = rows.torque_nm.iter().sum::<f64>() / count;
+        if square - mean * mean < LEAST_VARIATION * rows.noise_nm.powi(2) {
+            return Err("the torque hardly varies".to_owned());
+        }
+        rows.add_limits(&blocks)?;
+        rows.terms
+            .retain(|own| without.iter().all(|name| name != own.effect));
+        let part = |part: usize| part * blocks.len() / PARTS..(part + 1) * blocks.len() / PARTS;
+        rows.parts = (0..PARTS).map(|own| rows.products(part(own))).collect();
+        rows.all = rows.products(0..blocks.len());
+        Ok(rows)
+    }
+
+    /// Laws that enter linearly, by docs/equations.md, Between current and torque.
+    fn add_linear(&mut self, blocks: &[Block]) {
+        let mut law = |effect, is_positive, numbers: &[(Number, &dyn Fn(&Block) -> f64)]| {
+            let names = numbers.iter().map(|(own, _)| *own).collect();
+            let columns = numbers.iter();
+            let columns = columns.map(|(_, own)| blocks.iter().map(own).collect());
+            self.add(effect, is_positive, names, columns.collect());
+        };
+        let (start_s, start_degrees) = blocks
+            .first()
+            .map_or((0.0, 0.0), |own| (own.time_s, own.degrees));
+        let falls = |own: &Block| own.current_a.abs() * own.current_a;
+        let in_time = |own: &Block| (own.time_s - start_s) * own.current_a;
+        let in_warmth = |own: &Block| (own.degrees - start_degrees) * own.current_a;
+        let drift = TORQUE_CONSTANT_DRIFT.name;
+        law(
+            TORQUE_OFFSET.name,
+            false,
+            &[(("torque_nm", 1.0, false), &|_| 1.0)],
+        );
+        law(
+            MAGNETIC_SATURATION.name,
+            true,
+            &[(("share_per_a", -1.0, true), &falls)],
+        );
+        law(drift, false, &[(("share_per_s", 1.0, true), &in_time)]);
+        law(
+            TORQUE_LATENCY.name,
+            false,
+            &[(("delay_s", -1.0, true), &|own| own.amperes_per_s)],
+        );
+        let viscous = ("viscous_nm_s_per_rad", -1.0, false);
+        law(
+            JOINT_FRICTION.name,
+            true,
+            &[
+                (("coulomb_nm", -1.0, false), &|own| own.side),
+                (viscous, &|own| own.speed),
+            ],
+        );
+        let degrees = blocks.iter().map(|own| own.degrees);
+        let most = degrees.clone().fold(f64::NEG_INFINITY, f64::max);
+        if most - degrees.fold(f64::INFINITY, f64::min) >= LEAST_WARMING_K {
+            law(drift, false, &[(("share_per_degc", 1.0, true), &in_warmth)]);
+        }
+    }
+
+    /// What is beyond limits of the current: (U - k |omega|) / R where the voltage is known, else a constant.
+    fn add_limits(&mut self, blocks: &[Block]) -> Result<(), String> {
+        let amperes: Vec<f64> = blocks.iter().map(|own| own.current_a.abs()).collect();
+        let median = median(&amperes).map_err(|why| why.to_string())?;
+        // no limit that is tried is below the lower half
+        let half = blocks.iter().filter(|own| own.current_a.abs() <= median);
+        let sums = half.fold([0.0, f64::MIN_POSITIVE], |[along, square], own| {
+            let current = own.current_a;
+            [along + current * own.torque_nm, square + current * current]
+        });
+        let constant = sums[0] / sums[1];
+        let left = |own: &Block| {
+            let left = |volts: f64| volts - (constant * own.speed).abs();
+            let known = own.volts.map(|volts| left(volts).max(LEAST_LEFT * volts));
+            known.unwrap_or(1.0)
+        };
+        let per_left = |own: &Block| own.current_a.abs() / left(own);
+        let all: Vec<f64> = blocks.iter().map(per_left).collect();
+        let volts = blocks
+            .iter()
+            .map(|own| own.volts.unwrap_or(1.0))
+            .sum::<f64>()
+            / blocks.len() as f64;
+        for limit in 0..LIMITS {
+            let [most, least] = LIMIT_SHARES;
+            let share = most * (least / most).powf(limit as f64 / LIMITS as f64);
+            let limit = quantile(&all, 1.0 - share).map_err(|why| why.to_string())?;
+            let beyond = |own: &Block| {
+                own.current_a.signum() * (own.current_a.abs() - limit * left(own)).max(0.0)
+            };
+            let number = ("limit_nm", -limit * volts, false);
+            let column = blocks.iter().map(beyond).collect();
+            self.add(TORQUE_SATURATION.name, true, vec![number], vec![column]);
+        }
+        Ok(())
+    }
+
+    fn add(
+        &mut self,
+        effect: &'static str,
+        is_positive: bool,
+        numbers: Vec<Number>,
+        columns: Vec<Vec<f64>>,
+    ) {
+        let first = self.columns.len();
+        self.columns.extend(columns);
+        self.terms.push(Term {
+            effect,
+            is_positive,
+            numbers,
+            columns: first..self.columns.len(),
+        });
+    }
+
+    fn products(&self, rows: Range<usize>) -> NormalEquations {
+        let columns = self.columns.iter().map(|own| &own[rows.clone()]);
+        let columns: Vec<&[f64]> = columns.collect();
+        NormalEquations::from_columns(&columns, &self.torque_nm[rows])
+    }
+
+    /// Columns of the current and of some laws.
+    pub(super) fn columns_of(&self, laws: &[usize]) -> Vec<usize> {
+        let of_laws = laws.iter().flat_map(|law| self.terms[*law].columns.clone());
+        std::iter::once(0).chain(of_laws).collect()
+    }
+
+    /// Numbers of some laws by a model's coefficients, of which the torque constant is the first.
+    pub(super) fn numbers(&self, laws: &[usize], coefficients: &[f64]) -> Vec<Vec<f64>> {
+        let mut own = coefficients.iter().skip(1);
+        let mut number = |(_, factor, is_share): &Number| {
+            let value = factor * own.next().unwrap_or(&0.0);
+            match is_share {
+                true => value / coefficients[0],
+                false => value,
+            }
+        };
+        let laws = laws.iter().map(|law| self.terms[*law].numbers.iter());
+        laws.map(|own| own.map(&mut number).collect()).collect()
+    }
+
+    /// What a model leaves of the torque.
+    pub(super) fn residual(&self, laws: &[usize], coefficients: &[f64]) -> Vec<f64> {
+        let mut left = self.torque_nm.clone();
+        for (column, factor) in self.columns_of(laws).iter().zip(coefficients) {
+            let pairs = left.iter_mut().zip(&self.columns[*column]);
+            pairs.for_each(|(left, own)| *left -= factor * own);
+        }
+        left
+    }
+}
