@@ -30,15 +30,9 @@ pub(crate) fn joined(of_chain: Answered, others: impl IntoIterator<Item = View>)
 }
 
 fn of_two(first: Answered, other: View) -> Answered {
-    let has_nothing = |error: &DiagnosisError| {
-        matches!(
-            error,
-            DiagnosisError::Calibration(CalibrationError::NoChannel)
-        )
-    };
     match (first, other.answer) {
         (Ok(first), Ok(answer)) => Ok(of_both(first, answer, other.names)),
-        (Err(why), answer) if has_nothing(&why) => answer,
+        (Err(DiagnosisError::Calibration(CalibrationError::NoChannel)), answer) => answer,
         (Ok(answer), Err(why)) | (Err(why), Ok(answer)) if why.is_unidentifiable() => {
             Ok(without_other(answer, &why))
         }
@@ -65,8 +59,10 @@ fn of_both(first: Diagnosis, second: Diagnosis, names: &[&str]) -> Diagnosis {
     let untestable = untestable(&first, &second, names);
     let (device, whiteness) = (first.device.clone(), first.whiteness.clone());
     let is_second_first = is_second_first([first.verdict, second.verdict], energies);
-    let [first, second] = [(first, energies[0]), (second, energies[1])]
-        .map(|(answer, energy)| Weighed::new(answer, energy / total));
+    let [first, second] = [(first, energies[0]), (second, energies[1])].map(|(answer, energy)| {
+        let weight = energy / total;
+        Weighed { answer, weight }
+    });
     let answer = match is_second_first {
         true => second.followed_by(first),
         false => first.followed_by(second),
@@ -111,10 +107,6 @@ struct Weighed {
 }
 
 impl Weighed {
-    fn new(answer: Diagnosis, weight: f64) -> Self {
-        Self { answer, weight }
-    }
-
     fn unexplained(&self) -> f64 {
         self.weight
             * match self.answer.verdict {

@@ -36,14 +36,12 @@ impl Joint {
         let count = rows.torque_nm.len() as f64;
         let closed = closed_share(before, after, count);
         let torque = rows.all.target_square() / rows.noise_nm.powi(2);
-        let has_rest = |unseen: &[f64]| {
-            let excess = unseen.iter().sum::<f64>() - count;
-            excess > (LEAST_GAP * torque).max(CHANCE * count.sqrt())
-        };
-        let is_closed = closed.share >= LEAST_CLOSED || !has_rest(after);
+        let chance = CHANCE * count.sqrt();
+        let excess = |unseen: &[f64]| unseen.iter().sum::<f64>() - count;
+        let is_closed = closed.share >= LEAST_CLOSED || excess(after) <= chance;
         let first = chosen.rivals.first();
         let verdict = haptical_judge::verdict(Evidence {
-            has_gap: first.is_some() || has_rest(before),
+            has_gap: first.is_some() || excess(before) > chance.max(LEAST_GAP * torque),
             is_supported: rows.follows >= FOLLOWS && is_closed && closed.ci95[0] > 0.0,
             probability: first.map(|rivals| of_name(rivals)),
         });
@@ -186,7 +184,9 @@ pub(super) fn answer(
         ..own.gap()
     });
     let closed: f64 = causes.iter().map(|own| own.share).sum();
-    let warnings = joints.iter().filter_map(Joint::warning);
+    let second = (options.validation)
+        .map(|_| "the currents of the second recording were not compared".to_owned());
+    let warnings = joints.iter().filter_map(Joint::warning).chain(second);
     let provenance = Provenance {
         rows: recording.len(),
         base_parameters: joints.len(),

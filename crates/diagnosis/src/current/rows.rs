@@ -15,6 +15,9 @@ use crate::thresholds::current::{
 /// A number of a law: its name, what its coefficient is multiplied by, and whether that is over the torque constant.
 type Number = (&'static str, f64, bool);
 
+/// What a coefficient is multiplied with, block by block.
+type Value<'v> = &'v dyn Fn(&Block) -> f64;
+
 /// A law between current and torque.
 #[derive(Debug)]
 pub(super) struct Term {
@@ -88,7 +91,7 @@ impl Rows {
 
     /// Laws that enter linearly, by docs/equations.md, Between current and torque.
     fn add_linear(&mut self, blocks: &[Block]) {
-        let mut law = |effect, is_positive, numbers: &[(Number, &dyn Fn(&Block) -> f64)]| {
+        let mut law = |effect, is_positive, numbers: &[(Number, Value<'_>)]| {
             let names = numbers.iter().map(|(own, _)| *own).collect();
             let columns = numbers.iter();
             let columns = columns.map(|(_, own)| blocks.iter().map(own).collect());

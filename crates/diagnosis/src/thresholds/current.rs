@@ -29,8 +29,9 @@ pub(crate) const LEAST_NATS: f64 = 10.0;
 pub(crate) const LEAST_SHARE: f64 = 2.5e-5;
 
 // `current::answer`
-/// Share of the torque's squares beyond noise that is a gap without a law: a percent of its size. Choice.
-pub(crate) const LEAST_GAP: f64 = 1e-4;
+/// Share of the torque's squares beyond noise that is a gap without a law: 3 % of its size. Choice: filtered noise and the ripple of sensors
+/// leave as much, and both have a memory, so that second differences do not show them.
+pub(crate) const LEAST_GAP: f64 = 9e-4;
 /// Excess over the noise's variance that is more than chance, times the root of the number of blocks. Calculated: five standard deviations,
 /// 2.0 each, of a variance by second differences, whose correlations are -2/3 and 1/6.
 pub(crate) const CHANCE: f64 = 10.0;

@@ -220,6 +220,68 @@ fn a_current_that_the_supply_limits_is_named() {
     );
 }
 
+/// A current that follows the angle: its slope has 0.81 of what friction has of a sine's sides.
+#[test]
+fn friction_that_is_left_out_passes_for_no_delay() {
+    let mut recording = recorded(&SOUND);
+    let mut noise = Normal::new(17);
+    let angles = &recording.joint[0];
+    let currents: Vec<f64> = angles.iter().map(|angle| 3.0 * angle).collect();
+    let slopes = (0..ROWS).map(|row| angles[(row + 1).min(ROWS - 1)] - angles[row]);
+    let torques = slopes
+        .zip(&currents)
+        .map(|(slope, current)| CONSTANT * current - 0.6 * slope.signum() + 0.1 * noise.next());
+    recording.torque_nm[0] = Some(torques.collect());
+    recording.covariates[0].1 = currents;
+    let found = diagnosed(&recording);
+    assert_eq!(
+        found.causes[0].effect, "joint-friction",
+        "{:?}",
+        found.causes
+    );
+    let options = Options {
+        without: vec!["joint-friction".to_owned()],
+        ..Options::default()
+    };
+    let found = diagnose(&device(1), &recording, &options).unwrap();
+    assert_eq!(found.verdict, Verdict::Unknown, "{:?}", found.causes);
+}
+
+#[test]
+fn noise_with_a_memory_is_no_gap() {
+    let mut recording = recorded(&SOUND);
+    let (mut noise, mut left) = (Normal::new(19), 0.0);
+    for torque in recording.torque_nm[0].iter_mut().flatten() {
+        left = 0.95 * left + 0.03 * noise.next();
+        *torque += left;
+    }
+    let found = diagnosed(&recording);
+    assert_eq!(found.verdict, Verdict::NoGap, "{:?}", found.causes);
+}
+
+#[test]
+fn a_late_loop_and_a_motor_that_saturates_are_both_named() {
+    let mut recording = recorded(&Motor {
+        falls: 0.1,
+        ..SOUND
+    });
+    let commands = (0..ROWS)
+        .map(|row| angle(row as f64 * STEP_S + 0.08))
+        .collect();
+    recording
+        .covariates
+        .push(("command1_rad".to_owned(), commands));
+    let found = diagnosed(&recording);
+    let mut names: Vec<&str> = found.causes.iter().map(|own| own.effect.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["command-latency", "magnetic-saturation"]);
+    let share: f64 = found.gap.channels.iter().map(|own| own.share_of_gap).sum();
+    assert!((share - 1.0).abs() < 1e-9, "{share}");
+    // of what a view tests alone no other says that it is untestable
+    let untestable = |name: &str| found.untestable.iter().any(|own| own.effect == name);
+    assert!(!untestable("magnetic-saturation") && !untestable("command-latency"));
+}
+
 #[test]
 fn noise_in_the_current_s_place_is_unknown_with_a_warning() {
     let mut recording = recorded(&Motor {
