@@ -222,7 +222,49 @@ fn untestable(first: &Diagnosis, second: &Diagnosis, names: &[&str]) -> Vec<Unte
 
 #[cfg(test)]
 mod tests {
+    use haptical_model::Device;
+
     use super::*;
+    use crate::answer::Provenance;
+
+    /// An answer with effects that it cannot test, and with causes.
+    fn answer(untestable: &[&str], causes: &[&str]) -> Diagnosis {
+        let untestable = untestable.iter().map(|name| Untestable {
+            effect: (*name).to_owned(),
+            joints: Vec::new(),
+            why: String::new(),
+        });
+        let provenance = Provenance {
+            rows: 0,
+            base_parameters: 0,
+            base_identifiable: 0,
+            tested: 0,
+            thresholds: String::new(),
+            last_step: 0.0,
+            without: Vec::new(),
+        };
+        let device = Device::from_toml("[[joint]]\n", "device.toml")
+            .unwrap()
+            .device;
+        let gap = Gap::new(Verdict::NoGap, None, Vec::new());
+        let causes = causes
+            .iter()
+            .map(|name| CauseAnswer::named(name, None, 1.0));
+        Diagnosis {
+            untestable: untestable.collect(),
+            causes: causes.collect(),
+            ..Diagnosis::bare(Verdict::NoGap, gap, device, provenance)
+        }
+    }
+
+    #[test]
+    fn of_its_names_a_view_says_alone_why_they_are_untestable() {
+        let first = answer(&["backlash", "dead-zone", "torque-offset"], &[]);
+        let second = answer(&["dead-zone", "payload"], &["torque-offset"]);
+        let both = untestable(&first, &second, &["dead-zone"]);
+        let names: Vec<&str> = both.iter().map(|own| own.effect.as_str()).collect();
+        assert_eq!(names, ["backlash", "dead-zone"]);
+    }
 
     #[test]
     fn the_view_that_names_has_the_word_and_of_two_the_larger_gap() {

@@ -360,4 +360,25 @@ fn clean_currents_change_no_name_of_the_log_without_them() {
         (without.verdict, &without.causes)
     );
     assert!(with.gap.channels.len() > without.gap.channels.len());
+    assert_eq!(with.place, without.place);
+}
+
+/// Other views do not read currents: as covariates they would be asked of what noise does not depend on.
+#[test]
+fn clean_currents_change_no_test_of_a_clean_log() {
+    let session = crate::arm::Session::default();
+    let mut recording = crate::arm::record(&session, |_| crate::arm::Errors::default());
+    let without = crate::arm::diagnosed(&recording);
+    let torque: Vec<f64> = (0..recording.len())
+        .map(|row| (row as f64 * 0.01).sin())
+        .collect();
+    recording.torque_nm[0] = Some(torque.clone());
+    let with_torque = crate::arm::diagnosed(&recording);
+    let currents = torque.iter().map(|own| own / CONSTANT).collect();
+    recording
+        .covariates
+        .push(("current1_a".to_owned(), currents));
+    let with = crate::arm::diagnosed(&recording);
+    assert_eq!([without.verdict, with.verdict], [Verdict::NoGap; 2]);
+    assert_eq!(with.whiteness, with_torque.whiteness);
 }

@@ -69,8 +69,9 @@ fn every_effect_of_the_registry_is_at_some_place() {
         // findings of other parts have no law
         let has_none = matches!(spec.hook, Hook::Readings | Hook::BaseModel | Hook::Command)
             || ["unbalanced-gravity", "grip-force"].contains(&spec.name)
-            // the laws of a moving arm are another crate's
+            // the laws of a moving arm and of currents are other crates'
             || spec.needs.contains(&Need::Inertia)
+            || spec.needs.contains(&Need::Current)
             || *spec == crate::force::PAYLOAD_ON_LINK;
         assert_ne!(is_found, has_none, "{}", spec.name);
     }

@@ -7,7 +7,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 79] = [
+const STABLE: [(&str, &[&str]); 81] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),
@@ -96,6 +96,8 @@ const STABLE: [(&str, &[&str]); 79] = [
     ("dead-zone", &[]),
     ("servo-gain", &[]),
     ("speed-saturation", &[]),
+    ("magnetic-saturation", &[]),
+    ("torque-constant-drift", &[]),
 ];
 
 #[test]
