@@ -283,8 +283,7 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
                ratios against the device; with --loss squares, wild readings alone can do this: leave it at auto";
     let measure = "add external encoders (outN_rad), or [[link]] rows to the device and a distance \
                    (cable_m) or position (x_m, y_m, z_m) to the log; of torques alone (torqueN_nm), haptical diagnose tells \
-                   what the arm carries and how its drives rub, of commands (commandN_rad) how its joints follow them, and of motor \
-                   currents (currentN_a) beside torques whether these follow them";
+                   what the arm carries and how its drives rub, and of commands (commandN_rad) how its joints follow them";
     let (name, what, next) = match error {
         CalibrationError::NoMotion { rows } => {
             let what = format!(
