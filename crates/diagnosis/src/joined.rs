@@ -234,15 +234,7 @@ mod tests {
             joints: Vec::new(),
             why: String::new(),
         });
-        let provenance = Provenance {
-            rows: 0,
-            base_parameters: 0,
-            base_identifiable: 0,
-            tested: 0,
-            thresholds: String::new(),
-            last_step: 0.0,
-            without: Vec::new(),
-        };
+        let provenance = Provenance::default();
         let device = Device::from_toml("[[joint]]\n", "device.toml")
             .unwrap()
             .device;
@@ -253,7 +245,7 @@ mod tests {
         Diagnosis {
             untestable: untestable.collect(),
             causes: causes.collect(),
-            ..Diagnosis::bare(Verdict::NoGap, gap, device, provenance)
+            ..Diagnosis::of_causes(Verdict::NoGap, gap, Vec::new(), device, provenance)
         }
     }
 

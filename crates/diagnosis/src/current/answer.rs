@@ -218,14 +218,9 @@ pub(super) fn answer(
         unexplained_share: located.map_or(0.0, |_| 1.0 - closed),
         closed_unseen_share: (verdict.has_causes() && closed < LEAST_CLOSED).then_some(closed),
         not_in_file: causes.iter().map(not_held).collect(),
-        probability_unknown: match verdict {
-            Verdict::NoGap => 0.0,
-            _ => 1.0 - causes.first().map_or(0.0, |own| own.class_probability),
-        },
         warnings: warnings.chain(untested).collect(),
         held_out: "a twelfth of the log in turn".to_owned(),
         traces: with_gap.map(Joint::trace).collect(),
-        causes,
-        ..Diagnosis::bare(verdict, gap, model, provenance)
+        ..Diagnosis::of_causes(verdict, gap, causes, model, provenance)
     }
 }
