@@ -141,6 +141,10 @@ fn what_later_effects_explain_is_taken_out_the_least_first() {
     let Ok(kept) = without_needless(&mut sums, vec![0, 1, 2], 1);
     assert_eq!(kept.state, [1, 2]);
     assert_eq!(kept.worth, Some(vec![8.0, 7.0]));
+    // all three could go at first; once the imitation is out, which is worth nothing, the others are needed
+    sums.worth = [12.0, 6.2, 6.3, 0.0];
+    let Ok(kept) = without_needless(&mut sums, vec![0, 1, 2], 1);
+    assert_eq!(kept.state, [1, 2]);
     // the last one stays, whatever it is worth
     sums.worth = [0.5; 4];
     let Ok(kept) = without_needless(&mut sums, vec![1, 2], 1);
