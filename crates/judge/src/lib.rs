@@ -1,3 +1,5 @@
+//! Which effects some rows show: they are selected, compared with their rivals and judged, whatever the rows are of.
+//!
 #![doc = include_str!("../README.md")]
 
 mod gain;

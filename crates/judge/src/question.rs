@@ -38,6 +38,17 @@ pub struct Proposal<F> {
     pub merit: f64,
 }
 
+impl<F> Proposal<F> {
+    /// The proposal of an effect that was compared with others already; nothing without one.
+    pub fn of_best(best: Option<F>, merit: impl FnOnce(&F) -> f64) -> Vec<Self> {
+        let proposal = best.map(|further| Self {
+            merit: merit(&further),
+            further,
+        });
+        proposal.into_iter().collect()
+    }
+}
+
 /// What becomes of a proposal.
 #[derive(Debug, Clone)]
 pub enum Ruling<S> {

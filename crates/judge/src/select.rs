@@ -2,7 +2,7 @@
 
 use crate::question::{Forward, Ruling};
 
-/// Takes effects up one after the other, each the best beside those before it, until no further one is admitted.
+/// Takes effects up one after the other, each the best given those before it, until no further one is admitted.
 ///
 /// # Errors
 /// Those of the models.

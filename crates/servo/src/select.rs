@@ -178,14 +178,13 @@ impl Forward for Chooser<'_, '_> {
         let has_droop = self.problem.has_droop();
         self.further.retain(|law| *law != Law::Droop || has_droop);
         let law = self.further.pop();
-        let proposal = law.map(|law| {
-            let with = self.judged(law.set(chosen.terms, true), Some(chosen.fit.shape));
-            Proposal {
-                merit: Gain::between(&chosen.unseen, &with.unseen).sum,
-                further: (law, with),
-            }
+        let with = law.map(|law| {
+            let terms = law.set(chosen.terms, true);
+            (law, self.judged(terms, Some(chosen.fit.shape)))
         });
-        Ok(proposal.into_iter().collect())
+        Ok(Proposal::of_best(with, |(_, with)| {
+            Gain::between(&chosen.unseen, &with.unseen).sum
+        }))
     }
 
     fn rule(

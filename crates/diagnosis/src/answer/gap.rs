@@ -189,3 +189,8 @@ fn main_of(located: Option<&str>, channels: &[ChannelGap]) -> Option<usize> {
         (0..channels.len()).max_by(by_share)
     })
 }
+
+/// Reduction of a gap's size \[%\] by the share of its squares that closes; below zero where it grows.
+pub(crate) fn reduction_percent(closed: f64) -> f64 {
+    100.0 * (1.0 - (1.0 - closed.min(1.0)).sqrt())
+}

@@ -9,6 +9,7 @@ use super::choose::{Chosen, Fitted, choose};
 use super::rows::Rows;
 use crate::Options;
 use crate::answer::floor::Floor;
+use crate::answer::gap::reduction_percent;
 use crate::answer::{
     CauseAnswer, ChannelGap, Diagnosis, Gap, ParameterAnswer, Place, Provenance, Trace, Verdict,
 };
@@ -86,11 +87,11 @@ impl Joint {
             square.sqrt() * self.rows.noise_nm
         });
         let gap = ChannelGap::fitted(self.channel(), Some(self.index), rms, &floor, "N m");
-        let percent = |share: f64| 100.0 * (1.0 - (1.0 - share.min(1.0)).sqrt());
         let gap = ChannelGap {
             held_out: true,
             rms_fit: None,
-            reduction_ci95: (self.verdict.has_causes()).then(|| self.closed.ci95.map(percent)),
+            reduction_ci95: (self.verdict.has_causes())
+                .then(|| self.closed.ci95.map(reduction_percent)),
             ..gap
         };
         match self.verdict {

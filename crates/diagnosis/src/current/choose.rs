@@ -27,7 +27,7 @@ pub(super) struct Fitted {
 pub(super) struct Chosen {
     pub(super) before: Fitted,
     pub(super) fitted: Fitted,
-    /// Of each law what it explains beside the others \[nats\], and what would do in its place.
+    /// Of each law what it explains with the others in the model \[nats\], and what would do in its place.
     pub(super) worth: Vec<f64>,
     pub(super) rivals: Vec<Vec<Rival<&'static str, ()>>>,
 }

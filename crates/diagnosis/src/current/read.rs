@@ -22,7 +22,7 @@ pub(super) struct Block {
 /// Means of a block: time, current, torque, angle, temperature, voltage.
 type Means = [f64; 6];
 
-/// Blocks within uninterrupted rows: of the fewest rows in which the slope of the current is clear beside its noise, else is clearest.
+/// Blocks within uninterrupted rows: of the fewest rows in which the slope of the current is clear of its noise, else is clearest.
 pub(super) fn read(
     recording: &Recording,
     (joint, joint_type): (usize, JointType),

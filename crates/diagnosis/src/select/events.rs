@@ -178,30 +178,26 @@ struct FurtherSteps<'s> {
 
 impl Forward for FurtherSteps<'_> {
     type State = Vec<f64>;
-    type Further = f64;
+    type Further = Score;
     type Error = Infallible;
 
-    fn proposals(&mut self, times: &Vec<f64>) -> Result<Vec<Proposal<f64>>, Infallible> {
+    fn proposals(&mut self, times: &Vec<f64>) -> Result<Vec<Proposal<Score>>, Infallible> {
         if times.len() >= MOST_STEPS_OF_AN_EVENT {
             return Ok(Vec::new());
         }
         let best = (self.instants).best(&self.steps.taken(times, usize::MAX));
-        let proposal = best.map(|best| Proposal {
-            further: best.shape,
-            merit: best.score,
-        });
-        Ok(proposal.into_iter().collect())
+        Ok(Proposal::of_best(best, |best| best.score))
     }
 
     fn rule(
         &mut self,
         times: &Vec<f64>,
-        best: Proposal<f64>,
+        best: Proposal<Score>,
     ) -> Result<Ruling<Vec<f64>>, Infallible> {
         if best.merit <= STEP_SCORE || best.merit <= STEP_SHARE * self.one {
             return Ok(Ruling::Ended);
         }
-        let mut times = [times.as_slice(), &[best.further]].concat();
+        let mut times = [times.as_slice(), &[best.further.shape]].concat();
         for _ in 0..SWEEPS {
             let before = times.clone();
             for index in 0..times.len() {

@@ -115,11 +115,7 @@ impl Forward for Growth<'_, '_> {
         }
         let best = self.selector.best(grown, &scan, &mut self.tried)?;
         self.refused.note(&self.tried, &scan);
-        let proposal = best.map(|further| Proposal {
-            merit: further.1.score,
-            further,
-        });
-        Ok(proposal.into_iter().collect())
+        Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
 
     fn rule(
@@ -147,12 +143,10 @@ impl Forward for Growth<'_, '_> {
             self.refused.add(score);
             return Ok(Ruling::Refused);
         }
-        let mut with = grown.clone();
+        let mut with = grown.with(next, system, after, &score);
         if !keeps_its_law {
-            with.provisional.push(score.clone());
+            with.provisional.push(score);
         }
-        with.explained.push(score.score);
-        (with.refit, with.system, with.after) = (next, system, after);
         self.tried.clear();
         Ok(Ruling::Taken(with))
     }

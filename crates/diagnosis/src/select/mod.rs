@@ -61,6 +61,20 @@ pub(crate) struct Grown {
     provisional: Vec<Score>,
 }
 
+impl Grown {
+    /// The causes with a further one, as they were refitted.
+    fn with(&self, refit: Refit, system: System, after: Vec<SlowEnergy>, score: &Score) -> Self {
+        Self {
+            refit,
+            system,
+            after,
+            explained: [self.explained.as_slice(), &[score.score]].concat(),
+            first_scan: self.first_scan.clone(),
+            provisional: self.provisional.clone(),
+        }
+    }
+}
+
 /// Picks that were not taken.
 #[derive(Debug, Default)]
 pub(crate) struct Refused {

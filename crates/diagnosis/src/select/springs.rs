@@ -143,11 +143,7 @@ impl Forward for Extension<'_, '_> {
         let mut scan = self.selector.scan(&with.system, &with.refit.model);
         scan.retain(|score| (self.among)(self.selector, score.effect));
         let best = self.selector.best(with, &scan, &mut self.tried)?;
-        let proposal = best.map(|further| Proposal {
-            merit: further.1.score,
-            further,
-        });
-        Ok(proposal.into_iter().collect())
+        Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
 
     fn rule(
@@ -161,10 +157,7 @@ impl Forward for Extension<'_, '_> {
         if !self.selector.is_more_than_chance(&score, &after)? {
             return Ok(Ruling::Ended);
         }
-        let mut next = with.clone();
-        next.explained.push(score.score);
-        (next.refit, next.system, next.after) = (refit, system, after);
         self.tried.clear();
-        Ok(Ruling::Taken(next))
+        Ok(Ruling::Taken(with.with(refit, system, after, &score)))
     }
 }

@@ -3,6 +3,7 @@
 use haptical_model::{Device, JointType};
 use haptical_servo::{JointAnswer, Predicted};
 
+use crate::answer::gap::reduction_percent;
 use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{ChannelGap, NoReduction, NoiseAnswer, Prediction, Trace, Verdict};
 use crate::noise::NoiseSource;
@@ -26,11 +27,6 @@ fn unit(device: &Device, joint: usize) -> &'static str {
         JointType::Prismatic => "m",
         JointType::Revolute => "rad",
     }
-}
-
-/// Share of the gap that closes, of sizes and of squares: contract, reduction_percent; below zero where it grows.
-fn reduction_percent(closed: f64) -> f64 {
-    100.0 * (1.0 - (1.0 - closed.min(1.0)).sqrt())
 }
 
 /// Rows of the second recording.

@@ -192,11 +192,7 @@ impl Forward for Changes {
             return Ok(Vec::new());
         }
         let next = next(&found.rest, found.changes.is_empty());
-        let proposal = next.map(|further| Proposal {
-            further,
-            merit: 0.0,
-        });
-        Ok(proposal.into_iter().collect())
+        Ok(Proposal::of_best(next, |_| 0.0))
     }
 
     fn rule(&mut self, found: &Found, next: Proposal<Change>) -> Result<Ruling<Found>, Infallible> {
