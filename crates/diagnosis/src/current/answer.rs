@@ -152,8 +152,17 @@ impl Joint {
 
     fn warning(&self) -> Option<String> {
         let (joint, share) = (self.index + 1, 100.0 * self.rows.follows);
-        (self.rows.follows < FOLLOWS).then(|| {
-            format!("joint {joint}: its torque does not follow its current, which explains {share:.0} % of it; check the column")
+        if self.rows.follows < FOLLOWS {
+            return Some(format!(
+                "joint {joint}: its torque does not follow its current, which explains {share:.0} % of it; check the column"
+            ));
+        }
+        let constant = self.chosen.before.coefficients[0];
+        (constant < 0.0).then(|| {
+            format!(
+                "joint {joint}: its torque is against its current ({constant:.3} N m/A): turn the sign of `current{joint}_a` or of \
+                 `torque{joint}_nm`, whichever is wrong"
+            )
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use haptical_model::{Device, JointType, Recording};
 
-use crate::thresholds::current::{LEAST_BLOCKS, NOISE_OF_SLOPE};
+use crate::thresholds::current::{LARGEST_READING, LEAST_BLOCKS, NOISE_OF_SLOPE};
 
 /// A block of rows.
 #[derive(Debug)]
@@ -45,6 +45,16 @@ pub(super) fn read(
     let columns: [&[f64]; 6] = [time, current, torque, angle, &degrees, &volts];
     let is_read = |row: &usize| current[*row].is_finite() && torque[*row].is_finite();
     let rows: Vec<usize> = (0..recording.len()).filter(is_read).collect();
+    let is_too_large = |row: &&usize| {
+        let values = [current[**row], torque[**row], volts[**row]];
+        values.iter().any(|value| value.abs() > LARGEST_READING)
+    };
+    if let Some(row) = rows.iter().find(is_too_large) {
+        let line = recording.line.get(*row).copied().unwrap_or_default();
+        return Err(format!(
+            "line {line} has a current, torque or voltage beyond {LARGEST_READING:e}: correct it or leave its cell empty"
+        ));
+    }
     if rows.len() < LEAST_BLOCKS {
         return Err(format!(
             "{} rows have current and torque: record {LEAST_BLOCKS} at least",

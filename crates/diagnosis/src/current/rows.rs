@@ -77,7 +77,7 @@ impl Rows {
             .max(LEAST_NOISE.powi(2) * square)
             .sqrt();
         let mean = rows.torque_nm.iter().sum::<f64>() / count;
-        if square - mean * mean < LEAST_VARIATION * rows.noise_nm.powi(2) {
+        if square - mean * mean <= LEAST_VARIATION * rows.noise_nm.powi(2) {
             return Err("the torque hardly varies".to_owned());
         }
         rows.add_limits(&blocks)?;

@@ -19,6 +19,9 @@ pub(crate) const LEAST_LEFT: f64 = 0.01;
 /// Share of noise in the squares of the current's slope, which lowers a delay by as much. Choice: it is below what the law gets wrong.
 pub(crate) const NOISE_OF_SLOPE: f64 = 0.01;
 
+/// Readings beyond this are none: sums of squares stay finite. Choice.
+pub(crate) const LARGEST_READING: f64 = 1e100;
+
 // `current::choose`
 /// Gain on unseen parts in its standard deviations. Chance: one law in 700.
 pub(crate) const SURE_SD: f64 = 3.0;

@@ -301,6 +301,41 @@ fn noise_in_the_current_s_place_is_unknown_with_a_warning() {
 }
 
 #[test]
+fn a_current_of_the_other_sign_is_said() {
+    let mut recording = recorded(&SOUND);
+    let current = &mut recording.covariates[0].1;
+    current.iter_mut().for_each(|value| *value = -*value);
+    let answer = diagnosed(&recording);
+    assert_eq!(answer.verdict, Verdict::NoGap);
+    let said = |word: &str| answer.warnings.iter().any(|own| own.contains(word));
+    assert!(said("against its current (-2."), "{:?}", answer.warnings);
+    assert!(
+        !diagnosed(&recorded(&SOUND))
+            .warnings
+            .iter()
+            .any(|own| own.contains("against"))
+    );
+}
+
+/// Real: "No gap", 0.0 N m before and after.
+#[test]
+fn currents_whose_squares_overflow_are_refused() {
+    let mut recording = recorded(&SOUND);
+    recording.covariates[0].1[70] = 1e300;
+    let why = diagnose(&device(1), &recording, &Options::default()).unwrap_err();
+    assert!(why.to_string().contains("line 72"), "{why}");
+}
+
+/// Real: "a residual of current1 is too large to be squared".
+#[test]
+fn a_torque_of_zero_is_not_tested() {
+    let mut recording = recorded(&SOUND);
+    recording.torque_nm = vec![Some(vec![0.0; ROWS])];
+    let why = diagnose(&device(1), &recording, &Options::default()).unwrap_err();
+    assert!(why.to_string().contains("hardly varies"), "{why}");
+}
+
+#[test]
 fn a_torque_at_rest_is_not_tested() {
     let mut recording = recorded(&SOUND);
     let mut noise = Normal::new(13);
