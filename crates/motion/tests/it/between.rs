@@ -356,3 +356,21 @@ fn own_effects_leave_nothing_of_another_run() {
     assert!(of(0.002).is_adequate && of(0.002).examined.findings.is_empty());
     assert!(!of(0.003).is_adequate);
 }
+
+/// In noise that hides most of it, a spring is nearly as well a drum that runs out, which explains a part of what it does.
+#[test]
+fn a_rival_explains_a_part_of_what_is_found() {
+    let truth = Truth {
+        stiffness_nm_per_rad: [None, Some(1e5)],
+        encoder_rad: 0.017,
+        ..Truth::default()
+    };
+    let found = found(truth, &[]);
+    assert_eq!(names(&found), [("capstan-compliance", Some(1))]);
+    let spring = &found.examined.findings[0];
+    let drum = &spring.rivals[0];
+    assert_eq!(drum.effect, "drum-eccentricity");
+    assert!((0.0..spring.nats).contains(&drum.behind_nats), "{drum:?}");
+    let share = 1.0 - drum.behind_nats / spring.nats;
+    assert!((drum.share - share).abs() < 1e-9 && share > 0.2, "{drum:?}");
+}
