@@ -4,13 +4,12 @@ use crate::base_model::JOINT_OFFSET;
 use crate::force::in_motion::COMMAND_LATENCY;
 use crate::force::joint_friction;
 use crate::transmission::backlash;
-use crate::{Family, Follows, Hook, Need, Parameter, Spec};
+use crate::{Family, Form, Hook, Need, Parameter, Spec};
 
 /// What they have in common.
 const ANSWER: Spec = Spec {
     hook: Hook::Command,
     needs: &[Need::Time, Need::Command],
-    follows: Follows::Time,
     ..Spec::COMMON
 };
 
@@ -21,6 +20,7 @@ pub const OFFSET: Spec = Spec {
     inspect: JOINT_OFFSET.inspect,
     adds: "o",
     family: Family::Step,
+    form: Form::Offset,
     parameters: &[Parameter::size("offset_rad", 0.0, f64::MAX)],
     ..ANSWER
 };
@@ -32,6 +32,7 @@ pub const LATENCY: Spec = Spec {
     inspect: COMMAND_LATENCY.inspect,
     adds: "c(t - d) - c(t)",
     family: Family::Lag,
+    form: Form::Delay,
     parameters: &[Parameter::size("delay_s", 0.0, f64::MAX)],
     ..ANSWER
 };
@@ -58,6 +59,7 @@ pub const FRICTION: Spec = Spec {
     inspect: joint_friction::SPEC.inspect,
     adds: "a play of width w",
     family: Family::Loop,
+    form: Form::Play,
     parameters: &[Parameter::size("width_rad", 0.0, f64::MAX)],
     ..ANSWER
 };
@@ -84,7 +86,7 @@ pub const GAIN: Spec = Spec {
     meaning: "the joint moves by a factor more, or less, than its command",
     inspect: "the scale between counts and angles, and the range that the servo is calibrated to",
     adds: "(g - 1) u",
-    family: Family::Stated,
+    form: Form::Scale,
     parameters: &[Parameter::size("factor", 0.0, f64::MAX)],
     ..ANSWER
 };

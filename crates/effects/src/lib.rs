@@ -38,7 +38,9 @@ pub use laws::under_load;
 pub use listing::{Entry, entries, markdown};
 pub use need::Need;
 pub use parameter::{Further, Parameter, Role};
-pub use registry::{catalogue, drive_catalogue, names, parameter, plausible_range, spec, specs};
+pub use registry::{
+    catalogue, drive_catalogue, law, names, parameter, plausible_range, spec, specs,
+};
 pub use signal::Signal;
-pub use spec::{Absorbed, Family, Follows, Hook, LawError, LogFault, Shape, Spec};
+pub use spec::{Absorbed, Family, Follows, Form, Hook, LawError, LogFault, Shape, Spec};
 pub use unit::Unit;

@@ -73,6 +73,14 @@ impl Parameter {
         }
     }
 
+    /// A number of a law as it is reported, and back: of a compliance the stiffness.
+    pub(crate) fn turned(&self, number: f64) -> f64 {
+        match self.role {
+            Role::Inverse => 1.0 / number,
+            _ => number,
+        }
+    }
+
     /// A stiffness and the like.
     pub const fn inverse(name: &'static str, low: f64, high: f64) -> Self {
         Self {

@@ -6,7 +6,7 @@ use haptical_model::{Device, Joint, JointType, TransmissionKind};
 
 use crate::force::in_motion;
 use crate::laws::{Law, Placed};
-use crate::{Effect, Parameter, Spec};
+use crate::{Effect, Form, Hook, Parameter, Spec};
 use crate::{
     base_model, cable, command, external_encoder, force, motor_encoder, noise, structure,
     transmission,
@@ -290,6 +290,11 @@ pub fn names() -> Vec<&'static str> {
 pub fn spec(name: &str) -> Option<&'static Spec> {
     let name = name.split('@').next()?;
     specs().find(|spec| spec.name == name)
+}
+
+/// Where the first effect of a name enters, and the mathematics of its law.
+pub fn law(name: &str) -> Option<(Hook, Form)> {
+    spec(name).map(|spec| (spec.hook, spec.form))
 }
 
 /// A parameter of an effect.

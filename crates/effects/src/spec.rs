@@ -100,28 +100,76 @@ pub struct LawError {
 }
 
 impl LawError {
-    /// Of an effect that the scan does not test.
-    pub const NONE: Self = Self::new(0.0, 0.0);
-    /// Of a step.
-    pub const STEP: Self = Self::new(0.003, 0.006);
-    /// Of a delay.
-    pub const LAG: Self = Self::new(0.015, 0.015);
-    /// Of a function of an angle.
-    pub const SHAPE: Self = Self::new(0.02, 0.01);
-    /// Of a cable's way to its drum.
-    pub const EXIT: Self = Self::new(0.03, 0.02);
-    /// Of an axis that tilts, and of a tool.
-    pub const RIGID: Self = Self::new(0.03, 0.015);
-    /// Of a loop.
-    pub const LOOP: Self = Self::new(0.05, 0.05);
-    /// Of a slow change.
-    pub const DRIFT: Self = Self::new(0.06, 0.02);
-    /// Of a spring.
-    pub const LOAD: Self = Self::new(0.09, 0.06);
-
-    const fn new(share: f64, amplitude: f64) -> Self {
+    /// Of the laws of a kind; none of those that the scan does not test.
+    pub const fn of(family: Family) -> Self {
+        let (share, amplitude) = match family {
+            Family::Stated => (0.0, 0.0),
+            Family::Step => (0.003, 0.006),
+            Family::Lag => (0.015, 0.015),
+            Family::Shape | Family::Coupling | Family::Periodic => (0.02, 0.01),
+            Family::Exit => (0.03, 0.02),
+            Family::Wobble | Family::Tool | Family::Place => (0.03, 0.015),
+            Family::Loop => (0.05, 0.05),
+            Family::Drift => (0.06, 0.02),
+            Family::Load => (0.09, 0.06),
+        };
         Self { share, amplitude }
     }
+}
+
+/// The mathematics of an effect's law. Together with [`Hook`] it says what a control loop, a simulated model or a device file takes
+/// of an effect. Nothing outside the effect's file then asks for its name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Form {
+    /// One that recordings alone show.
+    Other,
+    /// In proportion to the load of a joint.
+    Spring,
+    /// In proportion to the moment about the base.
+    BaseSpring,
+    /// In proportion to the force on the handle.
+    ToolSpring,
+    /// A play over reversals.
+    Play,
+    /// A play of another joint.
+    CoupledPlay,
+    /// Dahl's loop over reversals.
+    Loop,
+    /// In proportion to the loaded travel.
+    Creep,
+    /// What was true a delay ago.
+    Delay,
+    /// A constant from an instant or a run on.
+    Step,
+    /// A wave of the angle, with so many periods in a turn of the joint. Without a number the law's shape is that of periods in a turn
+    /// of the motor.
+    Harmonic(Option<f64>),
+    /// Square and cube of the angle.
+    Polynomial,
+    /// In proportion to the reading itself.
+    Scale,
+    /// In proportion to another joint's reading, or to other axes of a sensor.
+    Coupling,
+    /// In proportion to time, or until it settles.
+    Drift,
+    /// In proportion to the warming: an angle, or all lengths.
+    Warming,
+    /// An axis that tilts with the angle.
+    Wobble,
+    /// A displacement of the handle.
+    Shift,
+    /// Coulomb's, viscous and Stribeck's friction.
+    Friction,
+    /// A constant.
+    Offset,
+    /// A mass that is carried.
+    Mass,
+    /// In proportion to a drive's acceleration.
+    Armature,
+    /// Another direction of gravity.
+    Tilt,
+    /// A free curve.
+    Curve,
 }
 
 /// The one number that enters an effect's law nonlinearly.
@@ -227,6 +275,9 @@ pub struct Spec {
     pub meaning: &'static str,
     /// What to look at on the device.
     pub inspect: &'static str,
+    /// What tells whether it is there, where torques alone have shown it, with `{name}` for its name; empty where a motion under
+    /// other loads and speeds does.
+    pub confirm: &'static str,
     /// What it adds to a reading; empty where docs/diagnosis-force.md derives it.
     pub adds: &'static str,
     /// Its number in the study of effects; empty for one without.
@@ -235,6 +286,8 @@ pub struct Spec {
     pub hook: Hook,
     /// Kind.
     pub family: Family,
+    /// Its law.
+    pub form: Form,
     /// What must have been recorded for it to be tested.
     pub needs: &'static [Need],
     /// Reported numbers, the size first.
@@ -273,10 +326,12 @@ impl Spec {
         name: "",
         meaning: "",
         inspect: "",
+        confirm: "",
         adds: "",
         source: "",
         hook: Hook::Transmission,
         family: Family::Stated,
+        form: Form::Other,
         needs: &[],
         parameters: &[],
         further: &[],
@@ -290,9 +345,18 @@ impl Spec {
         absorbed_by: Absorbed::Never,
         look_alikes: &[],
         log_prior: 0.0,
-        law_error: LawError::NONE,
+        law_error: LawError::of(Family::Stated),
         log_fault: None,
     };
+
+    /// What the effects of a kind have in common, with what laws of that kind get wrong.
+    pub const fn of(family: Family) -> Self {
+        Self {
+            family,
+            law_error: LawError::of(family),
+            ..Self::COMMON
+        }
+    }
 
     /// Whether another effect at the same place is of the same kind: another law of what happens there.
     pub fn is_kin_of(&self, other: &Self) -> bool {
@@ -304,12 +368,14 @@ impl Spec {
     /// Amplitudes and shape as parameters: in this order, as many as there are parameters.
     pub(crate) fn values_at(&self, amplitudes: &[f64], shape: f64) -> Vec<f64> {
         let numbers = amplitudes.iter().copied().chain([shape]);
-        numbers.take(self.parameters.len()).collect()
+        let pairs = self.parameters.iter().zip(numbers);
+        pairs.map(|(own, number)| own.turned(number)).collect()
     }
 
     /// The inverse of [`Spec::values_at`]; what no parameter says is 0.
     pub(crate) fn amplitudes_at(&self, values: &[f64]) -> (Vec<f64>, f64) {
-        let mut numbers = values.iter().copied();
+        let pairs = self.parameters.iter().zip(values);
+        let mut numbers = pairs.map(|(own, value)| own.turned(*value));
         let amplitudes = (0..self.amplitudes).map(|_| numbers.next().unwrap_or(0.0));
         (amplitudes.collect(), numbers.next().unwrap_or(0.0))
     }

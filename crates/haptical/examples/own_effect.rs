@@ -3,9 +3,7 @@
 //! `cargo run -p haptical --example own_effect`
 #![allow(clippy::print_stdout, reason = "an example shows what it found")]
 
-use haptical::effects::{
-    Context, Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec,
-};
+use haptical::effects::{Context, Effect, Family, Follows, Hook, Parameter, Signal, Spec};
 use haptical::prelude::*;
 use haptical::simulator::{Effects, HandMotion, MotionSettings, record_motion};
 
@@ -19,11 +17,9 @@ const SCRATCH: Spec = Spec {
     meaning: "the external encoder reads wrong over a scratch near home",
     inspect: "the disk of the encoder",
     hook: Hook::ExternalEncoder,
-    family: Family::Shape,
     parameters: &[Parameter::size("depth_rad", 0.0, 0.01)],
     follows: Follows::Angle,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! Fits that need many steps, and one that finds no minimum.
 
 use haptical_diagnosis::{Diagnosis, Options, Verdict, diagnose};
-use haptical_effects::{Context, Effect, Family, Follows, Hook, LawError, Parameter, Signal, Spec};
+use haptical_effects::{Context, Effect, Family, Follows, Hook, Parameter, Signal, Spec};
 use haptical_model::Device;
 
 use crate::arm::{Errors, Session, assert_named, assert_near, device, record, summary};
@@ -16,11 +16,9 @@ const SPEC: Spec = Spec {
     meaning: "the external encoder reads wrong over a scratch near home",
     inspect: "the disk of the encoder",
     hook: Hook::ExternalEncoder,
-    family: Family::Shape,
     parameters: &[Parameter::size("depth", 0.0, 1e12)],
     follows: Follows::Angle,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 /// A scratch whose error is a function of its depth.

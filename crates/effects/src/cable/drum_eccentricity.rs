@@ -2,7 +2,7 @@
 //! reading was set where the drum had turned already.
 
 use crate::laws::{Input, Law, from_polar, polar, waves};
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Further, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-drum-eccentricity",
@@ -11,7 +11,6 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "A cos(L / R_d - phase) + what the zero was set at",
     source: "C6",
     hook: Hook::CableSensor,
-    family: Family::Shape,
     needs: &[Need::Cable, Need::DrumRadius],
     parameters: &[
         Parameter::size("amplitude_m", 0.0, 5e-3),
@@ -21,8 +20,7 @@ pub(crate) const SPEC: Spec = Spec {
     amplitudes: 3,
     shape: Shape::Given,
     follows: Follows::Length,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 pub(crate) const LAW: DrumEccentricity = DrumEccentricity;

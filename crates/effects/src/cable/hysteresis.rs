@@ -2,7 +2,7 @@
 
 use crate::laws::{AHEAD, Input, Law, ahead, signed};
 use crate::signal::{dahl, smooth};
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Further, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-hysteresis",
@@ -11,14 +11,12 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "Dahl's loop in L",
     source: "C7",
     hook: Hook::CableSensor,
-    family: Family::Loop,
     needs: &[Need::Motion, Need::Cable],
     parameters: &[Parameter::size("amplitude_m", 0.0, 1e-2)],
     further: &[Further::usually("transition_m", 2e-3), AHEAD],
     shape: Shape::Continuous(&[2e-4, 2e-3, 0.01, 0.05, 0.2]),
     follows: Follows::CableSpeed,
-    law_error: LawError::LOOP,
-    ..Spec::COMMON
+    ..Spec::of(Family::Loop)
 };
 
 pub(crate) const LAW: Hysteresis = Hysteresis;

@@ -1,6 +1,6 @@
 //! Effects of the cable encoder: the cable alone sees them.
 
-use crate::{Family, Follows, Hook, LawError, Need, Spec};
+use crate::{Family, Follows, Hook, Need, Spec};
 
 pub(crate) mod count_loss;
 pub(crate) mod drift;
@@ -18,9 +18,7 @@ pub(crate) mod zero_offset;
 /// What the effects between the cable's exit and its reading have in common.
 const EXIT: Spec = Spec {
     hook: Hook::CableSensor,
-    family: Family::Exit,
     needs: &[Need::Cable],
     follows: Follows::ExitAngle,
-    law_error: LawError::EXIT,
-    ..Spec::COMMON
+    ..Spec::of(Family::Exit)
 };

@@ -1,7 +1,7 @@
 //! The cable and its encoder grow with temperature.
 
 use crate::laws::{Input, Law, REFERENCE};
-use crate::{Family, Follows, Further, Hook, LawError, LogFault, Need, Parameter, Spec};
+use crate::{Family, Follows, Further, Hook, LogFault, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
@@ -10,7 +10,6 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "growth of cable and encoder, see above",
     source: "C9",
     hook: Hook::CableSensor,
-    family: Family::Drift,
     needs: &[Need::Temperature, Need::Cable],
     parameters: &[Parameter::size("m_per_degc", 0.0, 3e-4)],
     further: &[
@@ -20,9 +19,8 @@ pub(crate) const SPEC: Spec = Spec {
     ],
     amplitudes: 2,
     follows: Follows::Temperature,
-    law_error: LawError::DRIFT,
     log_fault: Some(LogFault::Drift),
-    ..Spec::COMMON
+    ..Spec::of(Family::Drift)
 };
 
 pub(crate) const LAW: Warming = Warming;

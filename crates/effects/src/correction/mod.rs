@@ -7,7 +7,7 @@ use haptical_model::Device;
 use haptical_model::transmission::spline::curve;
 
 use crate::laws::{Input, Law, Placed};
-use crate::{Effect, Family, Follows, Hook, LawError, Need, Parameter, Spec};
+use crate::{Effect, Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 pub use self::resolve::curve_of;
 pub(crate) use self::resolve::resolved;
@@ -37,12 +37,11 @@ const fn over(parameters: &'static [Parameter], needs: &'static [Need], follows:
         inspect: "the place where the curve is largest",
         adds: "a curve of cubic splines",
         hook: Hook::Transmission,
-        family: Family::Shape,
+        form: Form::Curve,
         needs,
         parameters,
         follows,
-        law_error: LawError::SHAPE,
-        ..Spec::COMMON
+        ..Spec::of(Family::Shape)
     }
 }
 

@@ -14,4 +14,4 @@ pub(crate) const SPEC: Spec = Spec {
     ..Harmonic::SPEC
 };
 
-pub(crate) const LAW: Harmonic = Harmonic::ONCE;
+pub(crate) const LAW: Harmonic = Harmonic;

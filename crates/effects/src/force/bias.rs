@@ -4,12 +4,13 @@ use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
 use crate::laws::{InStreams, Input, REFERENCE, Warm};
-use crate::{Follows, Need, Parameter, Signal, Spec};
+use crate::{Follows, Form, Need, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "force-bias",
     meaning: "the force sensor reads a force without one",
     inspect: "its zero, and its temperature",
+    form: Form::Offset,
     adds: "J^T b",
     source: "E1",
     parameters: &[

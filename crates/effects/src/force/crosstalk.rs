@@ -4,12 +4,13 @@ use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
 use crate::laws::InStreams;
-use crate::{Parameter, Spec};
+use crate::{Form, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "force-crosstalk",
     meaning: "a force along one axis shows on another",
     inspect: "how the force sensor is turned on the handle",
+    form: Form::Coupling,
     adds: "J^T X F, X without diagonal",
     source: "E3",
     parameters: &[

@@ -4,12 +4,13 @@ use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::force::SENSOR;
 use crate::laws::{Input, Law};
-use crate::{Parameter, Signal, Spec};
+use crate::{Form, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "force-gain",
     meaning: "the force sensor's scale is not the stated one",
     inspect: "its calibration with a weight",
+    form: Form::Scale,
     adds: "J^T diag(F)",
     source: "E2",
     parameters: &[

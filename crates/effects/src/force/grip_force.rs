@@ -1,6 +1,6 @@
 //! A force of the hand that the force sensor does not see.
 
-use crate::{Family, Follows, Hook, Need, Parameter, Spec};
+use crate::{Family, Hook, Need, Parameter, Spec};
 
 /// A force of the hand that the force sensor does not see.
 pub const SPEC: Spec = Spec {
@@ -13,6 +13,5 @@ pub const SPEC: Spec = Spec {
     family: Family::Load,
     needs: &[Need::Time, Need::Torque, Need::Force],
     parameters: &[Parameter::size("rms_n", 0.0, 30.0)],
-    follows: Follows::Time,
     ..Spec::COMMON
 };

@@ -6,7 +6,7 @@ use crate::context::Context;
 use crate::force::SENSOR;
 use crate::laws::{Input, Law};
 use crate::signal::{dahl, smooth};
-use crate::{Family, LawError, Parameter, Shape, Signal, Spec};
+use crate::{Family, Form, LawError, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "force-hysteresis",
@@ -15,6 +15,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "J^T h(F), Dahl's state per axis",
     source: "E4",
     family: Family::Loop,
+    form: Form::Loop,
     parameters: &[
         Parameter::size("x_n", 0.0, 2.0),
         Parameter::size("y_n", 0.0, 2.0),
@@ -23,7 +24,7 @@ pub(crate) const SPEC: Spec = Spec {
     ],
     amplitudes: 3,
     shape: Shape::Continuous(&SHARES),
-    law_error: LawError::LOOP,
+    law_error: LawError::of(Family::Loop),
     ..SENSOR
 };
 

@@ -1,6 +1,6 @@
 //! Effects that the torques of a moving arm show beside its equations of motion: `haptical-motion` has their laws.
 
-use crate::{Family, Follows, Hook, Need, Parameter, Spec};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 /// What they have in common.
 const MOVING: Spec = Spec {
@@ -17,6 +17,7 @@ pub const PAYLOAD: Spec = Spec {
     inspect: super::payload::SPEC.inspect,
     adds: "another mass, centre and inertia behind the flange",
     family: Family::Tool,
+    form: Form::Mass,
     parameters: &[
         Parameter::size("mass_kg", 0.0, f64::MAX),
         Parameter::size("moment_x_kg_m", 0.0, f64::MAX),
@@ -102,7 +103,7 @@ pub const TORQUE_OFFSET: Spec = Spec {
     meaning: "a constant is added to a joint's torque",
     inspect: "the zero of the torque or current sensor",
     adds: "a constant",
-    family: Family::Stated,
+    form: Form::Offset,
     parameters: &[Parameter::size("torque_nm", 0.0, f64::MAX)],
     look_alikes: &["friction-asymmetry"],
     ..MOVING
@@ -114,7 +115,6 @@ pub const TORQUE_SATURATION: Spec = Spec {
     meaning: "a joint's torque, or what is read of it, ends at a limit",
     inspect: "limits of the drive and of its sensor",
     adds: "what is beyond the limit",
-    family: Family::Stated,
     parameters: &[Parameter::size("limit_nm", 0.0, f64::MAX)],
     follows: Follows::Torque,
     ..MOVING
@@ -127,6 +127,7 @@ pub const TORQUE_LATENCY: Spec = Spec {
     inspect: "filters and clocks of the torque's way to the log",
     adds: "-delay dtau/dt",
     family: Family::Lag,
+    form: Form::Delay,
     parameters: &[Parameter::size("delay_s", 0.0, 0.5)],
     follows: Follows::Torque,
     ..MOVING
@@ -171,7 +172,7 @@ pub const ARMATURE: Spec = Spec {
     meaning: "a drive's inertia is not the stated one",
     inspect: "inertia of rotor and gear, and the ratio",
     adds: "I domega/dt",
-    family: Family::Stated,
+    form: Form::Armature,
     parameters: &[Parameter::size("inertia_kgm2", 0.0, f64::MAX)],
     ..MOVING
 };
@@ -182,7 +183,7 @@ pub const LINK_INERTIA: Spec = Spec {
     meaning: "a link's mass or its centre is not the model's",
     inspect: "what is mounted on the link",
     adds: "another mass of a link",
-    family: Family::Stated,
+    form: Form::Mass,
     parameters: &[Parameter::size("mass_kg", 0.0, f64::MAX)],
     follows: Follows::Angle,
     ..MOVING
@@ -205,6 +206,7 @@ pub const GRAVITY_DIRECTION: Spec = Spec {
     inspect: "the mount with a level",
     adds: "another direction of gravity",
     family: Family::Place,
+    form: Form::Tilt,
     parameters: &[Parameter::size("tilt_rad", 0.0, 3.2)],
     follows: Follows::Angle,
     ..MOVING
@@ -227,8 +229,11 @@ pub const COMMAND_LATENCY: Spec = Spec {
     name: "command-latency",
     meaning: "the controller hears its commands late",
     inspect: "bus, buffers and interpolation between the sender of commands and the drives",
+    confirm: "to confirm {name}: command a step of one joint and log at a higher rate; a delay shows as the time until the \
+              torque answers, and a controller that is softer does not",
     adds: "the controller's law of c(t - d) in the place of c(t)",
     family: Family::Lag,
+    form: Form::Delay,
     parameters: &[Parameter::size("delay_s", 0.0, 0.1)],
     follows: Follows::Time,
     needs: &[Need::Time, Need::Torque, Need::Inertia, Need::Command],
@@ -242,6 +247,7 @@ pub const CROSS_COUPLING: Spec = Spec {
     inspect: "cables, pulleys, shafts and differentials of one joint that pass the other",
     adds: "c tau_from",
     family: Family::Coupling,
+    form: Form::Coupling,
     parameters: &[
         Parameter::size("gain", 0.0, 1.0),
         Parameter::number("from_joint", f64::MAX),

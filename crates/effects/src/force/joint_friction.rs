@@ -8,7 +8,7 @@ use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 
 use crate::laws::{Input, Law};
 use crate::signal::{LocalMotion, dahl};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Form, Hook, LawError, Need, Parameter, Shape, Spec};
 
 const COULOMB: Parameter = Parameter::size("coulomb_nm", 0.0, 0.3).times_ratio();
 const VISCOUS: Parameter = Parameter::size("viscous_nm_s_per_rad", 0.0, f64::MAX);
@@ -23,6 +23,7 @@ pub const SPEC: Spec = Spec {
     source: "E6",
     hook: Hook::Torque,
     family: Family::Loop,
+    form: Form::Friction,
     needs: &[Need::Time, Need::Torque],
     parameters: &[
         COULOMB,
@@ -33,7 +34,7 @@ pub const SPEC: Spec = Spec {
     amplitudes: 3,
     shape: Shape::Continuous(&[1e-3, 1e-2, 0.1]),
     follows: Follows::Speed,
-    law_error: LawError::SHAPE,
+    law_error: LawError::of(Family::Shape),
     ..Spec::COMMON
 };
 /// It changes sides over a rate.

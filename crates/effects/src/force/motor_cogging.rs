@@ -1,7 +1,7 @@
 //! A torque at a multiple of the motor's angle.
 
 use crate::laws::{Input, Law, from_polar, polar, waves};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "motor-cogging",
@@ -10,7 +10,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "A cos(n R theta - phase)",
     source: "E7",
     hook: Hook::Torque,
-    family: Family::Shape,
+    form: Form::Harmonic(None),
     needs: &[Need::Time, Need::Torque],
     parameters: &[
         Parameter::size("amplitude_nm", 0.0, 0.3).times_ratio(),
@@ -19,8 +19,7 @@ pub(crate) const SPEC: Spec = Spec {
     ],
     amplitudes: 2,
     follows: Follows::Angle,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 /// Of a joint that slides: a force.

@@ -4,16 +4,18 @@ use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::laws::{Input, Law};
 use crate::signal::{local_motion, smooth};
-use crate::{Context, Family, Follows, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::{Context, Family, Follows, Form, Hook, Need, Parameter, Shape, Signal, Spec};
 
 /// At the flange, where the device's last row ends.
 pub const SPEC: Spec = Spec {
     name: "payload",
     meaning: "the arm does not carry the same in all runs, or not what the device file says",
     inspect: "what hangs at the flange or on a link, and since when",
+    confirm: "to confirm: weigh what was put on or taken off between the runs, or hang a known weight at the flange and repeat \
+              the trajectory once more",
     adds: "m J^T (a - g) at the flange, from a run on",
     hook: Hook::Torque,
-    family: Family::Tool,
+    form: Form::Mass,
     needs: &[Need::Time, Need::Torque, Need::Gravity, Need::Runs],
     parameters: &[
         Parameter::size("mass_kg", 0.0, f64::MAX),
@@ -21,8 +23,7 @@ pub const SPEC: Spec = Spec {
     ],
     shape: Shape::Given,
     follows: Follows::Run,
-    law_error: LawError::RIGID,
-    ..Spec::COMMON
+    ..Spec::of(Family::Tool)
 };
 /// On a link before the last, at a place that only its first moment says something of.
 pub const ON_LINK: Spec = Spec {

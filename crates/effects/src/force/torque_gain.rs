@@ -1,7 +1,7 @@
 //! The scale of a drive's torque.
 
 use crate::laws::Linear;
-use crate::{Absorbed, Family, Follows, Hook, Need, Parameter, Spec};
+use crate::{Absorbed, Follows, Form, Hook, Need, Parameter, Spec};
 
 /// The scale of a drive's torque.
 pub const SPEC: Spec = Spec {
@@ -11,7 +11,7 @@ pub const SPEC: Spec = Spec {
     adds: "s tau",
     source: "E8",
     hook: Hook::Torque,
-    family: Family::Stated,
+    form: Form::Scale,
     needs: &[Need::Time, Need::Torque],
     parameters: &[Parameter::size("gain", 0.0, 1.0)],
     follows: Follows::Torque,

@@ -2,7 +2,7 @@
 
 use crate::context::Context;
 use crate::laws::{Input, Law};
-use crate::{Family, Further, LawError, Parameter, Shape, Spec};
+use crate::{Family, Form, Further, Parameter, Shape, Spec};
 
 /// Time since the start of the run \[s\]; of a drift that settles, scaled to the slope of a steady one with the
 /// same end.
@@ -42,15 +42,14 @@ pub(crate) struct Drift;
 impl Drift {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
-        family: Family::Drift,
+        form: Form::Drift,
         parameters: &[Parameter::size("rad_per_s", 0.0, 5e-4)],
         further: &[
             Further::usually("time_constant_s", 0.0),
             Further::usually("over_s", 0.0),
         ],
         shape: Shape::Listed(&[0.0, 1.0, 0.3, 0.1]),
-        law_error: LawError::DRIFT,
-        ..Spec::COMMON
+        ..Spec::of(Family::Drift)
     };
 }
 

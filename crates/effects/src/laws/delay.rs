@@ -5,7 +5,7 @@ use haptical_model::transmission::loops::delayed;
 
 use crate::laws::{Input, Law};
 use crate::signal::LocalMotion;
-use crate::{Family, Follows, LawError, Parameter, Spec};
+use crate::{Family, Follows, Form, Parameter, Spec};
 
 /// -delay v + delay^2 a / 2.
 pub(crate) fn moved(motion: &LocalMotion, delay_s: f64) -> Vec<f64> {
@@ -26,11 +26,10 @@ pub(crate) struct Delay;
 impl Delay {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
-        family: Family::Lag,
+        form: Form::Delay,
         parameters: &[Parameter::size("delay_s", 0.0, 0.05)],
         follows: Follows::Speed,
-        law_error: LawError::LAG,
-        ..Spec::COMMON
+        ..Spec::of(Family::Lag)
     };
 }
 

@@ -3,15 +3,6 @@
 use super::Input;
 use crate::Further;
 
-/// Runs after which a displacement is looked for at most.
-const RUNS: usize = 8;
-
-/// The first run after a displacement: every one but the first.
-pub(crate) fn later_runs(input: Input<'_, '_>) -> Vec<f64> {
-    let later = 1..input.context.runs.len().min(RUNS + 1);
-    later.map(|run| run as f64).collect()
-}
-
 /// From which run on a displacement is there: its number, from 1, in the order of the log.
 pub(crate) const FROM_RUN: Further = Further::usually("from_run", 1.0);
 

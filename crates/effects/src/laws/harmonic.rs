@@ -1,23 +1,16 @@
 //! A cos(k x - phase), as a cos(k x) + b sin(k x).
 
-use haptical_model::Joint;
-
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, LawError, Parameter, Shape, Spec};
+use crate::{Family, Follows, Form, Parameter, Shape, Spec};
 
-/// A harmonic of a joint's angle: its shape is 1, or the order that is searched.
+/// A harmonic of a joint's angle: its shape is 1, or the order that is searched, which is a parameter then.
 #[derive(Debug)]
-pub(crate) struct Harmonic {
-    /// k for a joint and a shape.
-    pub(crate) periods: fn(&Joint, f64) -> f64,
-    /// Whether the order is a reported parameter.
-    pub(crate) reports_order: bool,
-}
+pub(crate) struct Harmonic;
 
 impl Harmonic {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
-        family: Family::Shape,
+        form: Form::Harmonic(Some(1.0)),
         parameters: &[
             Parameter::size("amplitude_rad", 0.0, 0.1),
             Parameter::phase(),
@@ -25,30 +18,22 @@ impl Harmonic {
         amplitudes: 2,
         shape: Shape::Listed(&[1.0]),
         follows: Follows::Angle,
-        law_error: LawError::SHAPE,
-        ..Spec::COMMON
+        ..Spec::of(Family::Shape)
     };
-    /// A fixed number of periods in a turn of the joint.
-    pub(crate) const ONCE: Self = Self::with(|_, _| 1.0);
-    pub(crate) const TWICE: Self = Self::with(|_, _| 2.0);
-
-    pub(crate) const fn with(periods: fn(&Joint, f64) -> f64) -> Self {
-        Self {
-            periods,
-            reports_order: false,
-        }
-    }
 }
 
 impl Law for Harmonic {
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
-        let periods = (self.periods)(input.joint()?, shape);
+        let Form::Harmonic(periods) = input.spec.form else {
+            return None;
+        };
+        let periods = periods.unwrap_or(shape * input.joint()?.transmission_ratio);
         Some(waves(input.reading()?, periods).to_vec())
     }
 
-    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        let mut values = polar(amplitudes);
-        values.extend(self.reports_order.then_some(shape));
+    fn values(&self, input: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
+        let mut values = [polar(amplitudes), vec![shape]].concat();
+        values.truncate(input.spec.parameters.len());
         values
     }
 

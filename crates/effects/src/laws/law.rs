@@ -5,7 +5,10 @@ use std::fmt::Debug;
 
 use crate::context::Context;
 use crate::signal::LocalMotion;
-use crate::{Effect, Hook, Signal, Spec};
+use crate::{Effect, Follows, Hook, Signal, Spec};
+
+/// Runs after which a displacement is looked for at most.
+const RUNS: usize = 8;
 
 /// Inputs of a law.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +16,7 @@ pub(crate) struct Input<'c, 'a> {
     pub(crate) context: &'c Context<'a>,
     /// Joint whose number is wrong, from 0; none where it is the cable's length, or several numbers.
     pub(crate) joint: Option<usize>,
-    spec: &'static Spec,
+    pub(crate) spec: &'static Spec,
 }
 
 impl<'c> Input<'c, '_> {
@@ -41,6 +44,12 @@ impl<'c> Input<'c, '_> {
     /// The joint's reading with rates as torques are compared with.
     pub(crate) fn drive_motion(&self) -> Option<LocalMotion> {
         self.context.drive_motion(self.joint?)
+    }
+
+    /// Every run but the first.
+    fn later_runs(&self) -> Vec<f64> {
+        let later = 1..self.context.runs.len().min(RUNS + 1);
+        later.map(|run| run as f64).collect()
     }
 
     /// Smoothed torque of the joint \[N m\].
@@ -87,9 +96,9 @@ pub(crate) trait Law: Debug + Send + Sync {
         None
     }
 
-    /// Shapes to try, where the recording or the place decides them.
-    fn shapes(&self, _: Input<'_, '_>) -> Option<Vec<f64>> {
-        None
+    /// Shapes to try, where the recording or the place decides them: of what is there from a run on, the first run with it.
+    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
+        (input.spec.follows == Follows::Run).then(|| input.later_runs())
     }
 
     /// The reported parameters, as [`Effect::values`].

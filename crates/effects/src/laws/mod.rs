@@ -13,7 +13,7 @@ mod warm;
 
 pub(crate) use course::Drift;
 pub(crate) use delay::{Delay, moved, slope};
-pub(crate) use from_run::{FROM_RUN, first_row, later_runs, run_of};
+pub(crate) use from_run::{FROM_RUN, first_row, run_of};
 pub(crate) use harmonic::{Harmonic, from_polar, polar, waves};
 pub(crate) use law::{Input, Law, Placed};
 pub(crate) use linear::{InStreams, Linear};

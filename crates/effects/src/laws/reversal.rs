@@ -2,7 +2,7 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::dahl;
-use crate::{Family, Follows, Further, LawError, Parameter, Shape, Spec};
+use crate::{Family, Follows, Form, Further, Parameter, Shape, Spec};
 
 /// Whether what is measured runs ahead of the motor after a reversal (driven by the hand: 1) or stays behind (driven by the
 /// motor: 0).
@@ -26,7 +26,7 @@ pub(crate) struct Reversal;
 impl Reversal {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
-        family: Family::Loop,
+        form: Form::Loop,
         parameters: &[
             Parameter::size("amplitude_rad", 0.0, 0.1),
             Parameter::transition("transition_rad", 5.0),
@@ -35,8 +35,7 @@ impl Reversal {
         shape: Shape::Continuous(&[3e-4, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0]),
         follows: Follows::Angle,
         log_prior: -0.5,
-        law_error: LawError::LOOP,
-        ..Spec::COMMON
+        ..Spec::of(Family::Loop)
     };
 }
 

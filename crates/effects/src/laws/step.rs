@@ -2,7 +2,7 @@
 
 use crate::context::Context;
 use crate::laws::{Input, Law};
-use crate::{Family, LawError, Parameter, Shape, Spec};
+use crate::{Family, Form, Parameter, Shape, Spec};
 
 /// 1 from a row to the end of its run.
 pub(crate) fn step(context: &Context<'_>, shape: f64) -> Vec<f64> {
@@ -41,11 +41,10 @@ pub(crate) struct Step {
 impl Step {
     /// What the effects of this law have in common.
     pub(crate) const SPEC: Spec = Spec {
-        family: Family::Step,
+        form: Form::Step,
         parameters: &[Parameter::size("counts", 0.4, 1e4), Parameter::instant()],
         shape: Shape::Event,
-        law_error: LawError::STEP,
-        ..Spec::COMMON
+        ..Spec::of(Family::Step)
     };
 }
 

@@ -1,7 +1,7 @@
 //! The first order of the motor's angle, which the base model has for its input drum.
 
 use crate::laws::Harmonic;
-use crate::{Absorbed, Hook, Spec};
+use crate::{Absorbed, Form, Hook, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "device-encoder-eccentricity",
@@ -10,8 +10,9 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "A cos(R theta - phase)",
     source: "A11",
     hook: Hook::Transmission,
+    form: Form::Harmonic(None),
     absorbed_by: Absorbed::ByInputDrum,
     ..Harmonic::SPEC
 };
 
-pub(crate) const LAW: Harmonic = Harmonic::with(|joint, _| joint.transmission_ratio);
+pub(crate) const LAW: Harmonic = Harmonic;

@@ -1,8 +1,8 @@
 //! A motor encoder counts from another place between two runs, as after a new homing: by its offset the joint's readings are
 //! too low from there on.
 
-use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::laws::{FROM_RUN, Input, Law, first_row, run_of};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Shape, Spec};
 
 /// The zero of a joint that turns is not the same in all runs.
 pub const SPEC: Spec = Spec {
@@ -11,14 +11,13 @@ pub const SPEC: Spec = Spec {
     inspect: "the homing of that joint, and what was taken apart between the runs",
     adds: "a constant, from a run on",
     hook: Hook::Transmission,
-    family: Family::Step,
+    form: Form::Step,
     needs: &[Need::Runs],
     parameters: &[Parameter::size("offset_rad", 0.0, 1.0)],
     further: &[FROM_RUN],
     shape: Shape::Given,
     follows: Follows::Run,
-    law_error: LawError::STEP,
-    ..Spec::COMMON
+    ..Spec::of(Family::Step)
 };
 
 /// The zero of a slide.
@@ -33,21 +32,12 @@ pub(crate) const LAW: ZeroChanged = ZeroChanged;
 pub(crate) struct ZeroChanged;
 
 impl Law for ZeroChanged {
-    /// The first run after it.
-    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
-        Some(later_runs(input))
-    }
-
     fn columns(&self, input: Input<'_, '_>, _: &[f64], shape: f64) -> Option<Vec<Vec<f64>>> {
         let first = first_row(input, shape);
         let rows = 0..input.context.rows();
         Some(vec![
             rows.map(|row| f64::from(u8::from(row >= first))).collect(),
         ])
-    }
-
-    fn values(&self, _: Input<'_, '_>, amplitudes: &[f64], _: f64) -> Vec<f64> {
-        vec![amplitudes[0]]
     }
 
     fn further(&self, _: Input<'_, '_>, _: &[f64], shape: f64) -> Vec<f64> {

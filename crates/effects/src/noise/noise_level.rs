@@ -1,6 +1,6 @@
 //! Noise of another size than stated.
 
-use crate::{Family, Hook, Parameter, Spec};
+use crate::{Hook, Parameter, Spec};
 
 /// Noise of another size than stated.
 pub const SPEC: Spec = Spec {
@@ -10,7 +10,6 @@ pub const SPEC: Spec = Spec {
     adds: "noise of another size",
     source: "B6",
     hook: Hook::Readings,
-    family: Family::Stated,
     parameters: &[Parameter::size("ratio", 0.0, f64::MAX)],
     ..Spec::COMMON
 };

@@ -1,6 +1,6 @@
 //! Single readings far from the rest.
 
-use crate::{Family, Hook, LogFault, Parameter, Spec};
+use crate::{Hook, LogFault, Parameter, Spec};
 
 /// Single readings far from the rest.
 pub const SPEC: Spec = Spec {
@@ -10,7 +10,6 @@ pub const SPEC: Spec = Spec {
     adds: "single wild readings",
     source: "F",
     hook: Hook::Readings,
-    family: Family::Stated,
     parameters: &[Parameter::size("share", 0.0, 1.0)],
     log_fault: Some(LogFault::Wild),
     ..Spec::COMMON

@@ -5,7 +5,7 @@ use haptical_calibration::Channel;
 use haptical_model::{Device, JointType};
 
 use crate::context::Context;
-use crate::{Effect, Family, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::{Effect, Family, Hook, Need, Parameter, Shape, Signal, Spec};
 
 const RADIANS: &[Parameter] = &[
     Parameter::size("amplitude_rad", 0.0, 0.1),
@@ -22,12 +22,10 @@ const COMMON: Spec = Spec {
     meaning: "the readings of one channel oscillate at one frequency, whatever moves",
     inspect: "what turns or hums near that sensor (fans, pumps, mains), its stand and its shielding",
     adds: "A cos(2 pi f t - phase), each axis and each run with its own phase",
-    family: Family::Periodic,
     parameters: METRES,
     amplitudes: 2,
     shape: Shape::Line,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Periodic)
 };
 /// The same of the external encoder of a turning joint.
 pub(crate) const ENCODER: Spec = Spec {

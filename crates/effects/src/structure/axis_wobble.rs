@@ -5,9 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::{Vector2, Vector3};
 
 use crate::laws::{Input, Law};
-use crate::{
-    Context, Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec,
-};
+use crate::{Context, Family, Follows, Form, Further, Hook, Need, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "axis-wobble",
@@ -16,7 +14,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "see above",
     source: "D3",
     hook: Hook::Structure,
-    family: Family::Wobble,
+    form: Form::Wobble,
     needs: &[Need::Chain],
     parameters: &[
         Parameter::size("amplitude_rad", 0.0, 2e-2),
@@ -31,8 +29,7 @@ pub(crate) const SPEC: Spec = Spec {
     shape: Shape::Listed(&[1.0, 2.0]),
     follows: Follows::Angle,
     log_prior: -1.0,
-    law_error: LawError::RIGID,
-    ..Spec::COMMON
+    ..Spec::of(Family::Wobble)
 };
 
 pub(crate) const LAW: AxisWobble = AxisWobble;

@@ -1,7 +1,7 @@
 //! The mount of the robot turns against the cable encoder by C M, M the moment of hand and weights about the base.
 
 use crate::laws::InStreams;
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "base-compliance",
@@ -10,13 +10,12 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "see above",
     source: "D6",
     hook: Hook::Structure,
-    family: Family::Load,
+    form: Form::BaseSpring,
     needs: &[Need::Chain, Need::BaseMoment],
     parameters: &[Parameter::size("rad_per_nm", 0.0, 1e-2)],
     follows: Follows::Force,
     is_positive: true,
-    law_error: LawError::LOAD,
-    ..Spec::COMMON
+    ..Spec::of(Family::Load)
 };
 
 pub(crate) const LAW: InStreams = InStreams(|input| {

@@ -37,12 +37,4 @@ impl Law for LateralCompliance {
         };
         Some(vec![context.handle(turned)])
     }
-
-    fn values(&self, input: Input<'_, '_>, amplitudes: &[f64], shape: f64) -> Vec<f64> {
-        Spring.values(input, amplitudes, shape)
-    }
-
-    fn amplitudes(&self, input: Input<'_, '_>, values: &[f64]) -> (Vec<f64>, f64) {
-        Spring.amplitudes(input, values)
-    }
 }

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
+use crate::laws::{FROM_RUN, Input, Law, first_row, run_of};
 use crate::structure::norm;
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::{Family, Follows, Form, Further, Hook, Need, Parameter, Shape, Signal, Spec};
 
 /// The last link or the handle is not the same in all runs, or not the earlier model's.
 pub const SPEC: Spec = Spec {
@@ -13,7 +13,7 @@ pub const SPEC: Spec = Spec {
     inspect: "the handle and its fastening, now and before",
     adds: "a shift in the handle's frame, from a run on or against an earlier model",
     hook: Hook::Structure,
-    family: Family::Tool,
+    form: Form::Shift,
     needs: &[Need::Chain, Need::Runs],
     parameters: &[Parameter::size("shift_m", 0.0, 1.0)],
     further: &[
@@ -25,8 +25,7 @@ pub const SPEC: Spec = Spec {
     amplitudes: 3,
     shape: Shape::Given,
     follows: Follows::Run,
-    law_error: LawError::RIGID,
-    ..Spec::COMMON
+    ..Spec::of(Family::Tool)
 };
 
 pub(crate) const LAW: ToolChanged = ToolChanged;
@@ -35,10 +34,6 @@ pub(crate) const LAW: ToolChanged = ToolChanged;
 pub(crate) struct ToolChanged;
 
 impl Law for ToolChanged {
-    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
-        Some(later_runs(input))
-    }
-
     fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
         let (context, first) = (input.context, first_row(input, shape));
         let still = (Vector3::zeros(), Vector3::zeros());

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::laws::InStreams;
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Spec};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "tool-compliance",
@@ -12,13 +12,12 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "c F",
     source: "D7, C14",
     hook: Hook::Structure,
-    family: Family::Tool,
+    form: Form::ToolSpring,
     needs: &[Need::Chain, Need::Force],
     parameters: &[Parameter::size("m_per_n", 0.0, 2e-3)],
     follows: Follows::Force,
     is_positive: true,
-    law_error: LawError::RIGID,
-    ..Spec::COMMON
+    ..Spec::of(Family::Tool)
 };
 
 pub(crate) const LAW: InStreams = InStreams(|input| {

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use crate::laws::{FROM_RUN, Input, Law, first_row, later_runs, run_of};
+use crate::laws::{FROM_RUN, Input, Law, first_row, run_of};
 use crate::structure::norm;
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Signal, Spec};
+use crate::{Family, Follows, Further, Hook, Need, Parameter, Shape, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "tracker-moved",
@@ -12,7 +12,6 @@ pub(crate) const SPEC: Spec = Spec {
     inspect: "the tracker's stand and the device's mount: what was touched between the runs",
     adds: "a shift and a tilt of the tracker's frame, from a run on",
     hook: Hook::Tracker,
-    family: Family::Place,
     needs: &[Need::Position, Need::Runs, Need::OneBase],
     parameters: &[
         Parameter::size("shift_m", 0.0, 1.0),
@@ -30,8 +29,7 @@ pub(crate) const SPEC: Spec = Spec {
     amplitudes: 6,
     shape: Shape::Given,
     follows: Follows::Run,
-    law_error: LawError::RIGID,
-    ..Spec::COMMON
+    ..Spec::of(Family::Place)
 };
 
 pub(crate) const LAW: TrackerMoved = TrackerMoved;
@@ -40,11 +38,6 @@ pub(crate) const LAW: TrackerMoved = TrackerMoved;
 pub(crate) struct TrackerMoved;
 
 impl Law for TrackerMoved {
-    /// The first run after it.
-    fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
-        Some(later_runs(input))
-    }
-
     /// Along and about the tracker's own axes.
     fn signals(&self, input: Input<'_, '_>, shape: f64) -> Option<Vec<Signal>> {
         let (context, first) = (input.context, first_row(input, shape));

@@ -2,7 +2,7 @@
 //! which a slide's ratio does.
 
 use crate::laws::{Input, Law};
-use crate::{Absorbed, Family, Hook, Need, Parameter, Shape, Signal, Spec};
+use crate::{Absorbed, Hook, Need, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "tracker-scale",
@@ -10,10 +10,8 @@ pub(crate) const SPEC: Spec = Spec {
     inspect: "the tracker with a length standard",
     adds: "s p",
     hook: Hook::Tracker,
-    family: Family::Stated,
     needs: &[Need::Position],
     parameters: &[Parameter::size("scale", 0.0, 0.05)],
-    shape: Shape::NONE,
     absorbed_by: Absorbed::ByLengths,
     look_alikes: &["ratio-error"],
     ..Spec::COMMON

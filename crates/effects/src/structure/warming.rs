@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::laws::{Input, Law, REFERENCE};
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Signal, Spec};
+use crate::{Family, Follows, Form, Further, Hook, Need, Parameter, Signal, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "thermal-drift",
@@ -12,13 +12,12 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "growth of all links, see above",
     source: "D8",
     hook: Hook::Structure,
-    family: Family::Drift,
+    form: Form::Warming,
     needs: &[Need::Temperature, Need::Chain],
     parameters: &[Parameter::size("m_per_degc", 0.0, 3e-4)],
     further: &[Further::needed("length_m"), REFERENCE],
     follows: Follows::Temperature,
-    law_error: LawError::DRIFT,
-    ..Spec::COMMON
+    ..Spec::of(Family::Drift)
 };
 
 pub(crate) const LAW: Warming = Warming;

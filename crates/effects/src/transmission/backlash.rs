@@ -5,7 +5,8 @@ use haptical_model::transmission::loops::SMALLEST_HALF_WIDTH;
 
 use crate::laws::{Input, Law};
 use crate::signal::{play, smooth};
-use crate::{Family, Follows, Further, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::transmission::HOLD_THE_MOTOR;
+use crate::{Family, Follows, Form, Further, Hook, Need, Parameter, Shape, Spec};
 
 /// The play is driven by the motor, by the hand on the link, or stands where the load pushes it.
 const DRIVEN_BY_MOTOR: f64 = 0.0;
@@ -24,17 +25,17 @@ pub(crate) const SPEC: Spec = Spec {
     name: "backlash",
     meaning: "the joint does not follow its motor for a while after each reversal",
     inspect: "the tension of the cable, clamps and pins of the joint",
+    confirm: HOLD_THE_MOTOR,
     adds: "play",
     source: "A4, A15, D5",
     hook: Hook::Transmission,
-    family: Family::Loop,
+    form: Form::Play,
     needs: &[Need::Order],
     parameters: &[Parameter::size("width_rad", 0.0, 0.1)],
     further: &[DRIVEN_BY],
     shape: Shape::Sides,
     follows: Follows::Angle,
-    law_error: LawError::LOOP,
-    ..Spec::COMMON
+    ..Spec::of(Family::Loop)
 };
 
 pub(crate) const LAW: Backlash = Backlash;

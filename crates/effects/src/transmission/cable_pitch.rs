@@ -2,7 +2,7 @@
 //! does not start in the middle of its drum.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Further, Hook, LawError, Parameter, Spec};
+use crate::{Family, Follows, Form, Further, Hook, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cable-pitch",
@@ -11,13 +11,12 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "c_2 theta^2 + c_3 theta^3",
     source: "A8",
     hook: Hook::Transmission,
-    family: Family::Shape,
+    form: Form::Polynomial,
     parameters: &[Parameter::size("quadratic_per_rad", 0.0, 0.1)],
     further: &[Further::usually("cubic_per_rad2", 0.0)],
     amplitudes: 2,
     follows: Follows::Angle,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 pub(crate) const LAW: CablePitch = CablePitch;

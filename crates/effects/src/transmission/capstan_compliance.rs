@@ -2,12 +2,15 @@
 //! stiffness.
 
 use crate::laws::Spring;
+use crate::transmission::HOLD_THE_MOTOR;
 use crate::{Hook, Need, Spec};
 
-pub(crate) const SPEC: Spec = Spec {
+/// The capstan's cable stretches with the torque.
+pub const SPEC: Spec = Spec {
     name: "capstan-compliance",
     meaning: "the capstan's cable stretches with the torque",
     inspect: "the pre-tension, diameter and free length of that cable",
+    confirm: HOLD_THE_MOTOR,
     adds: "-tau / k",
     source: "A1",
     hook: Hook::Transmission,

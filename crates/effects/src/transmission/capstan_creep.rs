@@ -3,7 +3,7 @@
 use haptical_model::transmission::loops::Creep;
 
 use crate::laws::Linear;
-use crate::{Family, Hook, LawError, Need, Parameter, Spec};
+use crate::{Family, Form, Hook, Need, Parameter, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "capstan-creep",
@@ -12,14 +12,13 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "-kappa sum tau |dtheta|",
     source: "A2",
     hook: Hook::Transmission,
-    family: Family::Drift,
+    form: Form::Creep,
     needs: &[Need::Motion, Need::Torque],
     parameters: &[Parameter::size("creep_per_nm", 0.0, 4e-3)],
     is_positive: true,
     scales_with_torque: true,
     log_prior: -1.0,
-    law_error: LawError::DRIFT,
-    ..Spec::COMMON
+    ..Spec::of(Family::Drift)
 };
 
 pub(crate) const LAW: Linear = Linear(|input| {

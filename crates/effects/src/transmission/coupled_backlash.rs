@@ -2,7 +2,7 @@
 
 use crate::laws::{Input, Law};
 use crate::signal::play;
-use crate::{Family, Follows, Hook, LawError, Need, Parameter, Shape, Spec};
+use crate::{Family, Follows, Form, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "coupled-backlash",
@@ -11,7 +11,7 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "A play(theta_from) / w",
     source: "",
     hook: Hook::Transmission,
-    family: Family::Loop,
+    form: Form::CoupledPlay,
     needs: &[Need::Motion],
     parameters: &[
         Parameter::size("width_rad", 0.0, 0.1),
@@ -22,8 +22,7 @@ pub(crate) const SPEC: Spec = Spec {
     follows: Follows::OtherAngle,
     is_found_beside: true,
     log_prior: -2.0,
-    law_error: LawError::LOOP,
-    ..Spec::COMMON
+    ..Spec::of(Family::Loop)
 };
 
 #[derive(Debug)]

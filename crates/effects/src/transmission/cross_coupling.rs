@@ -1,16 +1,18 @@
 //! A joint is turned by another one through the routing of its cable; one of many pairs.
 
 use crate::laws::{Input, Law};
-use crate::{Family, Follows, Hook, LawError, Parameter, Shape, Spec};
+use crate::{Family, Follows, Form, Hook, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "cross-coupling",
     meaning: "one joint moves or loads another: a cable, shaft or differential passes it",
     inspect: "cables, pulleys, shafts and differentials of one joint that pass the other",
+    confirm: "to confirm {name}: hold the loaded joint still and let the other one press against a stop, both ways; its drive \
+              answers in proportion",
     adds: "kappa theta_from",
     source: "A13",
     hook: Hook::Transmission,
-    family: Family::Coupling,
+    form: Form::Coupling,
     parameters: &[
         Parameter::size("gain", 0.0, 0.5),
         Parameter::number("from_joint", 1000.0),
@@ -18,8 +20,7 @@ pub(crate) const SPEC: Spec = Spec {
     shape: Shape::Given,
     follows: Follows::OtherAngle,
     log_prior: -1.0,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Coupling)
 };
 
 #[derive(Debug)]

@@ -16,4 +16,4 @@ pub const SPEC: Spec = Spec {
     ..Harmonic::SPEC
 };
 
-pub(crate) const LAW: Harmonic = Harmonic::ONCE;
+pub(crate) const LAW: Harmonic = Harmonic;

@@ -1,7 +1,7 @@
 //! The output drum has two lobes.
 
 use crate::laws::Harmonic;
-use crate::{Hook, Spec};
+use crate::{Form, Hook, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "drum-out-of-round",
@@ -10,7 +10,8 @@ pub(crate) const SPEC: Spec = Spec {
     adds: "A cos(2 theta - phase)",
     source: "A7",
     hook: Hook::Transmission,
+    form: Form::Harmonic(Some(2.0)),
     ..Harmonic::SPEC
 };
 
-pub(crate) const LAW: Harmonic = Harmonic::TWICE;
+pub(crate) const LAW: Harmonic = Harmonic;

@@ -1,7 +1,7 @@
 //! Orders of the motor's angle above the first, which the base model has for its input drum.
 
 use crate::laws::Harmonic;
-use crate::{Hook, Parameter, Shape, Spec};
+use crate::{Form, Hook, Parameter, Shape, Spec};
 
 /// The error repeats with the turns of the motor.
 pub const SPEC: Spec = Spec {
@@ -11,6 +11,7 @@ pub const SPEC: Spec = Spec {
     adds: "A cos(k R theta - phase), k = 2, 3, 4",
     source: "A10",
     hook: Hook::Transmission,
+    form: Form::Harmonic(None),
     parameters: &[
         Parameter::size("amplitude_rad", 0.0, 0.05),
         Parameter::phase(),
@@ -20,7 +21,4 @@ pub const SPEC: Spec = Spec {
     ..Harmonic::SPEC
 };
 
-pub(crate) const LAW: Harmonic = Harmonic {
-    periods: |joint, order| order * joint.transmission_ratio,
-    reports_order: true,
-};
+pub(crate) const LAW: Harmonic = Harmonic;

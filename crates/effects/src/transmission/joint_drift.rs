@@ -1,7 +1,7 @@
 //! The zero of a drive drifts in time, steadily or until it settles, or follows the temperature.
 
 use crate::laws::{Drift, Linear, REFERENCE, Warm};
-use crate::{Follows, Hook, Need, Parameter, Shape, Spec};
+use crate::{Follows, Form, Hook, Need, Parameter, Shape, Spec};
 
 pub(crate) const SPEC: Spec = Spec {
     name: "joint-drift",
@@ -16,6 +16,7 @@ pub(crate) const SPEC: Spec = Spec {
 /// The same with temperature.
 pub(crate) const WARM: Spec = Spec {
     adds: "c (T - mean T)",
+    form: Form::Warming,
     source: "A14",
     needs: &[Need::Temperature],
     parameters: &[Parameter::size("rad_per_degc", 0.0, 2e-3)],

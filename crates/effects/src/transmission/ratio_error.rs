@@ -1,7 +1,7 @@
 //! A ratio error of a joint for which the base model has none, or the pitch of a screw.
 
 use crate::laws::Linear;
-use crate::{Absorbed, Family, Follows, Hook, LawError, Need, Parameter, Spec};
+use crate::{Absorbed, Family, Follows, Form, Hook, Need, Parameter, Spec};
 
 /// The transmission ratio is not the nominal one.
 pub const SPEC: Spec = Spec {
@@ -11,13 +11,12 @@ pub const SPEC: Spec = Spec {
     adds: "-R_e theta / R",
     source: "D4",
     hook: Hook::Transmission,
-    family: Family::Shape,
+    form: Form::Scale,
     needs: &[Need::Chain],
     parameters: &[Parameter::size("ratio_deviation", 0.0, 0.2)],
     follows: Follows::Angle,
     absorbed_by: Absorbed::ByTransmission,
-    law_error: LawError::SHAPE,
-    ..Spec::COMMON
+    ..Spec::of(Family::Shape)
 };
 
 pub(crate) const LAW: Linear = Linear(|input| {

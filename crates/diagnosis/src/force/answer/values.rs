@@ -109,7 +109,7 @@ impl<'s, 'e, 'a> Sizes<'s, 'e, 'a> {
             let of_law = value * gain_sd.hypot(spec.law_error.amplitude);
             // how far apart terms that depend on the rate are follows Stribeck's rate, which is not fitted
             let apart = match is_rubbing && index > 0 {
-                true => value * LawError::LOOP.amplitude,
+                true => value * LawError::of(Family::Loop).amplitude,
                 false => 0.0,
             };
             (value, sd.hypot(of_law).hypot(apart))
