@@ -1,7 +1,7 @@
 //! Friction, armatures and offsets of a moving arm's drives in corrected.toml.
 
 use haptical_diagnosis::{BESIDE_TORQUES, Diagnosis};
-use haptical_model::{Device as Model, JOINT_FRICTION};
+use haptical_model::Device as Model;
 use haptical_motion::{identify_drives, torques_left, with_dynamics};
 
 use super::corrected::text;
@@ -63,10 +63,10 @@ fn filled(
         own.torque_delay_s = given.torque_delay_s;
     }
     // a friction that is a cause is the one of its joint
-    let causes = bare.effects.iter().filter(|own| own.name == JOINT_FRICTION);
+    let causes = bare.effects.iter().filter(|own| own.is_friction());
     for cause in causes {
         let is_same = |joint| joint == cause.joint;
-        (model.effects).retain(|own| own.name != JOINT_FRICTION || !is_same(own.joint));
+        (model.effects).retain(|own| !own.is_friction() || !is_same(own.joint));
         model.effects.push(cause.clone());
     }
     diagnosis.corrected = Some(model);

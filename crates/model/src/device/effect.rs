@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::drive::JOINT_FRICTION;
+
 /// An effect of a device, a table `[[effect]]` of its file.
 ///
 /// What its name and its numbers mean is the business of `haptical-effects`; here it is a name with numbers. A
@@ -55,6 +57,11 @@ impl DeviceEffect {
             Some(joint) => format!("{}@{}", self.name, joint + 1),
             None => self.name.clone(),
         }
+    }
+
+    /// Whether it is the friction of a joint, whose numbers are [`crate::FrictionNumber`]s.
+    pub fn is_friction(&self) -> bool {
+        self.name == JOINT_FRICTION
     }
 
     /// The same as a file holds it.

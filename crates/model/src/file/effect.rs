@@ -43,7 +43,7 @@ pub(crate) fn read_effects(
     let mut effects: Vec<DeviceEffect> = Vec::new();
     for section in root.tables(KEY, 1)? {
         let effect = read_effect(&section, joints.len())?;
-        if [COMPLIANCE, LINK_COMPLIANCE].contains(&effect.name.as_str()) {
+        if is_compliance(&effect.name) {
             yield_to(&section, &effect, joints, compliance)?;
             continue;
         }
@@ -162,7 +162,7 @@ pub fn stiffness_key(joint: JointType) -> &'static str {
 /// Writes the effects in place of those of the file; its joint compliances stay.
 pub(crate) fn write_effects(document: &mut DocumentMut, effects: &[DeviceEffect]) {
     let mut tables: ArrayOfTables = match document.remove(KEY) {
-        Some(Item::ArrayOfTables(old)) => old.into_iter().filter(is_compliance).collect(),
+        Some(Item::ArrayOfTables(old)) => old.into_iter().filter(is_of_compliance).collect(),
         _ => ArrayOfTables::new(),
     };
     tables.extend(effects.iter().map(effect_table));
@@ -171,10 +171,15 @@ pub(crate) fn write_effects(document: &mut DocumentMut, effects: &[DeviceEffect]
     }
 }
 
+/// Whether a name is that of a joint's compliance.
+fn is_compliance(name: &str) -> bool {
+    [COMPLIANCE, LINK_COMPLIANCE].contains(&name)
+}
+
 /// Whether a table is a joint's compliance.
-fn is_compliance(table: &Table) -> bool {
+fn is_of_compliance(table: &Table) -> bool {
     let name = table.get("name").and_then(Item::as_str);
-    name.is_some_and(|name| [COMPLIANCE, LINK_COMPLIANCE].contains(&name))
+    name.is_some_and(is_compliance)
 }
 
 /// Writes a joint's compliance where the file has it as an effect; false where it has not.
@@ -189,7 +194,7 @@ pub(crate) fn write_compliance(
     };
     let number = joint as i64 + 1;
     let is_own = |table: &Table| {
-        is_compliance(table) && table.get("joint").and_then(Item::as_integer) == Some(number)
+        is_of_compliance(table) && table.get("joint").and_then(Item::as_integer) == Some(number)
     };
     let Some(table) = tables.iter_mut().find(|table| is_own(table)) else {
         return false;

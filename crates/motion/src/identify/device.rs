@@ -19,7 +19,7 @@ pub fn with_dynamics(device: &Device, found: &Dynamics) -> Result<Device, ModelE
     for body in found.bodies.iter().filter(|own| !own.is_held) {
         device.set_row_inertia(body.row, &body.inertia)?;
     }
-    device.effects.retain(|own| own.name != JOINT_FRICTION);
+    device.effects.retain(|own| !own.is_friction());
     for own in &found.joints {
         let Some(joint) = device.joints.get_mut(own.joint) else {
             continue;

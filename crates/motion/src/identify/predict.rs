@@ -1,7 +1,7 @@
 //! How well numbers predict torques: of the log that they were fitted to, and of one that they have not seen.
 
 use haptical_linalg::dot;
-use haptical_model::{Device, FrictionNumber, JOINT_FRICTION, Recording};
+use haptical_model::{Device, FrictionNumber, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
@@ -119,11 +119,7 @@ pub fn torques_left(
     let mut problem = Problem::new(Arm::new(device)?, recording, reading)?;
     problem.reweigh(&vec![1.0; problem.channels.len()]);
     let mut left = problem.recorded(0.0);
-    for own in device
-        .effects
-        .iter()
-        .filter(|own| own.name == JOINT_FRICTION)
-    {
+    for own in device.effects.iter().filter(|own| own.is_friction()) {
         let Some((joint, joint_type)) = own
             .joint
             .zip(own.joint.map(|joint| device.joints[joint].joint_type))

@@ -1,7 +1,7 @@
 //! What a joint's drive has to overcome beside its links: friction and cogging, with their slopes.
 
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
-use haptical_model::{Device, DeviceEffect, FrictionNumber, JOINT_FRICTION, JointType};
+use haptical_model::{Device, DeviceEffect, FrictionNumber, JointType};
 
 /// Shortest travel and slowest rate over which friction changes sides \[m\], \[rad\], per second.
 const SHORTEST: f64 = 1e-9;
@@ -63,7 +63,7 @@ impl JointForces {
         };
         let slides = device.joints[joint].joint_type == JointType::Prismatic;
         match effect.name.as_str() {
-            JOINT_FRICTION => {
+            _ if effect.is_friction() => {
                 let of = |number: FrictionNumber| number.stated(effect);
                 let rate = of(FrictionNumber::TurnoverSpeed);
                 let travel = of(FrictionNumber::TurnoverTravel);

@@ -2,9 +2,7 @@
 
 use std::fmt::Write;
 
-use haptical_model::{
-    Device, DeviceEffect, DriveNumber, FrictionNumber, JOINT_FRICTION, drive_numbers_in_words,
-};
+use haptical_model::{Device, DeviceEffect, DriveNumber, FrictionNumber, drive_numbers_in_words};
 
 use crate::numbers::{commented, rounded};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors};
@@ -56,7 +54,7 @@ pub(crate) fn comment(said: &[String]) -> String {
 /// How Coulomb friction changes sides, of joints whose friction is written.
 fn turnovers(device: &Device, effects: &Effects<'_>, form: Form) -> Option<String> {
     let of = |effect: &DeviceEffect| {
-        let joint = effect.joint.filter(|_| effect.name == JOINT_FRICTION)?;
+        let joint = effect.joint.filter(|_| effect.is_friction())?;
         effects.friction.get(joint)?.coulomb?;
         let unit = device.joints.get(joint)?.unit();
         let size = |number: FrictionNumber| number.stated(effect).filter(|own| *own > 0.0);
@@ -167,7 +165,7 @@ fn without_means(device: &Device, effects: &Effects<'_>) -> Vec<String> {
             .any(|left| std::ptr::eq(*left, *own))
     };
     let labels: Vec<String> = (device.effects.iter())
-        .filter(|own| !is_ahead(own) && (own.name != JOINT_FRICTION || is_left(own)))
+        .filter(|own| !is_ahead(own) && (!own.is_friction() || is_left(own)))
         .map(|own| format!("`{}`", own.label()))
         .collect();
     let others = (!labels.is_empty()).then(|| {

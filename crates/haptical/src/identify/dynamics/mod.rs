@@ -24,8 +24,6 @@ use crate::log::Log;
 
 /// The word of `--with` that asks for it.
 pub const DYNAMICS: &str = "dynamics";
-/// Friction is found anew.
-const FRICTION: &str = "joint-friction";
 
 /// What a result says of its inputs.
 struct IdentifiedHead {
@@ -166,7 +164,7 @@ impl std::fmt::Display for FoundDynamics {
 /// A device without the friction that is found anew.
 pub(crate) fn without_friction(model: &Model) -> Model {
     let mut bare = model.clone();
-    bare.effects.retain(|own| own.name != FRICTION);
+    bare.effects.retain(|own| !own.is_friction());
     bare
 }
 
