@@ -2,11 +2,6 @@
 
 use haptical_dynamics::Inertia;
 use haptical_model::{Device, RigidBodies};
-use nalgebra::{Matrix3, Vector3};
-
-use crate::arm::Arm;
-use crate::effect::gravity_axes;
-use crate::select::Pick;
 
 /// What an effect changes of a device's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,74 +28,6 @@ pub enum Change {
 }
 
 impl Change {
-    /// Of an effect that was taken; none where it changes nothing that a device file has.
-    pub(crate) fn of(arm: &Arm, pick: &Pick) -> Option<Self> {
-        let number = |name: &str| {
-            let mut own = pick.numbers.iter().filter(|own| own.0 == name);
-            own.next().map(|own| own.1)
-        };
-        // what no torque feels stays as it is
-        let vector =
-            |names: [&str; 3]| Vector3::from(names.map(|name| number(name).unwrap_or(0.0)));
-        match pick.effect {
-            "payload" => {
-                let flange = arm.bodies.flange(0)?;
-                let mass_kg = number("mass_kg").filter(|mass_kg| *mass_kg > 0.0)?;
-                let moment = vector(["moment_x_kg_m", "moment_y_kg_m", "moment_z_kg_m"]);
-                // the same about all axes, where it was fitted
-                let own_kgm2 = pick.read_off.get(4).copied().unwrap_or(0.0).max(0.0);
-                let own = Matrix3::identity() * own_kgm2;
-                let point = Inertia::about_centre(mass_kg, &(moment / mass_kg), &own);
-                Some(Self::Inertia {
-                    body: flange.body?,
-                    more: point.seen_from(&flange.pose),
-                })
-            }
-            "link-inertia" => {
-                let joint = pick.joint?;
-                // of several rows of one joint the pick does not say which it is
-                let mut own = (0..arm.body_count())
-                    .filter(|body| arm.bodies.drive(*body).is_some_and(|own| own.0 == joint));
-                let body = own.next().filter(|_| own.next().is_none())?;
-                let (mass_kg, centre_m, inertia) = arm.about_centre(body);
-                let now = match number("mass_kg") {
-                    Some(more_kg) if mass_kg > 0.0 => Inertia::about_centre(
-                        mass_kg + more_kg,
-                        &centre_m,
-                        &(inertia * (1.0 + more_kg / mass_kg)),
-                    ),
-                    Some(more_kg) => Inertia::about_centre(more_kg, &centre_m, &inertia),
-                    None => {
-                        let shift = vector(["centre_x_m", "centre_y_m", "centre_z_m"]);
-                        Inertia::about_centre(mass_kg, &(centre_m + shift), &inertia)
-                    }
-                };
-                let before = arm.bodies.masses()[body].inertia.parameters();
-                let now = now.parameters();
-                let more = std::array::from_fn(|k| now[k] - before[k]);
-                Some(Self::Inertia {
-                    body,
-                    more: Inertia::from_parameters(more),
-                })
-            }
-            "armature" => Some(Self::Armature {
-                joint: pick.joint?,
-                more_kgm2: number("inertia_kgm2")?,
-            }),
-            "gravity-direction" => {
-                let gravity = arm.bodies.gravity_mps2();
-                let [first, second] = gravity_axes(gravity)?;
-                let [a, b] = *pick.read_off.first_chunk::<2>()?;
-                let size = gravity.norm();
-                let turned = (gravity + (first * a + second * b) * size).normalize() * size;
-                Some(Self::Gravity {
-                    gravity_mps2: turned.into(),
-                })
-            }
-            _ => None,
-        }
-    }
-
     /// The device with it; none where no body has such numbers.
     ///
     /// ```

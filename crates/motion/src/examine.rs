@@ -6,7 +6,8 @@ use haptical_model::{Device, Recording};
 use crate::MotionError;
 use crate::arm::Arm;
 use crate::dependence::{dependences, share_of_posture};
-use crate::effect::{CONTACT, ENCODER_LATENCY, JOINT_SPRING, is_exact};
+use crate::effect::delay::ENCODER_LATENCY;
+use crate::effect::is_exact;
 use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
@@ -41,11 +42,7 @@ pub fn examine(
 ) -> Result<Examined, MotionError> {
     let logs = Logs::new(device, recording, second);
     let mut found = examined_each(device, &logs, without)?;
-    if found
-        .findings
-        .first()
-        .is_some_and(|own| own.effect == SAMPLING)
-    {
+    if found.findings.first().is_some_and(Finding::is_of_sampling) {
         let mut others = without.to_vec();
         others.push(SAMPLING.to_owned());
         let as_read = examine_with(
@@ -56,15 +53,14 @@ pub fn examine(
         );
         found.set_right = as_read.map_or_else(|_| Vec::new(), |own| set_right(&own, &found));
     }
-    let is_push = |own: &Finding| own.effect == CONTACT;
-    if !found.is_adequate() || !found.findings.iter().any(is_push) {
+    if !found.is_adequate() || !found.findings.iter().any(Finding::is_push) {
         return Ok(found);
     }
     // a push that the second recording has no part of leaves it a gap, which has to be one of its own kind
     let seen = second.filter(|_| found.second.is_none() && left_of(&found.unseen).is_some());
     let contradicts = seen.is_some_and(|second| {
         let own = examined_each(device, &Logs::new(device, second, None), without);
-        own.is_ok_and(|own| !own.is_adequate() || !own.findings.iter().any(is_push))
+        own.is_ok_and(|own| !own.is_adequate() || !own.findings.iter().any(Finding::is_push))
     });
     Ok(Examined {
         is_push_contradicted: contradicts,
@@ -88,7 +84,7 @@ fn examined_each(
         return Ok(first);
     }
     // a push at the flange that explains a part may be one at a tool
-    if first.findings.iter().any(|own| own.effect == CONTACT) {
+    if first.findings.iter().any(Finding::is_push) {
         let at_tool = Reading {
             at_tool: true,
             ..Reading::default()
@@ -119,8 +115,7 @@ fn examined_each(
             ..Reading::default()
         };
         let slow = examine_with(device, logs, without, slower)?;
-        let is_spring = |own: &Finding| own.effect == JOINT_SPRING;
-        if slow.is_adequate() && slow.findings.iter().all(is_spring) {
+        if slow.is_adequate() && slow.findings.iter().all(Finding::is_joint_spring) {
             return Ok(Examined {
                 above_hz: Some(edge_hz),
                 ..slow
@@ -275,7 +270,7 @@ fn shown(problem: &Problem, selection: Selection) -> Selection {
     let (before, after) = (squares(&selection.bare), squares(&selection.fitted));
     let has_gap = before.iter().any(|own| is_beyond_noise(own.sqrt(), rows));
     let mut both = before.iter().zip(&after);
-    let is_exact = |own: &Pick| is_exact(own.effect) || own.effect == ENCODER_LATENCY;
+    let is_exact = |own: &Pick| is_exact(own.effect) || own.effect == ENCODER_LATENCY.name;
     if has_gap
         || selection.picks.iter().all(is_exact)
         || both.any(|(before, after)| before - after > gap(rows))

@@ -4,7 +4,7 @@ use crate::MotionError;
 use crate::change::Change;
 use crate::dependence::Dependence;
 use crate::effect::{
-    CONTACT, GRAVITY_DIRECTION, GRAVITY_SPRING, JOINT_SPRING, is_exact, is_of_own_joint,
+    contact, gravity_direction, gravity_spring, is_exact, is_of_own_joint, joint_compliance,
 };
 use crate::findings::SAMPLING;
 use crate::scale::{Doubt, Scale};
@@ -117,6 +117,23 @@ pub struct Finding {
     pub is_told: bool,
 }
 
+impl Finding {
+    /// Whether it is rows that the log repeats or lacks.
+    pub fn is_of_sampling(&self) -> bool {
+        self.effect == SAMPLING
+    }
+
+    /// Whether something pushes for a part of the log.
+    pub fn is_push(&self) -> bool {
+        self.effect == contact::EFFECT.name
+    }
+
+    /// Whether it is a spring between motor and link, which is known to first order alone.
+    pub(crate) fn is_joint_spring(&self) -> bool {
+        self.effect == joint_compliance::EFFECT.name
+    }
+}
+
 /// An effect in the place of a finding.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NearRival {
@@ -191,10 +208,7 @@ impl Examined {
             let square = own.before.iter().sum::<f64>() / rows.max(1) as f64;
             !own.predictions.is_empty() && is_beyond_noise(square.sqrt() / own.noise, rows)
         };
-        let is_of_log = self
-            .findings
-            .first()
-            .is_some_and(|own| own.effect == SAMPLING);
+        let is_of_log = self.findings.first().is_some_and(Finding::is_of_sampling);
         is_of_log
             && self.findings.len() > 1
             && self.doubts.is_empty()
@@ -204,13 +218,13 @@ impl Examined {
                 .left_of_second
                 .is_none_or(|left| left <= LEFT_OF_SECOND)
             && !self.is_push_contradicted
-            && !beside.clone().any(|own| own.effect == CONTACT)
+            && !beside.clone().any(Finding::is_push)
     }
 
     /// Whether the effects leave more of a second recording's gap than they may.
     pub fn is_contradicted(&self) -> bool {
         // a spring between motor and link is known to first order alone
-        let has_spring = self.findings.iter().any(|own| own.effect == JOINT_SPRING);
+        let has_spring = self.findings.iter().any(Finding::is_joint_spring);
         let most = match has_spring {
             true => OF_SECOND_BESIDE_SPRING,
             false => LEFT_OF_SECOND,
@@ -251,7 +265,11 @@ impl Examined {
         let follows = |own: &ChannelFit| {
             own.has_rest() && own.share_of_posture > LEFT_OF_POSTURE && are_exact(own.joint)
         };
-        let is_loose = |own: &Finding| [GRAVITY_SPRING, GRAVITY_DIRECTION].contains(&own.effect);
+        // the levers of a spring are not known, and bodies feel a tilt which are off themselves
+        let is_loose = |own: &Finding| {
+            own.effect == gravity_spring::EFFECT.name
+                || own.effect == gravity_direction::EFFECT.name
+        };
         let of_springs = self.findings.iter().all(is_loose);
         let is_small = of_springs && self.unexplained_share() < LEFT_BY_SPRING;
         let exact = self.findings.iter().any(|own| is_exact(own.effect));

@@ -1,7 +1,7 @@
 //! What was picked, as findings: with the rivals of each, and a fault of the log first.
 
-use crate::change::Change;
-use crate::effect::{ENCODER_LATENCY, TORQUE_LATENCY};
+use crate::effect::delay::TORQUE_LATENCY;
+use crate::effect::{Found, change, is_delay_of_all};
 use crate::examined::{Finding, NearRival};
 use crate::fit::problem::Problem;
 use crate::select::{Pick, Rival, Selection};
@@ -19,10 +19,16 @@ pub(crate) fn findings(problem: &Problem, selection: &Selection) -> Vec<Finding>
     };
     let findings = selection.picks.iter().map(|pick| {
         let (effect, numbers) = by_sense(pick);
+        let found = Found {
+            arm: &problem.arm,
+            joint: pick.joint,
+            numbers: &pick.numbers,
+            read_off: &pick.read_off,
+        };
         Finding {
             effect,
             joint: pick.joint,
-            change: Change::of(&problem.arm, pick),
+            change: change(pick.effect, &found),
             nats: pick.nats,
             numbers,
             rivals: pick.rivals.iter().map(rival).collect(),
@@ -46,12 +52,11 @@ pub(crate) fn findings(problem: &Problem, selection: &Selection) -> Vec<Finding>
 /// Name and numbers of a pick: where positions of all joints seem early, it is the torques that are late.
 fn by_sense(pick: &Pick) -> (&'static str, Vec<(&'static str, f64, f64)>) {
     let mut numbers = pick.numbers.clone();
-    let is_early = pick.joint.is_none()
-        && pick.effect == ENCODER_LATENCY
+    let is_early = is_delay_of_all(pick.effect, pick.joint)
         && numbers.iter().any(|own| own.0 == "delay_s" && own.1 < 0.0);
     if !is_early {
         return (pick.effect, numbers);
     }
     numbers.iter_mut().for_each(|own| own.1 = -own.1);
-    (TORQUE_LATENCY, numbers)
+    (TORQUE_LATENCY.name, numbers)
 }

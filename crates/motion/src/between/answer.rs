@@ -4,6 +4,7 @@ use super::choose::Chosen;
 use super::fit::Fitted;
 use super::rows::{JointRows, Rows};
 use super::terms::{Term, half_play, yielded};
+use crate::effect::delay::ENCODER_LATENCY;
 use crate::examined::{ChannelFit, Examined, Finding, NearRival};
 use haptical_linalg::dot;
 
@@ -82,7 +83,7 @@ fn delayed(
     });
     Some(Finding {
         effect: if is_of_motors {
-            "encoder-latency"
+            ENCODER_LATENCY.name
         } else {
             Term::Delay.name()
         },

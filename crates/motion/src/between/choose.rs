@@ -9,6 +9,8 @@ use haptical_judge::{
 use super::fit::{Fitted, fit};
 use super::rows::JointRows;
 use super::terms::Term;
+use crate::effect::delay::ENCODER_LATENCY;
+use crate::effect::joint_compliance;
 use crate::thresholds::between::{
     FINER_STEP, FINER_STEPS, FLIGHT_SHARES, HARDENING_SHARES, LEAST_NATS, MOST_FLIGHT, MOST_TERMS,
 };
@@ -135,8 +137,8 @@ pub(super) fn choose(rows: &[JointRows], without: &[String]) -> Chosen {
     let is_left_out = |term: Term| {
         let has = |name: &str| without.iter().any(|own| own == name);
         let twin = match term {
-            Term::Delay => "encoder-latency",
-            Term::Spring | Term::Hardening { .. } => "joint-compliance",
+            Term::Delay => ENCODER_LATENCY.name,
+            Term::Spring | Term::Hardening { .. } => joint_compliance::EFFECT.name,
             Term::Play { .. } | Term::Shape => "",
         };
         has(term.name()) || has(twin)

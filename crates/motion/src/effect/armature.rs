@@ -1,11 +1,19 @@
 //! An inertia of the motor's side that is another than the stated one.
 
-use super::{Candidate, Candidates, Context, Effect, first};
+use super::{Candidate, Context, Effect, Found, first};
+use crate::change::Change;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "armature",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("armature", candidates)
+    .exact()
+    .of_own_joint()
+    .changing(change);
+
+fn change(found: &Found<'_>) -> Option<Change> {
+    Some(Change::Armature {
+        joint: found.joint?,
+        more_kgm2: found.number("inertia_kgm2")?,
+    })
+}
 
 /// `I ddq` of a joint whose armature is stated; one that is not is part of the base model.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {

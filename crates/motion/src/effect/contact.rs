@@ -5,17 +5,14 @@ use std::rc::Rc;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Context, Effect, Finer};
 use crate::fit::trimmed::{Outside, outside};
 use crate::thresholds::effect::{
     CONTACT_NODE_ROWS, FARTHEST_M, FELT_BY_TWO, MOST_CONTACT_NODES, ONE_WAY, PUSH_LAW_SD,
     TORQUES_OF_MANY,
 };
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "contact",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("contact", candidates);
 
 /// Numbers of the point that is touched.
 const OF_POINT: usize = 3;

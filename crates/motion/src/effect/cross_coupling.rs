@@ -1,14 +1,11 @@
 //! A drive whose cable or shaft passes another joint and loads it.
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Context, Effect};
 use std::rc::Rc;
 
 use crate::thresholds::effect::MOST_COUPLING;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "cross-coupling",
-    candidates: Candidates::Given(candidates),
-};
+pub(super) const EFFECT: Effect = Effect::new("cross-coupling", candidates).exact();
 
 /// A share of one drive's torque on another joint: an entry beside the diagonal of the transmission's matrix, which joint torques are the
 /// transpose of times motor torques (Tsai, Robot Analysis, 1999). A drive passes the joints between its motor and its own, so that it loads

@@ -1,25 +1,16 @@
 //! Torques that are logged before the positions that belong to them, or after.
 
-use super::{Candidate, Candidates, Context, Effect, first};
+use super::{Candidate, Context, Effect, first};
 use crate::fit::base::slope;
 
 /// Positions of all joints are late.
-pub(super) const ENCODER_LATENCY: Effect = Effect {
-    name: "encoder-latency",
-    candidates: Candidates::Given(of_all),
-};
+pub(crate) const ENCODER_LATENCY: Effect = Effect::new("encoder-latency", of_all);
 
 /// Positions of one joint are late.
-pub(super) const OF_ONE_ENCODER: Effect = Effect {
-    name: ENCODER_LATENCY.name,
-    candidates: Candidates::Given(of_one_encoder),
-};
+pub(super) const OF_ONE_ENCODER: Effect = Effect::new(ENCODER_LATENCY.name, of_one_encoder);
 
 /// The torque of one joint is late.
-pub(super) const TORQUE_LATENCY: Effect = Effect {
-    name: "torque-latency",
-    candidates: Candidates::Given(of_one),
-};
+pub(crate) const TORQUE_LATENCY: Effect = Effect::new("torque-latency", of_one).of_own_joint();
 
 /// By the first order of the delay; the fit goes on from there ([`crate::select`]).
 fn of_all(context: Context<'_>) -> Vec<Candidate<'_>> {

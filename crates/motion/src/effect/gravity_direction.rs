@@ -4,15 +4,26 @@ use std::rc::Rc;
 
 use nalgebra::Vector3;
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Context, Effect, Found};
+use crate::change::Change;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "gravity-direction",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("gravity-direction", candidates)
+    .exact()
+    .changing(change);
+
+fn change(found: &Found<'_>) -> Option<Change> {
+    let gravity = found.arm.bodies.gravity_mps2();
+    let [first, second] = axes(gravity)?;
+    let [a, b] = *found.read_off.first_chunk::<2>()?;
+    let size = gravity.norm();
+    let turned = (gravity + (first * a + second * b) * size).normalize() * size;
+    Some(Change::Gravity {
+        gravity_mps2: turned.into(),
+    })
+}
 
 /// The two axes across gravity, along which it moves when it tilts; none without gravity.
-pub(crate) fn axes(gravity: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
+fn axes(gravity: &Vector3<f64>) -> Option<[Vector3<f64>; 2]> {
     let along = gravity.try_normalize(0.0)?;
     let other = match along.x.abs() < 0.9 {
         true => Vector3::x(),

@@ -2,13 +2,12 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, ends};
+use super::{Candidate, Context, Effect, ends};
 use crate::thresholds::effect::LEAST_TRAVEL_RAD;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "gravity-spring",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("gravity-spring", candidates)
+    .exact()
+    .of_own_joint();
 
 /// A torque that depends on the joint's own angle alone: straight (a torsion spring) or a sine (a counterweight, a spring on a
 /// crank).

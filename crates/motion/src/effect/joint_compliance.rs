@@ -4,13 +4,10 @@ use std::rc::Rc;
 
 use haptical_dynamics::TorqueDerivatives;
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Context, Effect};
 use crate::fit::base::slope;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "joint-compliance",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("joint-compliance", candidates);
 
 /// The link stands `tau / k` beside the motor: the torques change by their derivatives with that angle, its speed and its
 /// acceleration. First order in 1/k (Spong 1987).

@@ -5,13 +5,40 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect};
+use super::{Candidate, Context, Effect, Found};
+use crate::change::Change;
 use crate::thresholds::effect::{LINK_LAW_SD, MOST_CENTRE_M, MOST_MISSING_MASS, MOST_OF_ROD};
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "link-inertia",
-    candidates: Candidates::Given(candidates),
-};
+pub(super) const EFFECT: Effect = Effect::new("link-inertia", candidates)
+    .exact()
+    .changing(change);
+
+fn change(found: &Found<'_>) -> Option<Change> {
+    let (arm, joint) = (found.arm, found.joint?);
+    // of several rows of one joint it is not said which it is
+    let mut own = (0..arm.body_count())
+        .filter(|body| arm.bodies.drive(*body).is_some_and(|own| own.0 == joint));
+    let body = own.next().filter(|_| own.next().is_none())?;
+    let (mass_kg, centre_m, inertia) = arm.about_centre(body);
+    let now = match found.number("mass_kg") {
+        Some(more_kg) if mass_kg > 0.0 => {
+            let grown = inertia * (1.0 + more_kg / mass_kg);
+            Inertia::about_centre(mass_kg + more_kg, &centre_m, &grown)
+        }
+        Some(more_kg) => Inertia::about_centre(more_kg, &centre_m, &inertia),
+        None => {
+            let shift = found.vector(["centre_x_m", "centre_y_m", "centre_z_m"]);
+            Inertia::about_centre(mass_kg, &(centre_m + shift), &inertia)
+        }
+    };
+    let before = arm.bodies.masses()[body].inertia.parameters();
+    let now = now.parameters();
+    let more = std::array::from_fn(|k| now[k] - before[k]);
+    Some(Change::Inertia {
+        body,
+        more: Inertia::from_parameters(more),
+    })
+}
 
 /// For each body its mass, alone at its centre of mass, and its centre of mass.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {

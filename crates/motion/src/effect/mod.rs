@@ -1,24 +1,27 @@
 //! What the base model of a moving arm may lack: one effect a file, each with the torques that it adds.
 
-mod armature;
-mod contact;
+pub(crate) mod armature;
+pub(crate) mod contact;
 mod cross_coupling;
-mod delay;
+pub(crate) mod delay;
 mod friction;
-mod gravity_direction;
-mod gravity_spring;
-mod joint_compliance;
+pub(crate) mod gravity_direction;
+pub(crate) mod gravity_spring;
+pub(crate) mod joint_compliance;
 mod link_inertia;
 mod motor_cogging;
 mod payload;
-mod torque_gain;
+pub(crate) mod torque_gain;
 mod torque_offset;
 mod torque_saturation;
 
 use std::rc::Rc;
 
-pub(crate) use self::gravity_direction::axes as gravity_axes;
+use nalgebra::Vector3;
+
 pub(crate) use self::torque_saturation::ends_at;
+use crate::arm::Arm;
+use crate::change::Change;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -91,6 +94,64 @@ pub(crate) struct Context<'c> {
 pub(crate) struct Effect {
     pub(crate) name: &'static str,
     pub(crate) candidates: Candidates,
+    /// Whether its law is exact, and not one of many that describe the same thing: friction has many, a weight has one.
+    is_exact: bool,
+    /// Whether it changes the torque of its joint alone.
+    is_of_own_joint: bool,
+    /// What it changes of a device's numbers.
+    change: fn(&Found<'_>) -> Option<Change>,
+}
+
+/// What was found of an effect.
+pub(crate) struct Found<'p> {
+    pub(crate) arm: &'p Arm,
+    pub(crate) joint: Option<usize>,
+    /// Numbers with standard deviations.
+    pub(crate) numbers: &'p [(&'static str, f64, f64)],
+    /// The coefficients that its numbers are read off.
+    pub(crate) read_off: &'p [f64],
+}
+
+impl Found<'_> {
+    fn number(&self, name: &str) -> Option<f64> {
+        let own = self.numbers.iter().find(|own| own.0 == name);
+        own.map(|own| own.1)
+    }
+
+    /// Three numbers; what no torque feels stays as it is.
+    fn vector(&self, names: [&str; 3]) -> Vector3<f64> {
+        names.map(|name| self.number(name).unwrap_or(0.0)).into()
+    }
+}
+
+impl Effect {
+    const fn new(
+        name: &'static str,
+        candidates: for<'c> fn(Context<'c>) -> Vec<Candidate<'c>>,
+    ) -> Self {
+        Self {
+            name,
+            candidates: Candidates::Given(candidates),
+            is_exact: false,
+            is_of_own_joint: false,
+            change: |_| None,
+        }
+    }
+
+    const fn exact(mut self) -> Self {
+        self.is_exact = true;
+        self
+    }
+
+    const fn of_own_joint(mut self) -> Self {
+        self.is_of_own_joint = true;
+        self
+    }
+
+    const fn changing(mut self, change: fn(&Found<'_>) -> Option<Change>) -> Self {
+        self.change = change;
+        self
+    }
 }
 
 /// How its candidates are found.
@@ -125,54 +186,29 @@ pub(crate) const EFFECTS: &[Effect] = &[
     delay::TORQUE_LATENCY,
 ];
 
-/// The one that bodies feel which are off themselves.
-pub(crate) const GRAVITY_DIRECTION: &str = gravity_direction::EFFECT.name;
-/// What pushes for a part of the log.
-pub(crate) const CONTACT: &str = contact::EFFECT.name;
-/// Late positions of all joints, and late torques.
-pub(crate) const ENCODER_LATENCY: &str = delay::ENCODER_LATENCY.name;
-pub(crate) const TORQUE_LATENCY: &str = delay::TORQUE_LATENCY.name;
-/// The effect that may be at every joint.
-pub(crate) const ARMATURE: &str = armature::EFFECT.name;
-/// The effect that is known well below its resonance alone.
-pub(crate) const JOINT_SPRING: &str = joint_compliance::EFFECT.name;
-/// The scale of a torque.
-pub(crate) const TORQUE_GAIN: &str = torque_gain::EFFECT.name;
-/// The one whose levers are not known.
-pub(crate) const GRAVITY_SPRING: &str = gravity_spring::EFFECT.name;
+/// Those of a name.
+fn named(name: &str) -> impl Iterator<Item = &'static Effect> {
+    EFFECTS.iter().filter(move |own| own.name == name)
+}
 
-/// Whether an effect's law is exact, and not one of many that describe the same thing: friction has many, a weight has one.
+/// Whether an effect's law is exact.
 pub(crate) fn is_exact(name: &str) -> bool {
-    [
-        payload::EFFECT.name,
-        link_inertia::EFFECT.name,
-        gravity_direction::EFFECT.name,
-        gravity_spring::EFFECT.name,
-        torque_offset::EFFECT.name,
-        torque_gain::EFFECT.name,
-        armature::EFFECT.name,
-        cross_coupling::EFFECT.name,
-    ]
-    .contains(&name)
+    named(name).any(|own| own.is_exact)
+}
+
+/// Whether an effect is late positions of all joints.
+pub(crate) fn is_delay_of_all(name: &str, joint: Option<usize>) -> bool {
+    name == delay::ENCODER_LATENCY.name && joint.is_none()
 }
 
 /// Whether an effect at a joint changes the torque of that joint alone.
 pub(crate) fn is_of_own_joint(name: &str) -> bool {
-    [
-        torque_gain::EFFECT.name,
-        torque_offset::EFFECT.name,
-        torque_saturation::EFFECT.name,
-        friction::STRIBECK.name,
-        friction::LOAD.name,
-        friction::ASYMMETRY.name,
-        friction::DRIFT.name,
-        friction::PRESLIDING.name,
-        motor_cogging::EFFECT.name,
-        armature::EFFECT.name,
-        gravity_spring::EFFECT.name,
-        delay::TORQUE_LATENCY.name,
-    ]
-    .contains(&name)
+    named(name).any(|own| own.is_of_own_joint)
+}
+
+/// What an effect changes of a device's numbers; none where a device file has no such number.
+pub(crate) fn change(name: &str, found: &Found<'_>) -> Option<Change> {
+    named(name).find_map(|own| (own.change)(found))
 }
 
 /// Names of all effects.
@@ -275,7 +311,7 @@ impl<'c> Candidate<'c> {
 
     /// Whether it is the one whose size is settled by shifting all torques.
     pub(crate) fn is_delay_of_all(&self) -> bool {
-        self.effect == delay::ENCODER_LATENCY.name && self.joint.is_none()
+        is_delay_of_all(self.effect, self.joint)
     }
 
     /// With a law that is not to the last digit the arm's.

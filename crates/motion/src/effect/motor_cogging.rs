@@ -9,8 +9,8 @@ use crate::thresholds::effect::{
 };
 
 pub(super) const EFFECT: Effect = Effect {
-    name: "motor-cogging",
     candidates: Candidates::ByRest(candidates),
+    ..Effect::new("motor-cogging", |_| Vec::new()).of_own_joint()
 };
 
 /// The orders of which a periodogram of the rest over the joint's angle shows most.

@@ -5,13 +5,29 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Context, Effect, Finer, Found};
+use crate::change::Change;
 use crate::thresholds::effect::BODIES_LAW_SD;
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "payload",
-    candidates: Candidates::Given(|context| at(context, Vector3::zeros()).into_iter().collect()),
-};
+pub(super) const EFFECT: Effect = Effect::new("payload", |context| {
+    at(context, Vector3::zeros()).into_iter().collect()
+})
+.exact()
+.changing(change);
+
+fn change(found: &Found<'_>) -> Option<Change> {
+    let flange = found.arm.bodies.flange(0)?;
+    let mass_kg = found.number("mass_kg").filter(|mass_kg| *mass_kg > 0.0)?;
+    let moment = found.vector(["moment_x_kg_m", "moment_y_kg_m", "moment_z_kg_m"]);
+    // the same about all axes, where it was fitted
+    let own_kgm2 = found.read_off.get(4).copied().unwrap_or(0.0).max(0.0);
+    let own = Matrix3::identity() * own_kgm2;
+    let point = Inertia::about_centre(mass_kg, &(moment / mass_kg), &own);
+    Some(Change::Inertia {
+        body: flange.body?,
+        more: point.seen_from(&flange.pose),
+    })
+}
 
 /// Mass and centre of what hangs behind the flange, linear about a centre in the flange's frame, and its inertia about that centre, the
 /// same about all axes.

@@ -2,13 +2,12 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, Finer};
+use super::{Candidate, Context, Effect, Finer};
 use crate::thresholds::effect::{BODIES_LAW_SD, MOST_GAIN};
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "torque-gain",
-    candidates: Candidates::Given(candidates),
-};
+pub(crate) const EFFECT: Effect = Effect::new("torque-gain", candidates)
+    .exact()
+    .of_own_joint();
 
 /// `e tau` by the nominal bodies' torque: the logged torque is 1 + e times the true one, and its gain as a device file has it what of a
 /// reading is too much, e / (1 + e). What bodies and friction are beside the nominal ones has the log's scale too: settled by the reading itself.

@@ -1,11 +1,10 @@
 //! A constant that is added to a torque.
 
-use super::{Candidate, Candidates, Context, Effect, first};
+use super::{Candidate, Context, Effect, first};
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "torque-offset",
-    candidates: Candidates::Given(candidates),
-};
+pub(super) const EFFECT: Effect = Effect::new("torque-offset", candidates)
+    .exact()
+    .of_own_joint();
 
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let ones = vec![1.0; context.problem.states.steps()];

@@ -2,17 +2,14 @@
 
 use std::rc::Rc;
 
-use super::{Candidate, Candidates, Context, Effect, ends};
+use super::{Candidate, Context, Effect, ends};
 use crate::select::Pick;
 use crate::thresholds::effect::{
     ABOVE_SDS, DENSER_AT_END, END_SDS, LEAST_FLAT, LONGEST_SATURATION, MOST_ABOVE,
     MOST_MISSING_NODES, NEAR_ALL, NEAR_END_SDS, RIGHT_SIDE, SATURATION_LIMITS,
 };
 
-pub(super) const EFFECT: Effect = Effect {
-    name: "torque-saturation",
-    candidates: Candidates::Given(candidates),
-};
+pub(super) const EFFECT: Effect = Effect::new("torque-saturation", candidates).of_own_joint();
 
 /// The law of a reading that ends, among this effect's.
 const CLIPPED: usize = 1;

@@ -4,17 +4,17 @@
 use haptical_judge::without_needless;
 
 use super::{Search, State, is_quiet, is_taken, with};
-use crate::effect::ARMATURE;
+use crate::effect::armature;
 
 /// The first state that leaves noise alone once the armatures that explain something are added: of those on the way of a selection,
 /// then of each effect of the whole arm by itself. None where there is no such state.
 pub(super) fn together<'c>(search: &mut Search<'_, '_, 'c>) -> Option<State<'c>> {
     let (frame, pool) = (search.frame, search.pool);
     let way = std::mem::take(&mut search.way);
-    pool.given_of(ARMATURE).nth(1)?;
+    pool.given_of(armature::EFFECT.name).nth(1)?;
     let mut with_all = |state: &State<'c>| {
         let mut all = state.clone();
-        for own in pool.given_of(ARMATURE) {
+        for own in pool.given_of(armature::EFFECT.name) {
             if !is_taken(&all.taken, own) {
                 all = with(frame, &all, own.clone())?;
             }

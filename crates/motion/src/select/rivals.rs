@@ -8,7 +8,7 @@ use haptical_linalg::dot;
 
 use super::scored::Place;
 use super::{Frame, Search, State, columns_of, is_taken, nearest};
-use crate::effect::{Candidate, TORQUE_GAIN, is_of_own_joint};
+use crate::effect::{Candidate, is_of_own_joint, torque_gain};
 use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS};
 
 /// Another effect in the place of a pick, and the share of the pick's gain that it has.
@@ -77,7 +77,7 @@ fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candi
     if gained_by_channel(frame.problem.states.rows(), rests, channel) < LEAST_AT_JOINT {
         return false;
     }
-    own.effect != TORQUE_GAIN || is_scale(frame, others, whole, own, joint)
+    own.effect != torque_gain::EFFECT.name || is_scale(frame, others, whole, own, joint)
 }
 
 /// Share of what one rest's squares are less than another's that is of a channel; 1 where they are not less.

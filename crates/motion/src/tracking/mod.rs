@@ -14,6 +14,7 @@ use self::fit::{Found, JointFit, fits, search};
 use self::law::{Law, Signals};
 use self::rows::{Reading, Rows};
 use crate::arm::Arm;
+use crate::effect::is_delay_of_all;
 use crate::examined::Examined;
 use crate::recorded::Logs;
 use crate::thresholds::tracking::{
@@ -170,7 +171,7 @@ pub fn examine_tracking(
     let latency = torques
         .findings
         .iter()
-        .find(|own| is_of_positions(own.effect, own.joint));
+        .find(|own| is_delay_of_all(own.effect, own.joint));
     let named_s = latency.map_or(0.0, |own| own.numbers.first().map_or(0.0, |own| own.1));
     let reading = |early_s: f64| Reading {
         early_s,
@@ -215,10 +216,6 @@ pub fn examine_tracking(
             .collect(),
         examined: examined(&found, (&late, nats), is_named, second),
     })
-}
-
-fn is_of_positions(effect: &str, joint: Option<usize>) -> bool {
-    effect == "encoder-latency" && joint.is_none()
 }
 
 /// The law that explains most, if it explains the torques of half of the joints.

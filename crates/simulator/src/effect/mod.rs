@@ -39,7 +39,6 @@ pub(crate) struct Known {
     pub(crate) name: &'static str,
     /// Keys in `effects.toml` but for `name`.
     pub(crate) keys: &'static [&'static str],
-    needs: Needs,
 }
 
 /// Declares the effects: each with its name, what it needs of a device, and its keys with the numbers that
@@ -63,17 +62,20 @@ macro_rules! effects {
 
         /// All effects, in the order of the catalogue of docs/diagnosis.md.
         pub(crate) const KNOWN: &[Known] = &[
-            $(Known { name: $name, keys: &[$(stringify!($key)),*], needs: Needs::$needs },)*
+            $(Known { name: $name, keys: &[$(stringify!($key)),*] },)*
         ];
 
         impl Effect {
-            fn known(&self) -> Known {
+            /// Name, as in `effects.toml`.
+            pub fn name(&self) -> &'static str {
                 match self {
-                    $(Self::$variant { .. } => Known {
-                        name: $name,
-                        keys: &[$(stringify!($key)),*],
-                        needs: Needs::$needs,
-                    },)*
+                    $(Self::$variant { .. } => $name,)*
+                }
+            }
+
+            fn needs(&self) -> Needs {
+                match self {
+                    $(Self::$variant { .. } => Needs::$needs,)*
                 }
             }
 
@@ -269,7 +271,7 @@ impl Effects {
                 let what = format!("joint {joint}, but the device has joints 1 to {joints}");
                 return Err(EffectError::new(format!("effect `{name}`"), what));
             }
-            let needs = effect.known().needs;
+            let needs = effect.needs();
             let mut sizes = effect.sizes().into_iter();
             let by_temperature =
                 sizes.any(|size| size.key.ends_with("per_degc") && size.value.is_some());
@@ -297,11 +299,6 @@ impl Effects {
 }
 
 impl Effect {
-    /// Name, as in `effects.toml`.
-    pub fn name(&self) -> &'static str {
-        self.known().name
-    }
-
     /// Joint that it acts on, from 1; none for an effect of the whole device.
     pub fn joint(&self) -> Option<usize> {
         let mut sizes = self.sizes().into_iter();

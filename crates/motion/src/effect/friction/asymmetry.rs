@@ -2,13 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect};
+use crate::effect::{Candidate, Context, Effect};
 use crate::thresholds::effect::FRICTION_LAW_SD;
 
-pub(in crate::effect) const EFFECT: Effect = Effect {
-    name: "friction-asymmetry",
-    candidates: Candidates::Given(candidates),
-};
+pub(in crate::effect) const EFFECT: Effect =
+    Effect::new("friction-asymmetry", candidates).of_own_joint();
 
 /// `|s(dq)|` and `|dq|`: half the difference of Coulomb and of viscous friction between the directions. The first alone is an offset
 /// wherever the joint moves.

@@ -2,13 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, product};
+use crate::effect::{Candidate, Context, Effect, product};
 use crate::thresholds::effect::FRICTION_LAW_SD;
 
-pub(in crate::effect) const EFFECT: Effect = Effect {
-    name: "friction-drift",
-    candidates: Candidates::Given(candidates),
-};
+pub(in crate::effect) const EFFECT: Effect =
+    Effect::new("friction-drift", candidates).of_own_joint();
 
 /// `s(dq) f(t)` and `dq f(t)`, with f straight or settling within a third of the log.
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {

@@ -2,13 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, Finer, first, product};
+use crate::effect::{Candidate, Context, Effect, Finer, first, product};
 use crate::thresholds::effect::{FRICTION_LAW_SD, MOST_OF_LOAD};
 
-pub(in crate::effect) const EFFECT: Effect = Effect {
-    name: "load-friction",
-    candidates: Candidates::Given(candidates),
-};
+pub(in crate::effect) const EFFECT: Effect =
+    Effect::new("load-friction", candidates).of_own_joint();
 
 /// `s(dq) |tau|` by the torque of the nominal bodies, which a bearing carries, or of the whole drive, which a gear does (Hamon, Gautier and
 /// Garrec 2010).

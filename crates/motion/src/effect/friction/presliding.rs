@@ -2,14 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, ends, first};
+use crate::effect::{Candidate, Context, Effect, ends, first};
 use crate::fit::base::beyond_sign;
 use crate::thresholds::effect::{FRICTION_LAW_SD, PRESLIDING_S, SHORTEST_PRESLIDING_S};
 
-pub(in crate::effect) const EFFECT: Effect = Effect {
-    name: "presliding",
-    candidates: Candidates::Given(candidates),
-};
+pub(in crate::effect) const EFFECT: Effect = Effect::new("presliding", candidates).of_own_joint();
 
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {

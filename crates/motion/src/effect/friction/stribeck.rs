@@ -2,13 +2,11 @@
 
 use std::rc::Rc;
 
-use crate::effect::{Candidate, Candidates, Context, Effect, ends, first, product};
+use crate::effect::{Candidate, Context, Effect, ends, first, product};
 use crate::thresholds::effect::{FRICTION_LAW_SD, STRIBECK_SPEEDS, STRIBECK_TURNOVERS};
 
-pub(in crate::effect) const EFFECT: Effect = Effect {
-    name: "stribeck-friction",
-    candidates: Candidates::Given(candidates),
-};
+pub(in crate::effect) const EFFECT: Effect =
+    Effect::new("stribeck-friction", candidates).of_own_joint();
 
 fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     context.at_joints(|joint| {
