@@ -1,10 +1,8 @@
 //! What the laws of a device's own effects leave: a spring hardens, a loop has no single form.
 
 use haptical_calibration::{Weights, channel_residuals, channels};
-use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY, PARALLELOGRAM_ERROR};
 use haptical_effects::device::{attached_at, bare};
-use haptical_effects::transmission::{DRUM_ECCENTRICITY, RATIO_ERROR};
-use haptical_effects::{Context, spec};
+use haptical_effects::{Absorbed, Context, Hook, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 
 use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
@@ -30,25 +28,22 @@ pub(crate) fn within_laws(
     (device, recording): (&Device, &Recording),
     options: &Options<'_>,
 ) -> Result<Diagnosis, DiagnosisError> {
-    let of_base = [
-        LINK_GEOMETRY.name,
-        JOINT_OFFSET.name,
-        PARALLELOGRAM_ERROR.name,
-        DRUM_ECCENTRICITY.name,
-        RATIO_ERROR.name,
-    ];
+    // links and drives are numbers of the base model
+    let is_of_base = |name: &str| {
+        spec(name).is_some_and(|own| {
+            own.hook == Hook::BaseModel || own.absorbed_by == Absorbed::ByTransmission
+        })
+    };
     // the same law with another size is no error of the law
     let is_known = |cause: &CauseAnswer| {
         let is_own = cause.earlier.is_empty() && own_effects.iter().any(|own| is_kin(own, cause));
-        of_base.contains(&cause.effect.as_str()) || is_own
+        is_of_base(&cause.effect) || is_own
     };
     // which of several effects it is, and where, is open: one of the family of an effect of the device may be it
     let may_be_known = |cause: &CauseAnswer| {
         let rivals = cause.confusable_with.iter().map(String::as_str);
         let mut class = std::iter::once(cause.effect.as_str()).chain(rivals);
-        class.any(|name| {
-            of_base.contains(&name) || own_effects.iter().any(|own| is_of_family(own, name))
-        })
+        class.any(|name| is_of_base(name) || own_effects.iter().any(|own| is_of_family(own, name)))
     };
     let is_open = match found.verdict {
         Verdict::NoGap => false,

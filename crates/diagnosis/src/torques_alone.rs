@@ -2,7 +2,7 @@
 //! fitted, and the geometry is the device file's.
 
 use haptical_calibration::{CalibrationError, channels, check_recording};
-use haptical_effects::{Context, Effect};
+use haptical_effects::{Context, Effect, Form, spec};
 use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
@@ -218,8 +218,8 @@ fn untestable(
             found.push(Untestable {
                 effect: effect.name().to_owned(),
                 joints: Vec::new(),
-                why: match (is_moving, effect.name()) {
-                    (true, "backlash") => PLAY,
+                why: match effect.spec().form {
+                    Form::Play if is_moving => PLAY,
                     _ => POSITIONS,
                 }
                 .to_owned(),
@@ -254,32 +254,16 @@ fn next_experiment(verdict: Verdict, force: &ForceAnswer, is_moving: bool) -> Op
     let first = force.findings.first().map(|cause| cause.effect.as_str());
     match (verdict, first) {
         (Verdict::NoGap, _) => None,
-        (Verdict::Named | Verdict::Ambiguous, Some("payload")) => Some(
-            "to confirm: weigh what was put on or taken off between the runs, or hang a known weight at the flange and repeat \
-             the trajectory once more"
-                .to_owned(),
-        ),
-        (
-            Verdict::Named | Verdict::Ambiguous,
-            Some(name @ ("backlash" | "capstan-compliance" | "external-encoder-latency")),
-        ) => Some(format!(
-            "to confirm {name}: hold the motor still and load its link slowly from both sides; a play shows as a step, a spring \
-             as a slope, and a delay not at all"
-        )),
-        (Verdict::Named | Verdict::Ambiguous, Some("command-latency")) => Some(
-            "to confirm command-latency: command a step of one joint and log at a higher rate; a delay shows as the time until the \
-             torque answers, and a controller that is softer does not"
-                .to_owned(),
-        ),
-        (Verdict::Named | Verdict::Ambiguous, Some("cross-coupling")) => Some(
-            "to confirm cross-coupling: hold the loaded joint still and let the other one press against a stop, both ways; its drive \
-             answers in proportion"
-                .to_owned(),
-        ),
-        (Verdict::Named | Verdict::Ambiguous, Some(name)) => Some(format!(
-            "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
-             friction keeps its size, weights and gains grow with the load"
-        )),
+        (Verdict::Named | Verdict::Ambiguous, Some(name)) => {
+            let confirm = spec(name).map_or("", |spec| spec.confirm);
+            Some(match confirm {
+                "" => format!(
+                    "to confirm {name}: repeat the trajectory at a third of the speed, and once with a known weight at the flange; \
+                     friction keeps its size, weights and gains grow with the load"
+                ),
+                confirm => confirm.replace("{name}", name),
+            })
+        }
         _ => Some(
             "repeat the trajectory at a third of the speed: what is friction keeps its size, what is inertia falls to a ninth; \
              then once with a known weight at the flange"

@@ -1,8 +1,7 @@
 //! The device with the causes that were named.
 
 use haptical_effects::device::{entry, is_law, settle};
-use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_effects::{Hook, Role, Shape, Spec};
+use haptical_effects::{Form, Hook, Role, Shape, Spec, law};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 use haptical_motion::Change;
 
@@ -85,7 +84,7 @@ pub(crate) fn corrected(
             ..found
         };
         match effect.joint() {
-            Some(joint) if effect.name() == JOINT_COMPLIANCE.name => {
+            Some(joint) if effect.spec().hook == Hook::Joint => {
                 let joints = device.joints.len();
                 let compliance = &mut device.surroundings.compliance;
                 compliance.resize(joints, JointCompliance::default());
@@ -124,12 +123,13 @@ pub(crate) fn not_in_file(
     }
     let is_changed = |cause: &CauseAnswer| {
         let joint = cause.joint.map(|joint| joint - 1);
+        let form = law(&cause.effect).map(|law| law.1);
         let of_kind = |change: &&Change| match change {
-            Change::Inertia { .. } => ["payload", "link-inertia"].contains(&cause.effect.as_str()),
+            Change::Inertia { .. } => form == Some(Form::Mass),
             Change::Armature { joint: own, .. } => {
-                cause.effect == "armature" && joint == Some(*own)
+                form == Some(Form::Armature) && joint == Some(*own)
             }
-            Change::Gravity { .. } => cause.effect == "gravity-direction",
+            Change::Gravity { .. } => form == Some(Form::Tilt),
         };
         let is_applied = |change: &Change| file.is_some() && change.applied(before).is_some();
         changes.iter().filter(of_kind).any(is_applied)
@@ -138,7 +138,7 @@ pub(crate) fn not_in_file(
         let joint = cause.joint.map(|joint| joint - 1);
         let is_it = |own: &DeviceEffect| own.name == cause.effect && own.joint == joint;
         let yields = |file: &Device| {
-            let is_compliance = cause.effect == JOINT_COMPLIANCE.name;
+            let is_compliance = law(&cause.effect).is_some_and(|law| law.0 == Hook::Joint);
             is_compliance && joint.is_some_and(|joint| file.compliance_rad_per_nm(joint) != 0.0)
         };
         file.is_some_and(|file| file.effects.iter().any(is_it) || yields(file))
@@ -147,8 +147,7 @@ pub(crate) fn not_in_file(
     };
     let is_of_base = |spec: &&Spec| spec.hook == Hook::BaseModel;
     let word = |cause: &CauseAnswer| {
-        let mut specs = haptical_effects::specs().filter(|spec| spec.name == cause.effect);
-        let spec = specs.next();
+        let spec = haptical_effects::spec(&cause.effect);
         if spec.is_some_and(|spec| is_of_base(&spec)) && file.is_some() {
             return None;
         }

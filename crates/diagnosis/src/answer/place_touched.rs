@@ -2,7 +2,6 @@
 //! postures depend on.
 
 use haptical_calibration::Channel;
-use haptical_effects::structure::TOOL_CHANGED;
 use haptical_effects::{Context, Family, Hook, Stream, spec};
 
 use crate::answer::place::{Located, hook_words, stream_of};
@@ -22,7 +21,7 @@ pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Locat
         .or_else(|| context.streams.iter().position(Stream::shows_handle))
         .unwrap_or(0);
     let covariate = Covariate::Angle(term.joint.unwrap_or(0));
-    if term.name == TOOL_CHANGED.name {
+    if term.is_tool() {
         return of_tool(context, stream, term);
     }
     let sensor = spec(term.name).filter(|spec| spec.family == Family::Place);

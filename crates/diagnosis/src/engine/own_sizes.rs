@@ -2,7 +2,7 @@
 
 use haptical_calibration::LossChoice;
 use haptical_effects::device::{attached_at, effects_of, is_law, settle};
-use haptical_effects::{Shape, correction};
+use haptical_effects::{Form, Shape};
 use haptical_identification::Interrupt;
 use haptical_model::{Device, DeviceEffect, Recording};
 
@@ -23,7 +23,7 @@ pub(crate) fn own_sizes(
     };
     for own in &own {
         let spec = own.effect.spec();
-        let is_sized = spec.name != correction::NAME
+        let is_sized = spec.form != Form::Curve
             && is_law(spec).is_ok()
             && spec.shape != Shape::Event
             && !spec.hook.is_on_drives();

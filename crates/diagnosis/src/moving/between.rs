@@ -1,15 +1,16 @@
 //! Encoders on the links of a moving arm, as `haptical-motion` examines them, beside what its torques say.
 
 use haptical_calibration::{Channel, channels};
-use haptical_effects::{Effect, Hook};
+use haptical_effects::transmission::CAPSTAN_COMPLIANCE;
+use haptical_effects::{Effect, Form, Hook, law, spec};
 use haptical_model::{Device, DeviceEffect, Recording, TransmissionError, TransmissionKind};
 use haptical_motion::{
     Between, ChannelFit, Finding, LoadSource, OwnEffect, examine_between, examine_own,
 };
 
 use super::words::Words;
+use crate::answer::CauseAnswer;
 use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
 use crate::thresholds::moving::STIFFNESS_SD;
@@ -41,9 +42,8 @@ pub(crate) fn of_links(
         return None;
     }
     let beside = |recording: &Recording| with_errors(device, recording);
-    let is_on_links = |own: &&DeviceEffect| {
-        haptical_effects::spec(&own.name).is_none_or(|spec| !spec.hook.is_on_drives())
-    };
+    let is_on_links =
+        |own: &&DeviceEffect| spec(&own.name).is_none_or(|spec| !spec.hook.is_on_drives());
     let own: Vec<&DeviceEffect> = device.effects.iter().filter(is_on_links).collect();
     if !own.is_empty() {
         let known: Option<Vec<(usize, OwnEffect)>> = own.into_iter().map(known).collect();
@@ -74,10 +74,10 @@ pub(crate) fn of_links(
 fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
     let number = |name: &str| own.numbers.get(name).copied();
     let stiffness = || STIFFNESS.iter().find_map(|name| number(name));
-    let effect = match own.name.as_str() {
-        "external-encoder-latency" => OwnEffect::Delay(number("delay_s")?),
-        "capstan-compliance" => OwnEffect::Spring(1.0 / stiffness()?),
-        "backlash" if number("driven_by") == Some(BY_LOAD) => {
+    let effect = match law(&own.name)? {
+        (Hook::ExternalEncoder, Form::Delay) => OwnEffect::Delay(number("delay_s")?),
+        (Hook::Transmission, Form::Spring) => OwnEffect::Spring(1.0 / stiffness()?),
+        (Hook::Transmission, Form::Play) if number("driven_by") == Some(BY_LOAD) => {
             OwnEffect::Play(0.5 * WIDTH.iter().find_map(|name| number(name))?)
         }
         _ => return None,
@@ -87,13 +87,53 @@ fn known(own: &DeviceEffect) -> Option<(usize, OwnEffect)> {
 
 /// Findings that no single law of the catalogue stands for.
 fn is_beyond_one_law(findings: &[Finding]) -> bool {
-    let has = |name: &str| findings.iter().any(|own| own.effect.ends_with(name));
+    let has = |form| {
+        let mut laws = findings.iter().filter_map(|own| law(own.effect));
+        laws.any(|law| law.1 == form)
+    };
     let hardens = |own: &Finding| {
         own.numbers
             .iter()
             .any(|number| number.0.starts_with(SECANT))
     };
-    has("backlash") || (has("latency") && has("compliance")) || findings.iter().any(hardens)
+    has(Form::Play) || (has(Form::Delay) && has(Form::Spring)) || findings.iter().any(hardens)
+}
+
+/// Device effects of a cause between motor and link (joint from 0), with its numbers and the ends of their intervals: a play is at the side
+/// of its load, with the spring behind it.
+pub fn effects_between(
+    name: &str,
+    joint: Option<usize>,
+    number: &dyn Fn(&str) -> Option<(f64, [Option<f64>; 2])>,
+) -> Vec<DeviceEffect> {
+    // a law has one name of its number at joints that turn and at those that slide: the first; a spring that hardens is straight
+    let of = |name: &str, keys: [&str; 2]| {
+        let any = |key: &&str| number(&format!("{SECANT}{key}")).or_else(|| number(key));
+        let (value, ci95) = keys.iter().find_map(any)?;
+        let key = keys[0].to_owned();
+        Some(DeviceEffect {
+            name: name.to_owned(),
+            joint,
+            numbers: [(key.clone(), value)].into(),
+            intervals: [(key, ci95)].into(),
+            ..DeviceEffect::default()
+        })
+    };
+    let spring = || of(CAPSTAN_COMPLIANCE.name, STIFFNESS);
+    let play = || {
+        let mut own = of(name, WIDTH)?;
+        own.numbers.insert("driven_by".to_owned(), BY_LOAD);
+        Some(own)
+    };
+    let found = match law(name) {
+        Some((Hook::Transmission, Form::Play)) => [play(), spring()],
+        Some((Hook::Transmission, Form::Spring)) => [spring(), None],
+        Some((Hook::ExternalEncoder | Hook::Timing, Form::Delay)) => {
+            [of(name, ["delay_s"; 2]), None]
+        }
+        _ => [None, None],
+    };
+    found.into_iter().flatten().collect()
 }
 
 /// The recording with what the device file says of its transmissions added to the motors' readings; none beyond what they allow.
@@ -212,38 +252,17 @@ impl Links {
             }
         }
         for cause in causes {
-            let of = |name: &str, names: &[&str], driven_by: Option<f64>| {
-                let secant = |own: &&str| cause.parameters.get(&format!("{SECANT}{own}"));
-                let straight = |own: &&str| cause.parameters.get(*own);
-                let found = names.iter().find_map(secant);
-                let found: ParameterAnswer = *found.or_else(|| names.iter().find_map(straight))?;
-                let key = (*names.first()?).to_owned();
-                let side = driven_by.map(|side| ("driven_by".to_owned(), side));
-                Some(DeviceEffect {
-                    name: name.to_owned(),
-                    joint: cause.joint.map(|joint| joint - 1),
-                    numbers: std::iter::once((key.clone(), found.value))
-                        .chain(side)
-                        .collect(),
-                    intervals: [(key, found.ci95.map(Some))].into(),
-                    confusable_with: cause.confusable_with.clone(),
-                    fit: true,
-                    ..DeviceEffect::default()
-                })
+            let joint = cause.joint.map(|joint| joint - 1);
+            let number = |key: &str| {
+                let own = cause.parameters.get(key)?;
+                Some((own.value, own.ci95.map(Some)))
             };
-            let spring = |name| of(name, &STIFFNESS, None);
-            match cause.effect.as_str() {
-                "backlash" => {
-                    let play = of("backlash", &WIDTH, Some(BY_LOAD));
-                    corrected.effects.extend(play);
-                    corrected.effects.extend(spring("capstan-compliance"));
-                }
-                "capstan-compliance" => corrected.effects.extend(spring("capstan-compliance")),
-                name @ ("external-encoder-latency" | "encoder-latency") => {
-                    corrected.effects.extend(of(name, &["delay_s"], None));
-                }
-                _ => (),
-            }
+            let found = effects_between(&cause.effect, joint, &number).into_iter();
+            corrected.effects.extend(found.map(|own| DeviceEffect {
+                confusable_with: cause.confusable_with.clone(),
+                fit: true,
+                ..own
+            }));
         }
         corrected
     }
@@ -314,7 +333,7 @@ fn untestable(effects: &[Box<dyn Effect>], found: &[CauseAnswer]) -> Vec<(&'stat
             names.push(effect.name());
         }
     }
-    let why = |name: &str| match haptical_effects::spec(name).map(|spec| spec.hook) {
+    let why = |name: &str| match spec(name).map(|spec| spec.hook) {
         Some(Hook::Transmission | Hook::ExternalEncoder | Hook::Timing) => {
             "delays, springs and plays explain the encoders on the links: it was not compared with them"
         }

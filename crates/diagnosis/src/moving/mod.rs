@@ -100,10 +100,7 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
     let (examined, is_adequate) = (words.examined, words.is_adequate);
     let channels: Vec<ChannelGap> = words.gaps();
     let mut findings = Vec::new();
-    let of_log = examined
-        .findings
-        .first()
-        .filter(|own| own.effect == SAMPLING.name);
+    let of_log = examined.findings.first().filter(|own| own.is_of_sampling());
     if let Some(found) = of_log.filter(|_| !is_adequate) {
         // rows that are missing bend the rest
         findings.push(words.cause(found, 1.0));

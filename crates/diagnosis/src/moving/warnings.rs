@@ -1,7 +1,6 @@
 //! What is said of a moving arm's log: of its columns, of what was fitted, of what a corrected device cannot hold.
 
 use haptical_effects::device::is_law;
-use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
 use haptical_model::{Device, JointType};
 use haptical_motion::{Doubt, Examined, Finding};
 
@@ -12,12 +11,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     warnings.extend(of_rows(examined));
     warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
-    if examined
-        .findings
-        .iter()
-        .any(|own| own.effect == SAMPLING.name)
-        && !examined.is_adequate()
-    {
+    if examined.findings.iter().any(Finding::is_of_sampling) && !examined.is_adequate() {
         let said = match examined.is_borne_out() {
             true => {
                 "the rows that the log repeats or lacks bend what is left of the torques: the other causes are those that the second recording bears out"
@@ -30,7 +24,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     }
     let named = examined.findings.iter().filter(|_| examined.is_answer());
     // rows that are set right are no number of a device
-    let named = named.filter(|own| own.effect != SAMPLING.name);
+    let named = named.filter(|own| !own.is_of_sampling());
     for found in named.filter(|own| !is_kept(device, own)) {
         warnings.push(format!(
             "corrected.toml does not hold {}: a device file has no such effect; put its numbers into the masses or the log by hand",
@@ -161,13 +155,12 @@ fn of_second(examined: &Examined) -> Vec<String> {
             "a push would explain the log, but the second recording has a gap that none explains: not named".to_owned(),
         );
     }
-    let is_push = |own: &Finding| own.effect == CONTACT.name;
     let is_checked = examined.second.is_none()
         && examined
             .unseen
             .iter()
             .any(|own| !own.predictions.is_empty());
-    if is_checked && examined.is_adequate() && examined.findings.iter().any(is_push) {
+    if is_checked && examined.is_adequate() && examined.findings.iter().any(Finding::is_push) {
         said.push(
             "a push belongs to its log: the second recording is predicted without it, and may have one of its own".to_owned(),
         );

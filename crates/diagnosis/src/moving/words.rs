@@ -1,7 +1,6 @@
 //! What was examined of a motion, torques or encoders on links, as channels, causes and predictions.
 
 use haptical_calibration::Channel;
-use haptical_effects::force::in_motion::{CONTACT, SAMPLING};
 use haptical_judge::probability;
 use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
@@ -170,7 +169,7 @@ impl<'e> Words<'e> {
                 .collect(),
             share,
             class_probability: LISTED_PROBABILITY,
-            held_out: match found.effect == SAMPLING.name {
+            held_out: match found.is_of_sampling() {
                 true => self.set_right(),
                 false => self
                     .held_out(found.joint)
@@ -361,8 +360,7 @@ impl<'e> Words<'e> {
 
 /// A push belongs to its log alone: on other rows no share of it can close.
 fn of_log(found: &Finding, held_out: HeldOutAnswer) -> HeldOutAnswer {
-    let is_push = found.effect == CONTACT.name;
-    let why = is_push.then_some(NoReduction::Undetermined);
+    let why = found.is_push().then_some(NoReduction::Undetermined);
     HeldOutAnswer {
         no_reduction: why.or(held_out.no_reduction),
         ..held_out

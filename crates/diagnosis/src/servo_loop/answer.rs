@@ -6,7 +6,7 @@ use haptical_model::{Device, Recording};
 use haptical_servo::{Finding, NAMES};
 
 use super::Asked;
-use super::causes::{TORQUE_GAIN, cause, changed, of_torque};
+use super::causes::{cause, changed, is_of_torque, of_torque};
 use super::channel::{Joint, channel, gap, noise, of_second, predictions, trace};
 use crate::Options;
 use crate::answer::{
@@ -248,7 +248,7 @@ fn place_of(joint: &Joint, words: &[(usize, String)]) -> Place {
 
 /// Where the first cause is one of a torque's scale: that torque, since then.
 fn scaled(causes: &[CauseAnswer], words: &[(usize, String)]) -> Option<Place> {
-    let first = causes.first().filter(|first| first.effect == TORQUE_GAIN)?;
+    let first = causes.first().filter(|first| is_of_torque(&first.effect))?;
     let joint = first.joint?;
     let own = words.iter().rfind(|(index, _)| index + 1 == joint)?;
     Some(Place {

@@ -2,14 +2,17 @@
 
 use std::collections::BTreeMap;
 
+use haptical_effects::{Form, Hook, law};
 use haptical_model::{Device, JointType};
 use haptical_servo::{Finding, Instant, Number};
 
 use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
 use crate::thresholds::servo::SURE_CLASS;
 
-/// Name of a torque's scale.
-pub(super) const TORQUE_GAIN: &str = "torque-gain";
+/// Whether an effect is the scale of a torque.
+pub(super) fn is_of_torque(effect: &str) -> bool {
+    law(effect) == Some((Hook::Torque, Form::Scale))
+}
 
 /// A change of the scale of a joint's torques: no part of what its positions leave.
 pub(super) fn of_torque(joint: usize, finding: &Finding) -> CauseAnswer {
@@ -89,10 +92,12 @@ fn since(instant: Instant) -> (String, ParameterAnswer) {
 pub(super) fn changed(joint: usize, finding: &Finding) -> Option<String> {
     let since = finding.since?;
     let size = finding.numbers.first()?.value;
-    let what = match finding.effect {
-        "joint-offset" => format!("its offset changed by {:.1} degrees", size.to_degrees()),
-        "command-latency" => format!("its delay changed by {:.0} ms", size * 1e3),
-        TORQUE_GAIN => format!("the scale of its torque changed by a factor {size:.2}"),
+    let what = match law(finding.effect)?.1 {
+        Form::Offset => format!("its offset changed by {:.1} degrees", size.to_degrees()),
+        Form::Delay => format!("its delay changed by {:.0} ms", size * 1e3),
+        _ if is_of_torque(finding.effect) => {
+            format!("the scale of its torque changed by a factor {size:.2}")
+        }
         _ => format!("its gain changed by a factor {size:.2}"),
     };
     Some(format!("joint {}: {since} {what}", joint + 1))

@@ -120,10 +120,9 @@ fn yielding(device: &Model, corrected: &Model, diagnosis: &Diagnosis) -> String 
             continue;
         }
         let number = joint + 1;
-        let is_own = |cause: &&haptical_diagnosis::CauseAnswer| {
-            cause.effect == JOINT_COMPLIANCE.name && cause.joint == Some(number)
-        };
-        let cause = diagnosis.causes.iter().find(is_own);
+        let name = JOINT_COMPLIANCE.name;
+        let mut causes = diagnosis.causes.iter();
+        let cause = causes.find(|own| own.effect == name && own.joint == Some(number));
         let name_in_answer = JOINT_COMPLIANCE.parameters[0].name;
         let key = stiffness_key(corrected.joints[joint].joint_type);
         let interval = cause.and_then(|cause| cause.parameters.get(name_in_answer));
@@ -136,7 +135,6 @@ fn yielding(device: &Model, corrected: &Model, diagnosis: &Diagnosis) -> String 
             [] => String::new(),
             names => format!("confusable_with = {names:?}\n"),
         };
-        let name = JOINT_COMPLIANCE.name;
         tables.push_str(&format!(
             "\n[[effect]]\nname = \"{name}\"\njoint = {number}\n{key} = 1.0\n{interval}{confusable}fit = true\n"
         ));

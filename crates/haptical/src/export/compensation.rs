@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use haptical_effects::correction::{self, NAME, curve_of};
+use haptical_effects::correction::{self, curve_of};
 use haptical_effects::device::{OwnEffect, effects_of};
-use haptical_effects::motor_encoder::ZERO_CHANGED;
-use haptical_effects::{Context, Hook, joint_origin_m};
+use haptical_effects::{Context, Form, Hook, Shape, joint_origin_m};
 use haptical_model::transmission::loops::{STRIBECK_M_PER_S, STRIBECK_RAD_PER_S};
 use haptical_model::{Device, DeviceChain, JointType, Recording, Statics};
 use haptical_runtime::{Effect, Over, Side, Turnover};
@@ -129,18 +128,18 @@ impl Place<'_> {
         context: &Context<'_>,
     ) -> Result<Vec<Effect>, &'static str> {
         let spec = own.effect.spec();
-        if spec.name == NAME {
+        if spec.form == Form::Curve {
             return self.curve(own).map(|effect| vec![effect]);
         }
         let Some(values) = &own.values else {
             return Err(UNKNOWN);
         };
-        match spec.hook {
-            Hook::ExternalEncoder | Hook::CableSensor | Hook::Tracker | Hook::Readings => {
+        match (spec.hook, spec.form) {
+            (Hook::ExternalEncoder | Hook::CableSensor | Hook::Tracker | Hook::Readings, _) => {
                 return Err(NOT_READ);
             }
-            _ if ["capstan-slip", "encoder-count-loss"].contains(&spec.name) => return Err(EVENT),
-            _ if spec.name == ZERO_CHANGED.name => return Err(ONE_OF_TWO),
+            (_, Form::Step) if spec.shape == Shape::Event => return Err(EVENT),
+            (_, Form::Step) => return Err(ONE_OF_TWO),
             _ => {}
         }
         let (amplitudes, shape) = own.amplitudes(context);
@@ -153,7 +152,11 @@ impl Place<'_> {
             from: own.effect.other_joint().unwrap_or(0),
         };
         match spec.hook {
-            Hook::Transmission | Hook::Timing => self.of_drive(&law).map(|effect| vec![effect]),
+            Hook::Timing if law.amplitude(0) < 0.0 => Err(ENCODERS_AHEAD),
+            Hook::Timing => Ok(vec![Effect::EncoderLatency {
+                delay_s: law.amplitude(0),
+            }]),
+            Hook::Transmission => self.of_drive(&law).map(|effect| vec![effect]),
             Hook::Structure => self.of_structure(&law).map(|effect| vec![effect]),
             _ => self.of_torques(&law),
         }
@@ -181,21 +184,15 @@ impl Place<'_> {
     fn of_drive(&self, law: &Law<'_>) -> Result<Effect, &'static str> {
         let (joint, from) = (law.joint, law.from);
         let ratio = self.ratio(joint);
-        let harmonic = |periods: f64| Effect::Harmonic {
-            joint,
-            periods,
-            cosine_rad: law.amplitude(0),
-            sine_rad: law.amplitude(1),
-        };
-        Ok(match law.name() {
-            "capstan-compliance" => Effect::CapstanCompliance {
+        Ok(match law.form() {
+            Form::Spring => Effect::CapstanCompliance {
                 joint,
                 rad_per_nm: law.amplitude(0),
             },
-            "backlash" if law.shape > HAND => {
+            Form::Play if law.shape > HAND => {
                 return Err("a play that follows the load needs the load's sign at every tick");
             }
-            "backlash" => Effect::Backlash {
+            Form::Play => Effect::Backlash {
                 joint,
                 width_rad: law.value(0),
                 // of one that is read at its other side the sign is the other one
@@ -204,50 +201,53 @@ impl Place<'_> {
                     false => side(law.shape),
                 },
             },
-            "hysteresis" => Effect::Hysteresis {
+            Form::Loop => Effect::Hysteresis {
                 joint,
                 amplitude_rad: law.value(0),
                 transition_rad: law.shape,
                 driven_by: side(law.further("driven_by")),
             },
-            "capstan-creep" => Effect::CapstanCreep {
+            Form::Creep => Effect::CapstanCreep {
                 joint,
                 creep_per_nm: law.amplitude(0),
             },
-            "viscous-lag" => Effect::ViscousLag {
+            Form::Delay => Effect::ViscousLag {
                 joint,
                 delay_s: law.amplitude(0),
             },
-            "encoder-latency" if law.amplitude(0) < 0.0 => return Err(ENCODERS_AHEAD),
-            "encoder-latency" => Effect::EncoderLatency {
-                delay_s: law.amplitude(0),
+            Form::Harmonic(periods) => Effect::Harmonic {
+                joint,
+                periods: periods.unwrap_or(law.shape * ratio),
+                cosine_rad: law.amplitude(0),
+                sine_rad: law.amplitude(1),
             },
-            "drum-eccentricity" => harmonic(1.0),
-            "drum-out-of-round" => harmonic(2.0),
-            "input-drum-harmonic" => harmonic(law.shape * ratio),
-            "device-encoder-eccentricity" => harmonic(ratio),
-            "cable-pitch" => Effect::CablePitch {
+            Form::Polynomial => Effect::CablePitch {
                 joint,
                 quadratic_per_rad: law.amplitude(0),
                 cubic_per_rad2: law.amplitude(1),
             },
-            "ratio-error" => Effect::Coupling {
+            Form::Scale => Effect::Coupling {
                 joint,
                 from: joint,
                 gain: -law.amplitude(0) / ratio,
             },
-            "cross-coupling" => Effect::Coupling {
+            Form::Coupling => Effect::Coupling {
                 joint,
                 from,
                 gain: law.amplitude(0),
             },
-            "coupled-backlash" => Effect::CoupledBacklash {
+            Form::CoupledPlay => Effect::CoupledBacklash {
                 joint,
                 from,
                 width_rad: law.value(0),
                 play_rad: law.value(1),
             },
-            "joint-drift" => law.drift(),
+            Form::Drift => law.drift(),
+            Form::Warming => Effect::WarmDrift {
+                joint,
+                rad_per_degc: law.value(0),
+                reference_degc: law.further("reference_degc"),
+            },
             _ => return Err(NOT_READ),
         })
     }
@@ -258,32 +258,32 @@ impl Place<'_> {
             let origin_m = joint_origin_m(self.device, joint).ok_or(NO_AXIS)?;
             Ok::<[f64; 3], &'static str>(origin_m.into())
         };
-        Ok(match law.name() {
-            "lateral-compliance" => Effect::LateralCompliance {
+        Ok(match law.form() {
+            Form::Spring => Effect::LateralCompliance {
                 joint,
                 rad_per_nm: law.amplitude(0),
                 origin_m: origin_m()?,
             },
-            "base-compliance" => Effect::BaseCompliance {
+            Form::BaseSpring => Effect::BaseCompliance {
                 rad_per_nm: law.amplitude(0),
                 base_m: self.base_m,
             },
-            "tool-compliance" => Effect::ToolCompliance {
+            Form::ToolSpring => Effect::ToolCompliance {
                 m_per_n: law.amplitude(0),
             },
-            "axis-wobble" => Effect::AxisWobble {
+            Form::Wobble => Effect::AxisWobble {
                 joint,
                 order: law.shape,
                 cosine_rad: [law.amplitude(0), law.amplitude(2)],
                 sine_rad: [law.amplitude(1), law.amplitude(3)],
                 origin_m: origin_m()?,
             },
-            "thermal-drift" => Effect::ThermalGrowth {
+            Form::Warming => Effect::ThermalGrowth {
                 per_degc: law.value(0) / law.further("length_m"),
                 reference_degc: law.further("reference_degc"),
                 base_m: self.base_m,
             },
-            "tool-changed" => Effect::ToolChanged {
+            Form::Shift => Effect::ToolChanged {
                 shift_m: law.amplitudes(0),
             },
             _ => return Err(NOT_READ),
@@ -292,23 +292,23 @@ impl Place<'_> {
 
     fn of_torques(&self, law: &Law<'_>) -> Result<Vec<Effect>, &'static str> {
         let joint = law.joint;
-        Ok(vec![match law.name() {
-            "torque-gain" => Effect::TorqueGain {
+        Ok(vec![match (law.own.effect.spec().hook, law.form()) {
+            (Hook::Torque, Form::Scale) => Effect::TorqueGain {
                 joint,
                 gain: law.amplitude(0),
             },
-            "joint-friction" => self.friction(law),
-            "motor-cogging" => Effect::MotorCogging {
+            (_, Form::Friction) => self.friction(law),
+            (_, Form::Harmonic(periods)) => Effect::MotorCogging {
                 joint,
-                periods: law.shape * self.ratio(joint),
+                periods: periods.unwrap_or(law.shape * self.ratio(joint)),
                 cosine_nm: law.amplitude(0),
                 sine_nm: law.amplitude(1),
             },
-            "payload" => Effect::Payload {
+            (_, Form::Mass) => Effect::Payload {
                 mass_kg: law.amplitude(0),
                 gravity_mps2: self.device.gravity_mps2.ok_or(NO_GRAVITY)?,
             },
-            "force-bias" => {
+            (_, Form::Offset) => {
                 let bias_n = law.amplitudes(0);
                 let bias = Effect::ForceBias { bias_n };
                 if law.amplitudes.len() < 6 {
@@ -320,13 +320,13 @@ impl Place<'_> {
                 };
                 return Ok(vec![bias, warm]);
             }
-            "force-gain" => Effect::ForceGain {
+            (_, Form::Scale) => Effect::ForceGain {
                 gain: [law.value(0), law.value(1), law.value(2)],
             },
-            "force-crosstalk" => Effect::ForceCrosstalk {
+            (_, Form::Coupling) => Effect::ForceCrosstalk {
                 parts: std::array::from_fn(|index| law.amplitude(index)),
             },
-            "force-hysteresis" => Effect::ForceHysteresis {
+            (_, Form::Loop) => Effect::ForceHysteresis {
                 size_n: law.amplitudes(0),
                 transition_n: law.shape,
             },
@@ -389,8 +389,8 @@ struct Law<'o> {
 }
 
 impl Law<'_> {
-    fn name(&self) -> &'static str {
-        self.own.effect.spec().name
+    fn form(&self) -> Form {
+        self.own.effect.spec().form
     }
 
     fn amplitude(&self, index: usize) -> f64 {
@@ -413,17 +413,9 @@ impl Law<'_> {
         found.map_or(0.0, |(_, value)| *value)
     }
 
-    /// A drift by its further numbers: with temperature, until it settles, or steadily.
+    /// A drift by its further numbers: until it settles, or steadily.
     fn drift(&self) -> Effect {
         let joint = self.joint;
-        let further = self.own.effect.spec().further;
-        if further.iter().any(|own| own.name == "reference_degc") {
-            return Effect::WarmDrift {
-                joint,
-                rad_per_degc: self.value(0),
-                reference_degc: self.further("reference_degc"),
-            };
-        }
         let (time_constant_s, over_s) = (self.further("time_constant_s"), self.further("over_s"));
         if time_constant_s <= 0.0 || over_s <= 0.0 {
             let rad_per_s = self.value(0);

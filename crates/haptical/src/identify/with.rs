@@ -1,9 +1,8 @@
 //! Effects that an identification is asked to fit: `EFFECT`, `EFFECT@JOINT`, or the causes of a gap.json.
 
-use haptical_diagnosis::BEHIND_A_LOW_PASS;
+use haptical_diagnosis::{BEHIND_A_LOW_PASS, effects_between};
 use haptical_effects::device::{DeviceEffectError, PLACES, effects_of, laws};
-use haptical_effects::force::PAYLOAD;
-use haptical_effects::structure::JOINT_COMPLIANCE;
+use haptical_effects::{Form, Hook, law};
 use haptical_model::{Device as Model, DeviceEffect, JointCompliance};
 use serde_json::Value;
 
@@ -11,15 +10,6 @@ use crate::error::Error;
 
 /// The parameter that names the other joint.
 const FROM: &str = "from_joint";
-/// A play, which parameter says what drives it, and the number that stands for the load there.
-const PLAY: &str = "backlash";
-const DRIVEN_BY: &str = "driven_by";
-const BY_LOAD: f64 = 2.0;
-/// A spring between motor and link.
-const SPRING: &str = "capstan-compliance";
-/// What a motion shows between motor and link behind a low pass. A fit of all readings beside transmission terms has more noise, and terms
-/// that follow the angle as the torque of a weight does: it does not ask for these numbers once more.
-const BETWEEN: [&str; 3] = [PLAY, SPRING, "external-encoder-latency"];
 /// Another name of the joints' compliance.
 const ALIAS: &str = "link-compliance";
 
@@ -44,7 +34,7 @@ pub(super) fn add(model: &mut Model, word: &str) -> Result<(), Error> {
             (name, Some(index))
         }
     };
-    if name == JOINT_COMPLIANCE.name || name == ALIAS {
+    if name == ALIAS || law(name).is_some_and(|law| law.0 == Hook::Joint) {
         yielding(model, joint);
         return Ok(());
     }
@@ -100,13 +90,29 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         let name = name.ok_or_else(|| refuse("a cause has no `effect`"))?;
         let number = cause.get("joint").and_then(Value::as_u64);
         let joint = number.and_then(|joint| usize::try_from(joint).ok()?.checked_sub(1));
-        if name == JOINT_COMPLIANCE.name {
+        let law = law(name);
+        if law == Some((Hook::Joint, Form::Spring)) {
             yielding(model, joint);
             count += 1;
             continue;
         }
-        if is_of_motion && BETWEEN.contains(&name) {
-            for effect in between(name, joint, cause) {
+        // what a motion shows between motor and link behind a low pass: a fit of all readings beside transmission terms has more
+        // noise, and terms that follow the angle as the torque of a weight does; it does not ask for these numbers once more
+        let is_between = matches!(
+            law,
+            Some(
+                (Hook::Transmission, Form::Play | Form::Spring)
+                    | (Hook::ExternalEncoder, Form::Delay)
+            )
+        );
+        if is_of_motion && is_between {
+            let number = |key: &str| {
+                let own = cause.get("parameters")?.get(key)?;
+                let ends = own.get("ci95").and_then(Value::as_array);
+                let ends = ends.and_then(|all| Some([all.first()?.as_f64(), all.get(1)?.as_f64()]));
+                Some((own.get("value")?.as_f64()?, ends.unwrap_or_default()))
+            };
+            for effect in effects_between(name, joint, &number) {
                 hold(model, effect).map_err(|error| refused(name, &error))?;
                 count += 1;
             }
@@ -134,39 +140,6 @@ pub(super) fn add_causes(model: &mut Model, text: &str, file: &str) -> Result<()
         0 => Err(refuse("none of its causes is a law that a device can have")),
         _ => Ok(()),
     }
-}
-
-/// Device effects of a cause between motor and link, with its numbers: a play is at the side of its load, with the spring behind it.
-fn between(name: &str, joint: Option<usize>, cause: &Value) -> Vec<DeviceEffect> {
-    let number = |key: &str| {
-        let all = cause.get("parameters")?;
-        // a spring that hardens is straight in a device file
-        let own = all.get(format!("secant_{key}")).or_else(|| all.get(key))?;
-        let ends = own.get("ci95").and_then(Value::as_array);
-        let ends = ends.and_then(|all| Some([all.first()?.as_f64(), all.get(1)?.as_f64()]));
-        Some((own.get("value")?.as_f64()?, ends.unwrap_or_default()))
-    };
-    // a law has one name of its number at joints that turn and at those that slide: the first
-    let of = |name: &str, keys: &[&str]| {
-        let (value, ci95) = keys.iter().find_map(|key| number(key))?;
-        let key = (*keys.first()?).to_owned();
-        Some(DeviceEffect {
-            fit: false,
-            numbers: [(key.clone(), value)].into(),
-            intervals: [(key, ci95)].into(),
-            ..one(name, joint)
-        })
-    };
-    let delay = of(name, &["delay_s"]);
-    let spring = of(SPRING, &["stiffness_nm_per_rad", "stiffness_n_per_m"]);
-    let play = (name == PLAY)
-        .then(|| of(PLAY, &["width_rad", "width_m"]))
-        .flatten();
-    let play = play.map(|mut own| {
-        own.numbers.insert(DRIVEN_BY.to_owned(), BY_LOAD);
-        own
-    });
-    delay.into_iter().chain(play).chain(spring).collect()
 }
 
 /// Puts an effect into a model in the place of its own one there, with numbers that stay.
@@ -218,7 +191,7 @@ fn push(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError
     let name = effect.name.clone();
     model.effects.push(effect);
     let found = effects_of(model);
-    let is_payload = found.is_ok() && name == PAYLOAD.name;
+    let is_payload = found.is_ok() && law(&name).is_some_and(|law| law.1 == Form::Mass);
     if found.is_err() || is_payload {
         model.effects.pop();
     }

@@ -98,6 +98,11 @@ pub(super) fn zero_of(device: &Device, joint: usize) -> Option<Parameter> {
     })
 }
 
+/// Whether a name is that of a joint's zero.
+pub(super) fn is_zero(name: &str) -> bool {
+    name == JOINT_OFFSET.name
+}
+
 /// The name of a number of a joint's drive.
 pub(super) fn term_name(device: &Device, joint: usize, index: usize) -> &'static str {
     let is_capstan = matches!(

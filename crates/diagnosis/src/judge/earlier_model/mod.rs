@@ -13,7 +13,6 @@ mod zeros;
 
 use std::collections::BTreeMap;
 
-use haptical_effects::base_model::JOINT_OFFSET;
 use haptical_effects::structure::TOOL_CHANGED;
 use haptical_model::Device;
 
@@ -23,7 +22,7 @@ use crate::engine::least::Columns;
 use crate::engine::system::compress_rows;
 use crate::thresholds::earlier_model::{MOST, MOVED_SD, NEARLY_ALL};
 use displaced::{Displaced, displaced};
-use groups::{Group, chance, groups, places};
+use groups::{Group, chance, groups, is_zero, places};
 use resized::resized;
 use value::earlier_value;
 use zeros::{Zero, zeros};
@@ -48,6 +47,13 @@ pub(crate) struct BaseTerm {
     pub(crate) earlier: BTreeMap<String, f64>,
     /// Of the base model: what its numbers changed by.
     pub(crate) changed: Vec<MovedNumber>,
+}
+
+impl BaseTerm {
+    /// Whether it is another tool.
+    pub(crate) fn is_tool(&self) -> bool {
+        self.name == TOOL_CHANGED.name
+    }
 }
 
 /// What a model differs in.
@@ -83,9 +89,7 @@ impl Difference {
 
     /// Whether the difference is another tool.
     pub(crate) fn is_tool(&self) -> bool {
-        self.terms
-            .first()
-            .is_some_and(|term| term.name == TOOL_CHANGED.name)
+        self.terms.first().is_some_and(BaseTerm::is_tool)
     }
 }
 
@@ -232,7 +236,7 @@ impl Earlier<'_, '_> {
         }
         terms.sort_by(|a, b| b.explained.total_cmp(&a.explained));
         if let [only] = terms.as_mut_slice()
-            && only.name == JOINT_OFFSET.name
+            && is_zero(only.name)
             && !only.in_drive
         {
             only.confusable_with = self.of_the_rig(only.explained);
@@ -296,9 +300,7 @@ impl Earlier<'_, '_> {
         };
         let is_own = |zero: &Zero| {
             let is_of = |term: &BaseTerm| {
-                term.columns.is_empty()
-                    && term.name == JOINT_OFFSET.name
-                    && term.joint == Some(zero.joint)
+                term.columns.is_empty() && is_zero(term.name) && term.joint == Some(zero.joint)
             };
             terms.iter().any(is_of)
         };

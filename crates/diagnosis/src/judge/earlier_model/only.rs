@@ -7,7 +7,7 @@ use haptical_effects::structure::TOOL_CHANGED;
 use haptical_model::ParameterId;
 
 use super::displaced::Displaced;
-use super::groups::{Group, chance};
+use super::groups::{Group, chance, is_zero};
 use super::value::earlier_value;
 use super::{BaseTerm, Earlier, tool};
 use crate::answer::{MovedNumber, ParameterAnswer};
@@ -18,7 +18,7 @@ impl Earlier<'_, '_> {
     /// sensor that was moved has three or six.
     pub(super) fn other_zero(&self, total: f64, others: &[usize]) -> Option<BaseTerm> {
         let of_group = |group: &Group| {
-            let is_zero = group.name == JOINT_OFFSET.name && group.resized.is_none();
+            let is_zero = is_zero(group.name) && group.resized.is_none();
             let &[column] = group.columns.as_slice() else {
                 return None;
             };

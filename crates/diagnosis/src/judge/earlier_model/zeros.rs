@@ -1,12 +1,11 @@
 //! Zeros of joints that the recording does not tell from the place of a sensor or a tool, and so are no numbers of the base
 //! model: against an earlier model, which has all of them, they may be what changed (docs/diagnosis.md, "Earlier model").
 
-use haptical_effects::base_model::JOINT_OFFSET;
 use haptical_effects::catalogue;
 use haptical_effects::motor_encoder::ZERO_CHANGED;
 use haptical_model::ParameterId;
 
-use super::groups::{term_name, zero_of};
+use super::groups::{is_zero, term_name, zero_of};
 use crate::engine::Engine;
 use crate::engine::part::dense;
 
@@ -29,7 +28,7 @@ pub(crate) fn zeros(engine: &Engine<'_>) -> Vec<Zero> {
             .iter()
             .any(|&position| match base.parameters[position] {
                 ParameterId::Transmission { joint: of, index } if of == joint => {
-                    term_name(device, joint, index) == JOINT_OFFSET.name
+                    is_zero(term_name(device, joint, index))
                 }
                 own => own == parameter,
             })
