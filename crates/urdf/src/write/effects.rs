@@ -1,6 +1,7 @@
 //! What a device's effects are in MuJoCo's means, and the list of those that it has no means for.
 
-use haptical_model::{Device, DeviceEffect, FrictionNumber, JOINT_FRICTION, JointType};
+use haptical_effects::{Form, Hook, law};
+use haptical_model::{Device, DeviceEffect, FrictionNumber, JointType};
 
 use crate::numbers::rounded;
 
@@ -121,7 +122,8 @@ impl<'d> Effects<'d> {
         };
         let positive = |keys| number(keys).filter(|number| *number > 0.0 && number.is_finite());
         let late = || positive(["delay_s"; 2]).filter(|delay_s| *delay_s <= LATEST_S);
-        if effect.name == "encoder-latency" {
+        let law = law(&effect.name)?;
+        if law.0 == Hook::Timing {
             let delay_s = late()?;
             self.encoder_delay_s
                 .iter_mut()
@@ -130,8 +132,8 @@ impl<'d> Effects<'d> {
         }
         // where a joint has no row whose value is its reading, its numbers are no row's
         let joint = effect.joint.filter(|joint| has_own_row(device, *joint))?;
-        let kind = match effect.name.as_str() {
-            JOINT_FRICTION => {
+        let kind = match law {
+            (Hook::Torque, Form::Friction) => {
                 let size = |number: FrictionNumber| {
                     let stated = number.stated(effect);
                     stated.filter(|number| *number > 0.0 && number.is_finite())
@@ -152,16 +154,18 @@ impl<'d> Effects<'d> {
                 }
                 return Some(());
             }
-            "external-encoder-latency" => {
+            (Hook::ExternalEncoder, Form::Delay) => {
                 self.external_delay_s[joint] = late()?;
                 return Some(());
             }
-            "capstan-compliance" => {
+            (Hook::Transmission, Form::Spring) => {
                 let stiffness = positive(["stiffness_nm_per_rad", "stiffness_n_per_m"])?;
                 YieldKind::Spring(Some(stiffness).filter(|own| *own < RIGID)?)
             }
-            "backlash" => YieldKind::Play(positive(["width_rad", "width_m"])?),
-            "cross-coupling" => {
+            (Hook::Transmission, Form::Play) => {
+                YieldKind::Play(positive(["width_rad", "width_m"])?)
+            }
+            (Hook::Transmission, Form::Coupling) => {
                 let from = number(["from_joint"; 2])?;
                 let from = (0..device.joints.len()).find(|own| (own + 1) as f64 == from)?;
                 let from =
@@ -192,7 +196,8 @@ impl<'d> Effects<'d> {
 /// Whether an effect is that of motor encoders that are ahead of the other sensors.
 pub(crate) fn is_ahead(effect: &DeviceEffect) -> bool {
     let delay_s = effect.numbers.get("delay_s");
-    effect.name == "encoder-latency" && delay_s.is_some_and(|delay_s| *delay_s < 0.0)
+    law(&effect.name).is_some_and(|law| law.0 == Hook::Timing)
+        && delay_s.is_some_and(|delay_s| *delay_s < 0.0)
 }
 
 /// Whether a row moves as the joint reads.

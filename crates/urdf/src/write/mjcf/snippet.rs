@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use haptical_effects::{Form, Hook, law};
 use haptical_model::{Device, DeviceEffect};
 
 use crate::numbers::{commented, written};
@@ -112,7 +113,9 @@ fn added(device: &Device, effect: &DeviceEffect, outs: &[bool]) -> Option<String
         format!("r[\"out{number}_{unit}\"]"),
     );
     let value = |key: &str| Some(written(&[*effect.numbers.get(key)?]));
-    let wave = |periods: f64| {
+    let wave = |periods: Option<f64>| {
+        let of_motor = || Some(effect.numbers.get("order")? * joint.transmission_ratio);
+        let periods = periods.or_else(of_motor)?;
         let (amplitude, phase) = (value("amplitude_rad")?, value("phase_rad")?);
         Some(format!(
             "{amplitude} * np.cos({} * {theta} - {phase})",
@@ -120,27 +123,26 @@ fn added(device: &Device, effect: &DeviceEffect, outs: &[bool]) -> Option<String
         ))
     };
     let has_out = outs.get(own).copied().unwrap_or(false);
-    Some(match effect.name.as_str() {
-        "drum-eccentricity" => format!("{theta} -= {}", wave(1.0)?),
-        "drum-out-of-round" => format!("{theta} -= {}", wave(2.0)?),
-        "input-drum-harmonic" => {
-            let order = effect.numbers.get("order")?;
-            format!("{theta} -= {}", wave(order * joint.transmission_ratio)?)
-        }
-        "cable-pitch" => {
+    Some(match law(&effect.name)? {
+        (Hook::Transmission, Form::Harmonic(periods)) => format!("{theta} -= {}", wave(periods)?),
+        (Hook::Transmission, Form::Polynomial) => {
             let cubic = value("cubic_per_rad2").unwrap_or_else(|| "0".to_owned());
             let square = value("quadratic_per_rad")?;
             format!("{theta} -= {square} * {theta} ** 2 + {cubic} * {theta} ** 3")
         }
-        "viscous-lag" => format!(
+        (Hook::Transmission, Form::Delay) => format!(
             "{theta} += {} * r[\"theta{number}_{unit}_per_s\"]",
             value("delay_s")?
         ),
-        "joint-drift" => format!("{theta} -= {} * data.time", value("rad_per_s")?),
-        "external-encoder-drift" if has_out => {
+        (Hook::Transmission, Form::Drift) => {
+            format!("{theta} -= {} * data.time", value("rad_per_s")?)
+        }
+        (Hook::ExternalEncoder, Form::Drift) if has_out => {
             format!("{out} += {} * data.time", value("rad_per_s")?)
         }
-        "external-encoder-eccentricity" if has_out => format!("{out} += {}", wave(1.0)?),
+        (Hook::ExternalEncoder, Form::Harmonic(periods)) if has_out => {
+            format!("{out} += {}", wave(periods)?)
+        }
         _ => return None,
     })
 }
