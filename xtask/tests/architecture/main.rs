@@ -8,6 +8,7 @@
 
 mod files;
 mod modules;
+mod names;
 mod numbers;
 
 use std::collections::{BTreeMap, BTreeSet};
