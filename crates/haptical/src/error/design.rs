@@ -34,9 +34,8 @@ impl Error {
                 }
             }
             DesignError::Measure { item, message } => {
-                let split = message
-                    .rsplit_once("; ")
-                    .or_else(|| message.rsplit_once(": "));
+                let split = message.rsplit_once("; ");
+                let split = split.or_else(|| message.rsplit_once(": "));
                 let usual = "the kinds are in `haptical plan --help`";
                 let (message, next) = split.unwrap_or((message, usual));
                 Self::command_line("measure", format!("measurement `{item}`: {message}"), next)

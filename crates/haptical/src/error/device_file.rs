@@ -12,10 +12,8 @@ impl Error {
     pub fn device_file(error: &DeviceFileError, path: &Path) -> Self {
         let mut place = Place::in_file(path.display().to_string());
         let text = error.to_string();
-        let mut what = text
-            .strip_prefix(&format!("{}: ", place.file))
-            .unwrap_or(&text)
-            .to_owned();
+        let what = text.strip_prefix(&format!("{}: ", place.file));
+        let mut what = what.unwrap_or(&text).to_owned();
         if let Some(at) = error.position() {
             place.line = Some(at.line as u64);
             place.column = Some(at.column as u64);
@@ -58,20 +56,18 @@ impl Error {
                 "correct the file; `haptical init` writes a template to compare with",
             ),
         };
-        let next = next.to_owned();
-        let kind = match error {
-            DeviceFileError::Unreadable { source, .. } if source.kind() == ErrorCause::NotFound => {
-                ErrorKind::NotFound
-            }
-            DeviceFileError::Unreadable { .. } => ErrorKind::Io,
-            _ => ErrorKind::BadInput,
-        };
         Self {
-            kind,
+            kind: match error {
+                DeviceFileError::Unreadable { source, .. } => match source.kind() {
+                    ErrorCause::NotFound => ErrorKind::NotFound,
+                    _ => ErrorKind::Io,
+                },
+                _ => ErrorKind::BadInput,
+            },
+            next: next.to_owned(),
             name,
             what,
             place,
-            next,
         }
     }
 }

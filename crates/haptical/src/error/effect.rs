@@ -18,7 +18,9 @@ impl Error {
             }
             DeviceEffectError::Context(_) => Self::in_file("row", text, log, LEAVE_ROW_OUT),
             _ => {
-                let (what, next) = advice(&text);
+                let usual =
+                    "correct it; `haptical diagnose --list` has the effects with their parameters";
+                let (what, next) = text.split_once("; ").unwrap_or((&text, usual));
                 Self::in_file("effect", what, device, next)
             }
         }
@@ -46,21 +48,10 @@ impl Error {
 /// between them.
 fn line_of(text: &str, model: &Model, number: usize) -> Option<u64> {
     let name = &model.effects.get(number.checked_sub(1)?)?.name;
-    let before = model.effects[..number]
-        .iter()
-        .filter(|effect| effect.name == *name);
+    let before = model.effects[..number].iter();
+    let before = before.filter(|effect| effect.name == *name).count();
     let wanted = format!("\"{name}\"");
-    let lines = text.lines().enumerate();
-    let own = lines.filter(|(_, line)| {
-        let line = line.trim_start();
-        line.starts_with("name") && line.contains(&wanted)
-    });
-    let (line, _) = own.into_iter().nth(before.count().checked_sub(1)?)?;
-    Some(line as u64 + 1)
-}
-
-/// What is wrong, and what to do.
-fn advice(text: &str) -> (&str, &str) {
-    let usual = "correct it; `haptical diagnose --list` has the effects with their parameters";
-    text.split_once("; ").unwrap_or((text, usual))
+    let is_own = |line: &str| line.trim_start().starts_with("name") && line.contains(&wanted);
+    let mut lines = text.lines().zip(1..).filter(|(line, _)| is_own(line));
+    lines.nth(before.checked_sub(1)?).map(|(_, line)| line)
 }

@@ -23,12 +23,8 @@ impl Error {
             self.place.file = rig.path.display().to_string();
         }
         let path = &device.source().path;
-        if let Some(columns) = self
-            .place
-            .joint_columns
-            .take()
-            .filter(|_| is_description(path))
-        {
+        let columns = self.place.joint_columns.take();
+        if let Some(columns) = columns.filter(|_| is_description(path)) {
             // the device was read from it just now; if it cannot be read again, the log's error remains
             let _ = self.name_chains(path, equipment, columns);
         }
@@ -64,11 +60,9 @@ impl Error {
                 "add the columns, or name the link at which the chain ends with --tip; no chain{from} has \
                  {columns} joints, as the log has"
             ),
-            [only] => {
-                format!(
-                    "the chain{from} to `{only}` has {joints}, as the log has: {add} --tip {only}"
-                )
-            }
+            [only] => format!(
+                "the chain{from} to `{only}` has {joints}, as the log has: {add} --tip {only}"
+            ),
             _ => format!(
                 "the chains{from} to {} have {joints}, as the log has: {add} --tip with the one that was measured",
                 listed(&fits)
@@ -86,15 +80,11 @@ fn has_section(rig: &Path, section: &str) -> bool {
 
 /// Names in backticks, the first few of them.
 pub(super) fn listed(names: &[String]) -> String {
-    let quoted = names
-        .iter()
-        .take(MOST_NAMES)
-        .map(|name| format!("`{name}`"));
-    let quoted: Vec<String> = quoted.collect();
-    let more = names.len() - quoted.len();
-    match more {
+    let first = names.iter().take(MOST_NAMES);
+    let quoted: Vec<String> = first.map(|name| format!("`{name}`")).collect();
+    match names.len() - quoted.len() {
         0 => quoted.join(", "),
-        _ => format!("{} and {more} more", quoted.join(", ")),
+        more => format!("{} and {more} more", quoted.join(", ")),
     }
 }
 

@@ -43,17 +43,6 @@ impl From<DataError> for Error {
                 at.file
             );
         }
-        let joint_columns = match &error.fault {
-            Fault::MissingColumn {
-                missing,
-                required,
-                near_misses,
-                ..
-            } if near_misses.is_empty() && required.ends_with(missing) => {
-                Some(required.len() - missing.len())
-            }
-            _ => None,
-        };
         Self {
             kind: match &error.fault {
                 Fault::NotFound => ErrorKind::NotFound,
@@ -68,7 +57,17 @@ impl From<DataError> for Error {
                 column: at.column_number.map(|column| column as u64),
                 column_name: at.column.clone(),
                 section: None,
-                joint_columns,
+                joint_columns: match &error.fault {
+                    Fault::MissingColumn {
+                        missing,
+                        required,
+                        near_misses,
+                        ..
+                    } if near_misses.is_empty() && required.ends_with(missing) => {
+                        Some(required.len() - missing.len())
+                    }
+                    _ => None,
+                },
             }),
             next,
         }

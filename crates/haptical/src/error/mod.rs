@@ -78,14 +78,16 @@ impl Error {
         Self::bad_input(name, what, file.display().to_string(), next)
     }
 
+    /// The same in one text: what is wrong and, behind the first semicolon outside of backticks, what to do next.
+    pub fn of_file(name: &'static str, said: impl AsRef<str>, file: &Path) -> Self {
+        let (what, next) = split_advice(said.as_ref());
+        Self::in_file(name, what, file, next)
+    }
+
     /// A file that the system does not let read.
     pub fn unreadable(error: &std::io::Error, file: &Path, next: &str) -> Self {
-        Self::in_file(
-            "unreadable",
-            format!("cannot be read: {}", reason(error)),
-            file,
-            next,
-        )
+        let what = format!("cannot be read: {}", reason(error));
+        Self::in_file("unreadable", what, file, next)
     }
 
     /// Bad input in a line of a log.
@@ -129,6 +131,12 @@ impl Error {
         Self::bad_input(name, what, "the command line", next)
     }
 
+    /// Bad arguments in one text, as [`Error::of_file`] takes it.
+    pub fn arguments(said: impl AsRef<str>) -> Self {
+        let (what, next) = split_advice(said.as_ref());
+        Self::command_line("arguments", what, next)
+    }
+
     /// A request to stop while `out` was written.
     pub fn interrupted(out: &Path) -> Self {
         let what = "interrupted before the end; nothing was written";
@@ -166,12 +174,11 @@ impl Error {
             CalibrationError::Option { .. } => "the command line".clone_into(&mut place.file),
             _ => {}
         }
-        let kind = match error.is_unidentifiable() {
-            true => ErrorKind::Unidentifiable,
-            false => ErrorKind::BadInput,
-        };
         Self {
-            kind,
+            kind: match error.is_unidentifiable() {
+                true => ErrorKind::Unidentifiable,
+                false => ErrorKind::BadInput,
+            },
             name,
             what,
             place,
@@ -185,48 +192,47 @@ impl Error {
             return Self::calibration(error, device, log);
         }
         let text = error.to_string();
-        match error {
+        let (name, next) = match error {
             DiagnosisError::Row { line, source } => {
-                Self::log_line("row", source.to_string(), log, Some(*line), LEAVE_ROW_OUT)
+                let what = source.to_string();
+                return Self::log_line("row", what, log, Some(*line), LEAVE_ROW_OUT);
             }
             DiagnosisError::UnknownEffect { .. } => {
                 let (what, next) = split_advice(&text);
-                Self::command_line("unknown-effect", what, next)
+                return Self::command_line("unknown-effect", what, next);
+            }
+            DiagnosisError::Identification(_) => {
+                return Self::in_file("identification", text, log, CHECK_DEVICE);
+            }
+            DiagnosisError::NothingToSettle { why } => {
+                let next = "record what `haptical diagnose` says under \"next\"";
+                return Self::in_file("nothing-to-settle", why.clone(), log, next);
             }
             DiagnosisError::TooFewReadings { .. } => {
                 let (what, next) = text.split_once(": ").unwrap_or((&text, "record more rows"));
-                Self::in_file("too-few-rows", what, log, next).of_kind(ErrorKind::Unidentifiable)
+                return Self::in_file("too-few-rows", what, log, next)
+                    .of_kind(ErrorKind::Unidentifiable);
             }
             DiagnosisError::Torques { .. } => {
                 let next = "haptical check says what such a log needs: a motion with times, [gravity] in the device \
                             file, and enough of it";
-                Self::in_file("torques-not-tested", text, log, next)
-                    .of_kind(ErrorKind::Unidentifiable)
+                ("torques-not-tested", next)
             }
             DiagnosisError::Commands { .. } => {
                 let next = "record t_s, thetaN_rad and commandN_rad in radians of a joint that is moved through its range, with rests";
-                Self::in_file("commands-not-tested", text, log, next)
-                    .of_kind(ErrorKind::Unidentifiable)
+                ("commands-not-tested", next)
             }
             DiagnosisError::Currents { .. } => {
                 let next = "record t_s, thetaN_rad, torqueN_nm and currentN_a of a joint that moves for some seconds";
-                Self::in_file("currents-not-tested", text, log, next)
-                    .of_kind(ErrorKind::Unidentifiable)
-            }
-            DiagnosisError::Identification(_) => {
-                Self::in_file("identification", text, log, CHECK_DEVICE)
-            }
-            DiagnosisError::NothingToSettle { why } => {
-                let next = "record what `haptical diagnose` says under \"next\"";
-                Self::in_file("nothing-to-settle", why.clone(), log, next)
+                ("currents-not-tested", next)
             }
             other if other.is_unidentifiable() => {
                 let next = "record slow motion of every joint through its whole range";
-                Self::in_file("nothing-identifiable", text, log, next)
-                    .of_kind(ErrorKind::Unidentifiable)
+                ("nothing-identifiable", next)
             }
-            _ => Self::internal(text),
-        }
+            _ => return Self::internal(text),
+        };
+        Self::in_file(name, text, log, next).of_kind(ErrorKind::Unidentifiable)
     }
 
     /// What kind of refusal it is.
@@ -337,12 +343,11 @@ fn describe(error: &CalibrationError) -> (&'static str, String, String) {
 impl From<ReportError> for Error {
     fn from(error: ReportError) -> Self {
         match error {
-            ReportError::Write { path, source } => Self::bad_input(
-                "unwritable",
-                format!("cannot write: {}", reason(&source)),
-                path.display().to_string(),
-                "give a file in a folder that can be written to and has room",
-            ),
+            ReportError::Write { path, source } => {
+                let next = "give a file in a folder that can be written to and has room";
+                let what = format!("cannot write: {}", reason(&source));
+                Self::in_file("unwritable", what, &path, next)
+            }
             other => Self::internal(other),
         }
     }
@@ -354,15 +359,12 @@ fn split_advice(text: &str) -> (String, String) {
     let even = |text: &str| text.matches('`').count().is_multiple_of(2);
     // A backtick in what was found makes the count odd; then the last semicolon is ours.
     let outside = |at: usize| even(&text[..at]) && even(&text[at..]);
-    let at = text
-        .match_indices("; ")
-        .map(|(at, _)| at)
-        .find(|&at| outside(at))
-        .or_else(|| text.rfind("; "));
-    match at {
-        Some(at) => (text[..at].to_owned(), text[at + 2..].to_owned()),
-        None => (text.to_owned(), "correct the input".to_owned()),
-    }
+    let mut all = text.match_indices("; ").map(|(at, _)| at);
+    let at = all.find(|&at| outside(at)).or_else(|| text.rfind("; "));
+    let (what, next) = at.map_or((text, "correct the input"), |at| {
+        (&text[..at], &text[at + 2..])
+    });
+    (what.to_owned(), next.to_owned())
 }
 
 #[cfg(test)]
