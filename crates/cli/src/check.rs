@@ -1,7 +1,7 @@
 //! `haptical check`: describes a device file and a log, and what the log could identify.
 
 use haptical::files::Source;
-use haptical::{Identify, Log, check};
+use haptical::{CheckedLog, Identify, Log, check};
 
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
@@ -24,18 +24,13 @@ pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {
     let found = check(&device, log.as_ref(), &request)?;
     drop(progress);
     terminal::warn(&found.warnings);
-    if arguments.json {
-        return terminal::write_json(&found);
-    }
     let mut said = found.to_string();
-    let identifies = found
-        .log
-        .as_ref()
-        .is_some_and(|log| !log.identifiable.is_empty());
-    if let Some(log) = arguments.log.as_deref().filter(|_| identifies) {
+    let identifies = |log: &CheckedLog| !log.identifiable.is_empty();
+    let log = arguments.log.as_deref();
+    if let Some(log) = log.filter(|_| found.log.as_ref().is_some_and(identifies)) {
         let device = arguments.device_options.typed(&arguments.device);
         let (log, hold) = (word(log), arguments.hold.typed());
         said += &format!("\nNext:\n  haptical identify{device} --log {log}{hold} --out result\n");
     }
-    terminal::write_output(said.as_bytes())
+    terminal::tell(arguments.json, &found, said)
 }

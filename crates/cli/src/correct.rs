@@ -3,15 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use haptical::files::{InputFile, Record, Source, VERSION, sealed_json};
+use haptical::files::{Record, Source, VERSION};
 use haptical::units::Shown;
-use haptical::{Correct, Corrected, Device, Match, Waypoints, correct};
+use haptical::{Correct, Corrected, Match, Waypoints, correct};
 use serde::Serialize;
 
 use crate::arguments::above_zero;
 use crate::failure::Failure;
-use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
-use crate::interrupt::write_all;
+use crate::flags::{DeviceOptions, OverwriteOptions};
+use crate::outputs::Outputs;
 use crate::terminal::{self, Progress};
 
 /// Its name.
@@ -94,42 +94,26 @@ struct Written {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &CorrectArguments) -> Result<(), Failure> {
-    let (folder, name) = folder_and_name(&arguments.out)?;
-    let beside = format!("{name}.provenance.json");
-    let rule = arguments.overwrite.rule(COMMAND);
-    rule.check(&[folder.join(&beside), folder.join(name)])?;
+    let outputs = Outputs::check(&arguments.out, arguments.overwrite.rule(COMMAND), &[])?;
     let progress = Progress::start("reading");
-    let equipment = arguments.device_options.equipment();
-    let device = Device::open(&Source::given(&arguments.device), &equipment)?;
+    let device = arguments.device_options.read(&arguments.device)?;
     let model = device.open_model(&Source::given(&arguments.model))?;
     let path = Waypoints::read(&Source::given(&arguments.waypoints), &device)?;
     progress.say("correcting");
     let corrected = correct(&device, &model, &path, &arguments.request())?;
-    let text = corrected.to_csv()?;
     let mut files = device.inputs("device");
     files.extend(model.inputs("model"));
     files.extend(path.log.input("waypoints"));
-    let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-    flags.extend(equipment.chain_flags());
-    flags.extend(arguments.flags());
-    let record = Record::new(VERSION, COMMAND, flags, files);
-    let record = record.with_outputs(&[(name, text.clone())]);
-    let mut warnings = device.warnings.clone();
-    warnings.extend(path.log.warnings.iter().cloned());
-    warnings.extend(corrected.warnings.iter().cloned());
-    let written = Written::new(arguments, &corrected, warnings, record);
-    let json = sealed_json(&written)?;
-    write_all(
-        &rule,
-        folder,
-        &[(name, text), (beside.as_str(), json.into_bytes())],
-    )?;
+    let flags = device.equipment().chain_flags().chain(arguments.flags());
+    let record = Record::of(VERSION, COMMAND, files, flags);
+    let text = vec![(outputs.name, corrected.to_csv()?)];
+    let warnings = [&device.warnings, &path.log.warnings, &corrected.warnings];
+    let warnings = warnings.map(Clone::clone).concat();
+    let written = Written::new(arguments, &corrected, warnings, record.with_outputs(&text));
+    outputs.write(text, &written)?;
     drop(progress);
     terminal::warn(&written.warnings);
-    if arguments.json {
-        return terminal::write_json(&written);
-    }
-    terminal::write_output(written.text().as_bytes())
+    terminal::tell(arguments.json, &written, written.text())
 }
 
 impl CorrectArguments {
@@ -189,7 +173,7 @@ impl Written {
     }
 
     fn text(&self) -> String {
-        let way = |own: f64| small("m", own);
+        let way = |own| small("m", own);
         let mut text = format!("{} waypoints, by the model\n", self.waypoints);
         if let (Some(rms), Some(largest), Some(row)) = (
             self.before_rms_m,
@@ -203,19 +187,17 @@ impl Written {
             ));
         }
         let rest = match self.largest_rest_rad {
-            Some(turn) => format!(
-                "{} and {}",
-                small("m", self.largest_rest_m),
-                small("rad", turn)
-            ),
-            None => small("m", self.largest_rest_m),
+            Some(turn) => format!("{} and {}", way(self.largest_rest_m), small("rad", turn)),
+            None => way(self.largest_rest_m),
         };
-        text.push_str(&format!("after    the commands leave {rest} at most"));
-        text.push_str(match self.with_orientations {
-            true => "\n",
-            false => "; orientations are as they come\n",
-        });
-        text + &format!("Written: {}\n", self.written)
+        let turns = match self.with_orientations {
+            true => "",
+            false => "; orientations are as they come",
+        };
+        text + &format!(
+            "after    the commands leave {rest} at most{turns}\nWritten: {}\n",
+            self.written
+        )
     }
 }
 

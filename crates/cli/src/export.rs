@@ -132,22 +132,20 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     write_all(&rule, folder, &[(name, exported.text.into_bytes())])?;
     terminal::warn(&exported.warnings);
     let (written, joints) = (arguments.out.display(), device.model.joints.len());
-    if arguments.json {
-        let format = arguments.format.to_possible_value();
-        return terminal::write_json(&json!({
-            "written": written.to_string(),
-            "format": format.as_ref().map(PossibleValue::get_name),
-            "device": device.model.name,
-            "device_file": arguments.device.display().to_string(),
-            "device_sha256": exported.device_sha256,
-            "joints": joints,
-            "version": VERSION,
-            "warnings": exported.warnings,
-        }));
-    }
+    let format = arguments.format.to_possible_value();
+    let value = json!({
+        "written": written.to_string(),
+        "format": format.as_ref().map(PossibleValue::get_name),
+        "device": device.model.name,
+        "device_file": arguments.device.display().to_string(),
+        "device_sha256": exported.device_sha256,
+        "joints": joints,
+        "version": VERSION,
+        "warnings": exported.warnings,
+    });
     let name = device.model.name.replace(char::is_control, " ");
     let text = format!("Written:\n  {written}: {joints} joints of `{name}`\n");
-    terminal::write_output(text.as_bytes())
+    terminal::tell(arguments.json, &value, text)
 }
 
 impl ExportArguments {

@@ -13,6 +13,7 @@ mod import;
 mod init;
 mod interrupt;
 mod next;
+mod outputs;
 mod plan;
 mod play;
 mod report;

@@ -56,9 +56,7 @@ pub(crate) struct PlayArguments {
 pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     let rule = check_place(arguments)?;
     let progress = Progress::start("reading");
-    let source = Source::given(&arguments.device);
-    let equipment = arguments.device_options.equipment();
-    let nominal = Device::open(&source, &equipment)?;
+    let nominal = arguments.device_options.read(&arguments.device)?;
     let mut files = nominal.inputs("device");
     refuse_no_links(&nominal)?;
     nominal.refuse_hands("the drawing")?;
@@ -103,10 +101,9 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
         &mut warnings,
     )?;
     progress.say("writing");
-    let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-    flags.extend(equipment.chain_flags());
-    flags.push(format!("--every={}", recorded.every));
-    let record = Record::new(VERSION, COMMAND, flags, files);
+    let every = format!("--every={}", recorded.every);
+    let flags = nominal.equipment().chain_flags().chain([every]);
+    let record = Record::of(VERSION, COMMAND, files, flags);
     let page = page::page(&recorded, &file_name(&arguments.log), &record)?;
     let page = sealed_text(&page, &format!("haptical {COMMAND}"), ["<!-- ", " -->"]);
     if page.len() > LARGE_PAGE_BYTES {
@@ -121,19 +118,15 @@ pub(crate) fn run(arguments: &PlayArguments) -> Result<(), Failure> {
     drop(progress);
     terminal::warn(&warnings);
     let written = summary::Written::new(&recorded, &arguments.out, size, warnings);
-    if arguments.json {
-        return terminal::write_json(&written);
-    }
-    terminal::write_output(written.text()?.as_bytes())
+    terminal::tell(arguments.json, &written, written.text()?)
 }
 
 /// Refuses a place for the page that cannot be written to, before any work.
 fn check_place(arguments: &PlayArguments) -> Result<WriteRule, Failure> {
     let out = &arguments.out;
     if out.is_dir() || out.file_name().is_none() {
-        let next = "give the name of a file, such as page.html";
-        let what = "cannot write: it is a folder";
-        return Err(Failure::in_file("unwritable", what, out, next));
+        let said = "cannot write: it is a folder; give the name of a file, such as page.html";
+        return Err(Failure::of_file("unwritable", said, out));
     }
     let rule = arguments.overwrite.rule(COMMAND);
     rule.check(std::slice::from_ref(out))?;
@@ -141,14 +134,10 @@ fn check_place(arguments: &PlayArguments) -> Result<WriteRule, Failure> {
 }
 
 fn refuse_no_links(device: &Device) -> Result<(), Failure> {
-    if device.model.has_links() {
-        return Ok(());
+    let said = "the device has no [[link]] rows, so there is no arm to draw; add the Denavit-Hartenberg rows as [[link]] tables; \
+                errors of transmissions alone are in the identify.html of `haptical identify`";
+    match device.model.has_links() {
+        true => Ok(()),
+        false => Err(Failure::of_file("no-links", said, &device.source().path)),
     }
-    Err(Failure::in_file(
-        "no-links",
-        "the device has no [[link]] rows, so there is no arm to draw",
-        &device.source().path,
-        "add the Denavit-Hartenberg rows as [[link]] tables; errors of transmissions alone are in \
-         the identify.html of `haptical identify`",
-    ))
 }

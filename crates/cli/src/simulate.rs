@@ -9,10 +9,8 @@ mod truth;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical::files::{
-    Fingerprint, InputFile, NewFile, Record, Source, VERSION, file_name, sealed_json,
-};
-use haptical::{Device, true_device};
+use haptical::files::{InputFile, NewFile, Record, Source, VERSION};
+use haptical::true_device;
 use haptical_model::{check_toml_syntax, read_toml_text};
 use haptical_simulator::{
     Effect, EffectError, Effects, HandMotion, SimulatorError, simulated_effects,
@@ -21,14 +19,17 @@ use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
-use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
-use crate::interrupt::write_all;
+use crate::flags::{DeviceOptions, OverwriteOptions};
+use crate::outputs::{Outputs, RECORD};
 use crate::terminal;
 
 use self::truth::truth_text;
 
 /// Its name.
 const COMMAND: &str = "simulate";
+
+/// End of the name of a true device that was drawn.
+const TRUTH: [&str; 1] = [".truth.toml"];
 
 /// Largest size of an effect in SI units; a stiffness comes nearest to it.
 const LARGEST_SIZE: f64 = 1e12;
@@ -156,17 +157,9 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let rule = arguments.overwrite.rule(COMMAND);
     rule.check_inputs(std::slice::from_ref(&arguments.out))?;
-    let (folder, name) = folder_and_name(&arguments.out)?;
-    // a log cannot say itself how it came about
-    let beside = format!("{name}.provenance.json");
-    let place = folder.join(&beside);
-    let truth_name = format!("{name}.truth.toml");
-    let mut outputs = vec![place.clone(), arguments.out.clone()];
-    outputs.extend(arguments.deviate.map(|_| folder.join(&truth_name)));
-    rule.check(&outputs)?;
-    let source = Source::given(&arguments.device);
-    let equipment = arguments.device_options.equipment();
-    let mut device = Device::open(&source, &equipment)?;
+    let ends = arguments.deviate.map_or(&[][..], |_| &TRUTH);
+    let outputs = Outputs::check(&arguments.out, rule, ends)?;
+    let mut device = arguments.device_options.read(&arguments.device)?;
     device.refuse_hands("a simulated log")?;
     let mut files = device.inputs("device");
     let truth_path = arguments.truth.as_ref().unwrap_or(&arguments.device);
@@ -181,37 +174,30 @@ pub(crate) fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         }
     };
     let refuse = |error: SimulatorError| refusal(&error, truth_path, arguments);
-    let rows = made::write(arguments, truth, &effects, &refuse)?;
-    let log = Source::given(&arguments.out);
-    let hashed = Fingerprint::of_file(&arguments.out)
-        .map_err(|error| Failure::internal(format!("the log that was written: {error}")))?;
+    let rows = made::write((arguments, &outputs), truth, &effects, &refuse)?;
+    let truth_name = outputs.name(TRUTH[0]);
     let mut written = Vec::new();
     if arguments.deviate.is_some() {
         written.push((truth_name.as_str(), truth_text(truth)?.into_bytes()));
     }
-    let label = |path: &PathBuf| Source::given(path).label;
     let mut summary = Written {
-        log: label(&arguments.out),
+        log: Source::given(&arguments.out).label,
         rows,
         seconds: arguments.seconds,
         rate_hz: arguments.rate_hz,
         seed: arguments.seed,
-        device: label(&arguments.device),
-        truth: arguments.truth.as_ref().map(label),
+        device: device.source().label.clone(),
+        truth: arguments.truth_label(),
         effects: effects.as_slice(),
         haptical_version: VERSION,
-        provenance: arguments.record(files, (&log, hashed), &written),
+        provenance: arguments.record(files, &outputs, &written)?,
     };
-    let json = sealed_json(&summary)?;
-    written.push((beside.as_str(), json.into_bytes()));
-    write_all(&rule, folder, &written)?;
+    outputs.write(written, &summary)?;
     terminal::warn(&device.warnings);
     summary.log = arguments.out.display().to_string();
-    if arguments.json {
-        return terminal::write_json(&summary);
-    }
-    let text = summary.text() + &format!("Provenance: {}\n", place.display());
-    terminal::write_output(text.as_bytes())
+    let record = outputs.place(RECORD);
+    let text = summary.text() + &format!("Provenance: {}\n", record.display());
+    terminal::tell(arguments.json, &summary, text)
 }
 
 impl SimulateArguments {
@@ -219,11 +205,10 @@ impl SimulateArguments {
     fn record(
         &self,
         files: Vec<InputFile>,
-        (log, hashed): (&Source, Fingerprint),
+        outputs: &Outputs<'_>,
         beside: &[NewFile<'_>],
-    ) -> Record {
-        let mut flags: Vec<String> = files.iter().map(InputFile::argument).collect();
-        flags.extend(self.device_options.equipment().chain_flags());
+    ) -> Result<Record, Failure> {
+        let mut flags: Vec<String> = self.device_options.equipment().chain_flags().collect();
         flags.extend(self.deviate.map(|share| format!("--deviate={share}")));
         flags.extend(self.measure.iter().map(|rig| format!("--measure={rig}")));
         if self.poses.is_none() {
@@ -231,13 +216,15 @@ impl SimulateArguments {
             flags.push(format!("--rate-hz={}", self.rate_hz));
         }
         flags.push(format!("--seed={}", self.seed));
-        let record = Record::new(VERSION, COMMAND, flags, files);
-        let mut record = record.with_outputs(beside);
+        let mut record = Record::of(VERSION, COMMAND, files, flags).with_outputs(beside);
         record.seeds.insert("simulation", self.seed);
-        record
-            .outputs
-            .insert(0, hashed.output(&file_name(&log.path)));
-        record
+        record.outputs.insert(0, outputs.written()?);
+        Ok(record)
+    }
+
+    fn truth_label(&self) -> Option<String> {
+        let truth = self.truth.as_deref();
+        truth.map(|path| Source::given(path).label)
     }
 }
 

@@ -43,6 +43,18 @@ pub(crate) fn write_json(value: &impl Serialize) -> Result<(), Failure> {
     write_output(format!("{json}\n").as_bytes())
 }
 
+/// Writes what a command found to standard output: a value as JSON where that is asked for, else a text.
+pub(crate) fn tell(
+    json: bool,
+    value: &impl Serialize,
+    text: impl AsRef<str>,
+) -> Result<(), Failure> {
+    match json {
+        true => write_json(value),
+        false => write_output(text.as_ref().as_bytes()),
+    }
+}
+
 /// Writes a text to standard error; there is nobody to tell if that fails.
 pub(crate) fn write_message(text: &str) {
     let text = harmless(text);

@@ -49,6 +49,11 @@ impl DeviceOptions {
         }
     }
 
+    /// Reads a device that results and messages call by its name.
+    pub(crate) fn read(&self, device: &Path) -> Result<Device, Failure> {
+        Device::open(&Source::given(device), &self.equipment())
+    }
+
     /// The flags as one would type them, with that of the device file; a blank before each.
     pub(crate) fn typed(&self, device: &Path) -> String {
         let own = std::iter::once(format!(" --device {}", word(device)));

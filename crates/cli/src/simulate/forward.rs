@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use haptical::files::{Record, Source, VERSION, sealed_json};
+use haptical::files::{Record, Source, VERSION};
+use haptical::units::Shown;
 use haptical::{Device, Drive, Forward, Log, forward};
 use haptical_model::{check_toml_syntax, read_toml_text};
 use haptical_simulator::ControllerFile;
@@ -10,9 +11,11 @@ use serde::Serialize;
 
 use super::{COMMAND, SimulateArguments, effects_refusal};
 use crate::failure::Failure;
-use crate::flags::folder_and_name;
-use crate::interrupt::write_all;
+use crate::outputs::Outputs;
 use crate::terminal::{self, Progress};
+
+/// End of the name of the page.
+const PAGE: &str = ".html";
 
 /// What was written.
 #[derive(Debug, Serialize)]
@@ -32,20 +35,13 @@ struct Written<'a> {
 
 /// Runs the command.
 pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Failure> {
-    let (folder, name) = folder_and_name(&arguments.out)?;
-    let (page, beside) = (format!("{name}.html"), format!("{name}.provenance.json"));
-    let rule = arguments.overwrite.rule(COMMAND);
-    let place = folder.join(&page);
-    rule.check(&[folder.join(&beside), arguments.out.clone(), place.clone()])?;
+    let outputs = Outputs::check(&arguments.out, arguments.overwrite.rule(COMMAND), &[PAGE])?;
     let progress = Progress::start("reading");
-    let equipment = arguments.device_options.equipment();
-    let device = Device::open(&Source::given(&arguments.device), &equipment)?;
+    let device = arguments.device_options.read(&arguments.device)?;
     device.refuse_hands("a forward prediction")?;
     let log = Log::open(&Source::given(path), &device)?;
-    let with = match &arguments.with {
-        Some(path) => Some(device.open_model(&Source::given(path))?),
-        None => None,
-    };
+    let with = arguments.with.as_deref().map(Source::given);
+    let with = with.map(|source| device.open_model(&source)).transpose()?;
     let mut files = device.inputs("device");
     files.extend(with.iter().flat_map(|with| with.inputs("with")));
     files.extend(log.input("log"));
@@ -66,48 +62,37 @@ pub(super) fn run(arguments: &SimulateArguments, path: &Path) -> Result<(), Fail
         Some(with) => forward(&[("before", &device), ("after", with)], &log, drive)?,
         None => forward(&[("device", &device)], &log, drive)?,
     };
+    let page = outputs.name(PAGE);
     let csv = told.csv(&device, &log).into_bytes();
     let html = told.page(&device, &log)?.into_bytes();
-    let flags = files.iter().map(haptical::files::InputFile::argument);
-    let mut flags: Vec<String> = std::iter::once("--forward".to_owned())
-        .chain(flags)
-        .collect();
-    flags.extend(equipment.chain_flags());
-    let mut written = vec![(name, csv), (page.as_str(), html)];
-    let record = Record::new(VERSION, COMMAND, flags, files).with_outputs(&written);
+    let written = vec![(outputs.name, csv), (page.as_str(), html)];
+    let mut record = Record::of(VERSION, COMMAND, files, device.equipment().chain_flags());
+    record.arguments.insert(0, "--forward".to_owned());
     let mut summary = Written {
         predictions: Source::given(&arguments.out).label,
         page: page.clone(),
-        log: Source::given(path).label,
+        log: log.source().label.clone(),
         rows: log.recording.len(),
-        driven_by: if controller.is_some() {
-            "controller"
-        } else {
-            "torques"
+        driven_by: match controller {
+            Some(_) => "controller",
+            None => "torques",
         },
         told: &told,
         haptical_version: VERSION,
-        provenance: record,
+        provenance: record.with_outputs(&written),
     };
-    let json = sealed_json(&summary)?;
-    written.push((beside.as_str(), json.into_bytes()));
-    write_all(&rule, folder, &written)?;
+    outputs.write(written, &summary)?;
     drop(progress);
-    terminal::warn(&device.warnings);
-    terminal::warn(&log.warnings);
-    terminal::warn(&told.warnings);
+    terminal::warn(&[&*device.warnings, &log.warnings, &told.warnings].concat());
     summary.predictions = arguments.out.display().to_string();
-    if arguments.json {
-        return terminal::write_json(&summary);
-    }
-    let table = told.table(&device)?.to_terminal();
     let text = format!(
-        "{table}\n{}Written: {}, {}\n",
+        "{}\n{}Written: {}, {}\n",
+        told.table(&device)?.to_terminal(),
         halved(&told, &device),
         summary.predictions,
-        place.display()
+        outputs.place(PAGE).display()
     );
-    terminal::write_output(text.as_bytes())
+    terminal::tell(arguments.json, &summary, text)
 }
 
 /// What the step of the integration leaves.
@@ -116,7 +101,7 @@ fn halved(told: &Forward, device: &Device) -> String {
     for own in &told.devices {
         let joints = device.model.joints.iter().zip(&own.halved_step_moves);
         let moved: Vec<String> = joints
-            .map(|(joint, moved)| haptical::units::Shown::fine(joint.unit()).text(*moved))
+            .map(|(joint, moved)| Shown::fine(joint.unit()).text(*moved))
             .collect();
         text += &format!(
             "{}: steps of {:.3} ms; half of them move predictions of 1 s by {} (root mean square)\n",

@@ -14,6 +14,7 @@ use haptical_simulator::{
 use super::SimulateArguments;
 use crate::failure::Failure;
 use crate::interrupt::Writing;
+use crate::outputs::Outputs;
 use crate::terminal::Progress;
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
@@ -23,7 +24,7 @@ const MOST_ROWS: f64 = 5e6;
 
 /// Makes the log and writes it; how many rows. `refuse` says what the simulator refuses, of the file that it came from.
 pub(super) fn write(
-    arguments: &SimulateArguments,
+    (arguments, outputs): (&SimulateArguments, &Outputs<'_>),
     truth: &Model,
     effects: &Effects,
     refuse: &dyn Fn(SimulatorError) -> Failure,
@@ -37,16 +38,14 @@ pub(super) fn write(
         ..MotionSettings::default()
     };
     let progress = Progress::start("preparing the motion");
-    if needs_whole(truth) {
-        return whole(arguments, truth, (effects, &settings), refuse, &progress);
+    // where a row depends on what was before, or a tracker sees the device
+    if !truth.effects.is_empty() || truth.has_compliance() || truth.tracker.is_some() {
+        let made = whole(arguments, truth, (effects, &settings), refuse, &progress)?;
+        outputs.write_log(&made, &LogShape::from(truth))?;
+        return Ok(made.len() as u64);
     }
     let simulation = simulate_motion(truth, effects, &settings, arguments.seed).map_err(refuse)?;
     by_rows(arguments, simulation, truth, refuse, &progress)
-}
-
-/// Whether a row depends on what was before, or a tracker sees the device.
-fn needs_whole(truth: &Model) -> bool {
-    !truth.effects.is_empty() || truth.has_compliance() || truth.tracker.is_some()
 }
 
 fn by_rows(
@@ -86,7 +85,7 @@ fn whole(
     (effects, settings): (&Effects, &MotionSettings),
     refuse: &dyn Fn(SimulatorError) -> Failure,
     progress: &Progress,
-) -> Result<u64, Failure> {
+) -> Result<Recording, Failure> {
     let rows = arguments.seconds * arguments.rate_hz;
     if rows > MOST_ROWS {
         let what = format!(
@@ -101,22 +100,10 @@ fn whole(
     let mut recording = record_motion(&rigid, effects, settings, arguments.seed).map_err(refuse)?;
     add_tracker(&rigid, &mut recording, arguments.seed).map_err(refuse)?;
     progress.say("adding its effects");
-    with_effects(truth, &mut recording, arguments)?;
-    let writing = Writing::begin();
-    let _folder = make_folder(arguments.out.parent().unwrap_or(Path::new("")))?;
-    writing.go_on(&arguments.out)?;
-    haptical_data::write_log(&arguments.out, &recording, &LogShape::from(truth))?;
-    Ok(recording.len() as u64)
-}
-
-fn with_effects(
-    truth: &Model,
-    recording: &mut Recording,
-    arguments: &SimulateArguments,
-) -> Result<(), Failure> {
-    add_effects(truth, recording).map_err(|error| {
+    add_effects(truth, &mut recording).map_err(|error| {
         let next = "give every effect its numbers, or take it out of the device file";
         let path = arguments.truth.as_ref().unwrap_or(&arguments.device);
         Failure::in_file("effect", error.to_string(), path, next)
-    })
+    })?;
+    Ok(recording)
 }

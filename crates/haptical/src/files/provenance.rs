@@ -102,6 +102,17 @@ impl Record {
         }
     }
 
+    /// The record of what is made from these files: their flags come before the further ones.
+    pub fn of(
+        version: &str,
+        command: &'static str,
+        inputs: Vec<InputFile>,
+        flags: impl IntoIterator<Item = String>,
+    ) -> Self {
+        let named = inputs.iter().map(InputFile::argument);
+        Self::new(version, command, named.chain(flags).collect(), inputs)
+    }
+
     /// The same with the other files of the result.
     pub fn with_outputs(&self, files: &[NewFile<'_>]) -> Self {
         let outputs = files.iter();
