@@ -78,7 +78,8 @@ impl LogColumn {
         column.map(Vec::as_slice)
     }
 
-    fn readings_mut(self, recording: &mut Recording) -> Option<&mut Vec<f64>> {
+    /// The same to be changed.
+    pub fn readings_mut(self, recording: &mut Recording) -> Option<&mut Vec<f64>> {
         match self {
             Self::Joint(joint) => recording.joint.get_mut(joint),
             Self::Output(joint) => recording.output.get_mut(joint)?.as_mut(),

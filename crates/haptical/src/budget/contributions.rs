@@ -1,6 +1,7 @@
 //! The parts of a budget at every posture, with their sensitivities.
 
 use haptical_calibration::{Calibration, Channel, ParameterFit};
+use haptical_data::LogColumn;
 use haptical_identification::{Added, Matrix};
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_metrics::budget::{Distribution, Group, Input, covariance_of};
@@ -18,7 +19,8 @@ use crate::log::Log;
 /// A part of a budget at one posture: inputs that are known together, and how the handle moves with each.
 pub(super) struct Part {
     pub(super) name: String,
-    pub(super) what: What,
+    /// What a single input is, and how it is known; none of the identified parameters.
+    pub(super) input: Option<(Input, Origin)>,
     /// Columns of the derivative of the position.
     pub(super) slopes: Vec<Vector3<f64>>,
     /// Covariance of the inputs, row by row.
@@ -26,21 +28,17 @@ pub(super) struct Part {
     pub(super) degrees: f64,
 }
 
-/// What a part is.
-pub(super) enum What {
-    /// Identified parameters.
-    Fit,
-    /// One input.
-    Input {
-        input: Input,
-        distribution: &'static str,
-        unit: String,
-        kind: &'static str,
-    },
+/// Where an input comes from.
+#[derive(Clone, Copy)]
+pub(super) struct Origin {
+    distribution: &'static str,
+    unit: &'static str,
+    kind: &'static str,
 }
 
-/// How the handle moves, at every posture, where an instrument was off by its standard uncertainty while the device was calibrated.
-pub(super) struct Changed(Vec<Option<Vec<Vector3<f64>>>>);
+/// How the handle moves, at every posture, where an instrument was off by its standard uncertainty while the device was calibrated;
+/// none of an instrument that is used afterwards.
+pub(super) type Changed = Vec<Option<Vec<Vector3<f64>>>>;
 
 /// Standard deviation of a scale whose uncertainty is a contribution of its own.
 const CERTIFIED_SD: f64 = 1e-12;
@@ -64,68 +62,55 @@ pub(super) fn with_certified_scales(device: &Device, instruments: &Instruments) 
     own
 }
 
-/// What a device is identified from.
-pub(super) struct Request<'r> {
-    pub(super) device: &'r Device,
-    pub(super) log: &'r Log,
-    pub(super) options: &'r Identify,
-    pub(super) instruments: &'r Instruments,
-}
-
-impl Request<'_> {
-    /// The device identified anew from a log whose readings are off by what each instrument may be: the sensitivity of what was
-    /// identified to an error that all readings share.
-    pub(super) fn identified_anew(
-        &self,
-        handle: &Handle,
-        postures: &Recording,
-    ) -> Result<Changed, Error> {
-        let before = handle.positions(postures)?;
-        let path = &self.log.source().path;
-        let mut changed = Vec::new();
-        for own in &self.instruments.instrument {
-            if joint_of(own).is_some() {
-                changed.push(None);
-                continue;
-            }
-            let size = total(own);
-            let mut shifted = self.log.recording.as_ref().clone();
-            shift(&mut shifted, own, size).ok_or_else(|| {
-                let what = format!("`{}` acts on `{}`, which the log does not have", own.name, own.acts_on);
-                let next = "name a channel of the log: out1, cable, position; or theta1 for a reading in use";
-                Error::in_file("instruments", what, path, next)
-            })?;
-            let name = format!("{} with `{}` off", self.log.source().label, own.name);
-            let shifted = Log::from_recording(shifted, &name, self.device)?;
-            let found = identify(self.device, &shifted, self.options)?;
-            let Some(again) = &found.calibration.fitted.whole else {
-                let what = format!(
-                    "with `{}` off by its uncertainty nothing is identified",
-                    own.name
-                );
-                return Err(Error::in_file("instruments", what, path, "check its sizes"));
-            };
-            let after = Handle::new(again, &self.log.recording).positions(postures)?;
-            let moved = before
-                .iter()
-                .zip(&after)
-                .map(|(before, after)| (after - before) / size);
-            changed.push(Some(moved.collect()));
+/// The device identified anew from a log whose readings are off by what each instrument may be: the sensitivity of what was
+/// identified to an error that all readings share.
+pub(super) fn identified_anew(
+    (device, log): (&Device, &Log),
+    options: &Identify,
+    instruments: &Instruments,
+    (handle, postures): (&Handle, &Recording),
+) -> Result<Changed, Error> {
+    let before = handle.positions(postures)?;
+    let path = &log.source().path;
+    let mut changed = Vec::new();
+    for own in &instruments.instrument {
+        if joint_of(own).is_some() {
+            changed.push(None);
+            continue;
         }
-        Ok(Changed(changed))
+        let size = total(own);
+        let mut shifted = log.recording.as_ref().clone();
+        shift(&mut shifted, own, size).ok_or_else(|| {
+            let what = format!(
+                "`{}` acts on `{}`, which the log does not have",
+                own.name, own.acts_on
+            );
+            let next =
+                "name a channel of the log: out1, cable, position; or theta1 for a reading in use";
+            Error::in_file("instruments", what, path, next)
+        })?;
+        let name = format!("{} with `{}` off", log.source().label, own.name);
+        let shifted = Log::from_recording(shifted, &name, device)?;
+        let found = identify(device, &shifted, options)?;
+        let Some(again) = &found.calibration.fitted.whole else {
+            let name = &own.name;
+            let what = format!("with `{name}` off by its uncertainty nothing is identified");
+            return Err(Error::in_file("instruments", what, path, "check its sizes"));
+        };
+        let after = Handle::new(again, &log.recording).positions(postures)?;
+        let moved = before.iter().zip(&after);
+        let moved = moved.map(|(before, after)| (after - before) / size);
+        changed.push(Some(moved.collect()));
     }
+    Ok(changed)
 }
 
 /// Standard uncertainty of an instrument, all its parts together.
 fn total(own: &Instrument) -> f64 {
-    let parts = own
-        .parts()
-        .into_iter()
-        .filter_map(|(_, known)| known.input().ok());
-    parts
-        .map(|input| input.standard_uncertainty().powi(2))
-        .sum::<f64>()
-        .sqrt()
+    let parts = own.parts().into_iter();
+    let inputs = parts.filter_map(|(_, known)| known.input().ok());
+    let squares = inputs.map(|input| input.standard_uncertainty().powi(2));
+    squares.sum::<f64>().sqrt()
 }
 
 /// The joint that an instrument acts on in use: `theta3`.
@@ -144,31 +129,22 @@ fn shift(recording: &mut Recording, own: &Instrument, size: f64) -> Option<()> {
             };
         }
     };
-    if own.acts_on == "position" {
-        return recording
-            .position_m
-            .as_mut()
-            .map(|axes| axes.iter_mut().for_each(apply));
-    }
-    let axis = own
-        .acts_on
-        .strip_prefix("position.")
-        .map(|axis| "xyz".find(axis));
-    if let Some(axis) = axis {
-        return recording.position_m.as_mut()?.get_mut(axis?).map(apply);
-    }
     let number = |name: &str| match own.acts_on.strip_prefix(name)? {
         "" => Some(0),
         number => number.parse::<usize>().ok()?.checked_sub(1),
     };
-    if let Some(joint) = number("out") {
-        return recording.output.get_mut(joint)?.as_mut().map(apply);
+    if own.acts_on == "position" {
+        let axes = recording.position_m.as_mut()?;
+        return Some(axes.iter_mut().for_each(apply));
     }
-    recording
-        .cable_m
-        .get_mut(number("cable")?)?
-        .as_mut()
-        .map(apply)
+    let column = match own.acts_on.strip_prefix("position.") {
+        Some(axis) => LogColumn::Position("xyz".find(axis)?),
+        None => match number("out") {
+            Some(joint) => LogColumn::Output(joint),
+            None => LogColumn::Cable(number("cable")?),
+        },
+    };
+    column.readings_mut(recording).map(apply)
 }
 
 /// Root mean square that the model leaves beyond noise, of the channels that measure lengths \[m\], on rows that the fit did not see.
@@ -188,14 +164,14 @@ pub(super) fn parts(
     postures: &Recording,
     places: &[Place],
     instruments: &Instruments,
-    (changed, beyond_m): (&Changed, f64),
+    (changed, beyond_m): (&[Option<Vec<Vector3<f64>>>], f64),
 ) -> Result<Vec<Vec<Part>>, Error> {
     let readings = handle.by_reading(postures)?;
     let mut all = Vec::with_capacity(postures.len());
     for (row, (place, by_reading)) in places.iter().zip(&readings).enumerate() {
         let mut parts = vec![Part {
             name: "identified parameters".to_owned(),
-            what: What::Fit,
+            input: None,
             slopes: place.by_parameter.clone(),
             covariance: handle.covariance.clone(),
             degrees: degrees(fit, place, &handle.covariance),
@@ -205,14 +181,16 @@ pub(super) fn parts(
                 let half_width = 0.5 * step;
                 let input = Input::new(Distribution::Rectangular { half_width }, f64::INFINITY);
                 let name = format!("step of the encoder of joint {}, in use", joint + 1);
+                let slope = by_reading[joint];
                 parts.push(Part::single(
                     name,
-                    (input, "rectangular", "rad", "B"),
-                    by_reading[joint],
+                    input,
+                    ["rectangular", "rad", "B"],
+                    slope,
                 ));
             }
         }
-        for (own, moved) in instruments.instrument.iter().zip(&changed.0) {
+        for (own, moved) in instruments.instrument.iter().zip(changed) {
             for (part, known) in own.parts() {
                 let slope = match (joint_of(own), moved) {
                     (Some(joint), _) if joint < by_reading.len() => match own.acts_as {
@@ -221,38 +199,31 @@ pub(super) fn parts(
                     },
                     (None, Some(moved)) => moved[row],
                     _ => {
-                        let what = format!(
-                            "`{}` acts on `{}`, and there is no such joint",
-                            own.name, own.acts_on
-                        );
-                        return Err(Error::command_line(
-                            "instruments",
-                            what,
-                            "joints count from 1",
-                        ));
+                        let (name, on) = (&own.name, &own.acts_on);
+                        let what = format!("`{name}` acts on `{on}`, and there is no such joint");
+                        let next = "joints count from 1";
+                        return Err(Error::command_line("instruments", what, next));
                     }
                 };
                 let name = format!("{}: {part}", own.name);
                 let input = known.input().map_err(Error::internal)?;
-                let unit = unit(own);
-                parts.push(Part::single(name, (input, known.words(), unit, "B"), slope));
+                let origin = [known.words(), unit(own), "B"];
+                parts.push(Part::single(name, input, origin, slope));
             }
         }
         if beyond_m > 0.0 {
-            for axis in 0..3 {
-                let input = Input::new(
-                    Distribution::Normal {
-                        standard_uncertainty: beyond_m,
-                    },
-                    f64::INFINITY,
-                );
-                let mut slope = Vector3::zeros();
-                slope[axis] = 1.0;
-                let name = format!(
-                    "what the model leaves on unseen rows, {}",
-                    ["x", "y", "z"][axis]
-                );
-                parts.push(Part::single(name, (input, "normal", "m", "A"), slope));
+            let standard_uncertainty = beyond_m;
+            let distribution = Distribution::Normal {
+                standard_uncertainty,
+            };
+            let input = Input::new(distribution, f64::INFINITY);
+            for (axis, slope) in ["x", "y", "z"]
+                .iter()
+                .zip(Matrix3::identity().column_iter())
+            {
+                let name = format!("what the model leaves on unseen rows, {axis}");
+                let slope = slope.into_owned();
+                parts.push(Part::single(name, input, ["normal", "m", "A"], slope));
             }
         }
         all.push(parts);
@@ -279,27 +250,20 @@ fn degrees(fit: &ParameterFit, place: &Place, covariance: &[f64]) -> f64 {
         covariance_of(&slopes, &slopes, covariance).unwrap_or(0.0)
     };
     let variances = [0, 1, 2].map(variance);
-    let widest = (0..3)
-        .max_by(|a, b| variances[*a].total_cmp(&variances[*b]))
-        .unwrap_or(0);
+    let larger = |a: &usize, b: &usize| variances[*a].total_cmp(&variances[*b]);
+    let widest = (0..3).max_by(larger).unwrap_or(0);
     let fitted = fit.fitted.len().min(count);
     let slope = |row: usize| place.by_parameter[row][widest];
     let part = |own: &Matrix| {
-        let rows = (0..fitted).map(|a| {
-            (0..fitted)
-                .map(|b| slope(a) * own[(a, b)] * slope(b))
-                .sum::<f64>()
-        });
-        rows.sum::<f64>()
+        let row = |a: usize| (0..fitted).map(move |b| slope(a) * own[(a, b)] * slope(b));
+        (0..fitted).map(|a| row(a).sum::<f64>()).sum::<f64>()
     };
     let added = Added {
         variance: variances[widest] - part(&fit.uncertainty.covariance),
         scatter: 0.0,
     };
-    let factor = fit
-        .uncertainty
-        .half_widths(fit.noise)
-        .of_function(&part, added);
+    let half_widths = fit.uncertainty.half_widths(fit.noise);
+    let factor = half_widths.of_function(&part, added);
     let is_above = |degrees: f64| {
         student_t_quantile(0.95, degrees).is_ok_and(|own| own > factor * (1.0 + 1e-9))
     };
@@ -320,20 +284,21 @@ fn degrees(fit: &ParameterFit, place: &Place, covariance: &[f64]) -> f64 {
 impl Part {
     fn single(
         name: String,
-        (input, distribution, unit, kind): (Input, &'static str, &str, &'static str),
+        input: Input,
+        [distribution, unit, kind]: [&'static str; 3],
         slope: Vector3<f64>,
     ) -> Self {
+        let origin = Origin {
+            distribution,
+            unit,
+            kind,
+        };
         Self {
             name,
             slopes: vec![slope],
             covariance: vec![input.standard_uncertainty().powi(2)],
             degrees: input.degrees_of_freedom,
-            what: What::Input {
-                input,
-                distribution,
-                unit: unit.to_owned(),
-                kind,
-            },
+            input: Some((input, origin)),
         }
     }
 
@@ -342,10 +307,10 @@ impl Part {
         let count = self.slopes.len();
         let mut sum = Matrix3::zeros();
         for (a, own) in self.slopes.iter().enumerate() {
-            let mut along = Vector3::zeros();
-            for (b, other) in self.slopes.iter().enumerate() {
-                along += other * self.covariance[a * count + b];
-            }
+            let others = self.slopes.iter().enumerate();
+            let along: Vector3<f64> = others
+                .map(|(b, other)| other * self.covariance[a * count + b])
+                .sum();
             sum += own * along.transpose();
         }
         // rounding must not turn its axes
@@ -370,52 +335,43 @@ impl Part {
     ) -> Result<Contribution, Error> {
         let group = self.along(axis);
         let variance = group.variance().map_err(Error::internal)?;
+        let single = self.input.as_ref();
+        let origin = single.map(|(_, origin)| *origin).unwrap_or(Origin {
+            distribution: "Student",
+            unit: "",
+            kind: "A",
+        });
+        let slope = group.sensitivities.first().copied();
         let mut told = Contribution {
             name: self.name.clone(),
-            kind: "A",
-            distribution: "Student",
-            standard_uncertainty: None,
-            unit: String::new(),
-            sensitivity: None,
+            kind: origin.kind,
+            distribution: origin.distribution,
+            standard_uncertainty: single.map(|(input, _)| input.standard_uncertainty()),
+            unit: origin.unit.to_owned(),
+            sensitivity: slope.filter(|_| single.is_some()),
             contribution_m: variance.sqrt(),
             share: variance / whole.max(f64::MIN_POSITIVE),
             degrees_of_freedom: self.degrees.is_finite().then_some(self.degrees),
             parameters: Vec::new(),
         };
-        match &self.what {
-            What::Input {
-                input,
-                distribution,
-                unit,
-                kind,
-            } => {
-                told.kind = kind;
-                told.distribution = distribution;
-                told.standard_uncertainty = Some(input.standard_uncertainty());
-                told.unit.clone_from(unit);
-                told.sensitivity = group.sensitivities.first().copied();
-            }
-            What::Fit => {
-                let count = handle.parameters.len();
-                let own = handle
-                    .parameters
-                    .iter()
-                    .zip(&group.sensitivities)
-                    .enumerate();
-                let parts = own.map(|(at, (parameter, sensitivity))| {
-                    let size = self.covariance[at * (count + 1)].max(0.0).sqrt();
-                    ParameterPart {
-                        name: parameter.name(&handle.device),
-                        standard_uncertainty: size,
-                        unit: parameter.unit(&handle.device).to_owned(),
-                        sensitivity: *sensitivity,
-                        contribution_m: (sensitivity * size).abs(),
-                    }
-                });
-                told.parameters = parts.collect();
-                told.parameters
-                    .sort_by(|a, b| b.contribution_m.total_cmp(&a.contribution_m));
-            }
+        if single.is_none() {
+            let count = handle.parameters.len();
+            let own = handle.parameters.iter().zip(&group.sensitivities);
+            let parts = own.enumerate().map(|(at, (parameter, sensitivity))| {
+                let size = self.covariance[at * (count + 1)].max(0.0).sqrt();
+                ParameterPart {
+                    name: parameter.name(&handle.device),
+                    standard_uncertainty: size,
+                    unit: parameter.unit(&handle.device).to_owned(),
+                    sensitivity: *sensitivity,
+                    contribution_m: (sensitivity * size).abs(),
+                }
+            });
+            told.parameters = parts.collect();
+            let larger = |a: &ParameterPart, b: &ParameterPart| {
+                b.contribution_m.total_cmp(&a.contribution_m)
+            };
+            told.parameters.sort_by(larger);
         }
         Ok(told)
     }

@@ -5,7 +5,6 @@ use haptical_kinematics::nalgebra::Vector3;
 use haptical_metrics::budget::{Combined, Input, agreement, simulated};
 use haptical_model::Recording;
 
-use super::contributions::What;
 use super::handle::Handle;
 use super::{Draws, Posture, SEED};
 use crate::error::Error;
@@ -21,18 +20,14 @@ pub(super) fn by_draws(
     by_law: &Combined,
     trials: usize,
 ) -> Result<Draws, Error> {
-    let values = handle
-        .parameters
-        .iter()
-        .map(|parameter| parameter.value(&handle.device));
-    let values: Vec<f64> = values.collect();
-    let mut inputs: Vec<Input> = Vec::new();
-    let mut slopes: Vec<f64> = Vec::new();
+    let values = handle.parameters.iter();
+    let values: Vec<f64> = values.map(|own| own.value(&handle.device)).collect();
+    let (mut inputs, mut slopes): (Vec<Input>, Vec<f64>) = (Vec::new(), Vec::new());
     let mut group: (&[f64], f64) = (&[], f64::INFINITY);
     for part in &posture.parts {
-        match &part.what {
-            What::Fit => group = (&part.covariance, part.degrees),
-            What::Input { input, .. } => {
+        match &part.input {
+            None => group = (&part.covariance, part.degrees),
+            Some((input, _)) => {
                 inputs.push(*input);
                 slopes.push(axis.dot(&part.slopes[0]));
             }
@@ -46,20 +41,15 @@ pub(super) fn by_draws(
             for ((there, value), change) in there.iter_mut().zip(&values).zip(moved) {
                 *there = value + change;
             }
-            let along =
-                position(&there).map_or(f64::NAN, |at| axis.dot(&(at - posture.position_m)));
-            along
-                + slopes
-                    .iter()
-                    .zip(own)
-                    .map(|(slope, draw)| slope * draw)
-                    .sum::<f64>()
+            let at = position(&there);
+            let along = at.map_or(f64::NAN, |at| axis.dot(&(at - posture.position_m)));
+            let products = slopes.iter().zip(own).map(|(slope, draw)| slope * draw);
+            along + products.sum::<f64>()
         };
         found = Some(simulated(&inputs, group, model, trials, by_law.level, SEED));
     })?;
-    let found = found
-        .ok_or_else(|| Error::internal("no draws"))?
-        .map_err(Error::internal)?;
+    let found = found.ok_or_else(|| Error::internal("no draws"))?;
+    let found = found.map_err(Error::internal)?;
     Ok(Draws {
         simulated: found,
         agreement: agreement(0.0, by_law, &found, DIGITS).map_err(Error::internal)?,

@@ -96,9 +96,7 @@ impl Handle {
 
     /// At every posture of a recording, [prepared](Self::prepared) as those of all other questions.
     pub(super) fn at(&self, postures: &Recording) -> Result<Vec<Place>, Error> {
-        let weights = self.weights();
-        let problem = self.problem(&self.device, postures, &weights)?;
-        let sizes = self.sizes(postures, &weights)?;
+        let (problem, sizes) = self.problem(postures)?;
         let all: Vec<usize> = (0..self.parameters.len()).collect();
         let (jacobian, residuals) =
             evaluate_jacobian(&problem, &problem.start(), &all).map_err(Error::internal)?;
@@ -129,9 +127,8 @@ impl Handle {
         for joint in 0..postures.joint.len() {
             let moved = |step: f64| {
                 let mut moved = postures.clone();
-                moved.joint[joint]
-                    .iter_mut()
-                    .for_each(|reading| *reading += step);
+                let readings = moved.joint[joint].iter_mut();
+                readings.for_each(|reading| *reading += step);
                 self.positions(&moved)
             };
             for ((found, more), less) in found.iter_mut().zip(moved(STEP)?).zip(moved(-STEP)?) {
@@ -143,9 +140,8 @@ impl Handle {
 
     /// Positions alone.
     pub(super) fn positions(&self, postures: &Recording) -> Result<Vec<Vector3<f64>>, Error> {
-        let weights = self.weights();
-        let problem = self.problem(&self.device, postures, &weights)?;
-        self.of_values(&problem, &problem.start(), &self.sizes(postures, &weights)?)
+        let (problem, sizes) = self.problem(postures)?;
+        of_values(&problem, &problem.start(), &sizes)
     }
 
     /// Positions of one posture with each of many vectors of the parameters' values.
@@ -154,58 +150,38 @@ impl Handle {
         posture: &Recording,
         mut look: impl FnMut(&dyn Fn(&[f64]) -> Option<Vector3<f64>>),
     ) -> Result<(), Error> {
-        let weights = self.weights();
-        let problem = self.problem(&self.device, posture, &weights)?;
-        let sizes = self.sizes(posture, &weights)?;
-        look(&|values| {
-            self.of_values(&problem, values, &sizes)
-                .ok()?
-                .first()
-                .copied()
-        });
+        let (problem, sizes) = self.problem(posture)?;
+        look(&|values| of_values(&problem, values, &sizes).ok()?.first().copied());
         Ok(())
     }
 
-    fn of_values(
-        &self,
-        problem: &DeviceProblem<'_>,
-        values: &[f64],
-        sizes: &[f64],
-    ) -> Result<Vec<Vector3<f64>>, Error> {
-        let mut residuals = vec![0.0; problem.residual_count()];
-        problem
-            .evaluate(values, &mut residuals, None)
-            .map_err(Error::internal)?;
-        let axes = residuals.chunks_exact(3).zip(sizes);
-        Ok(axes
-            .map(|(axes, size)| Vector3::from_column_slice(axes) * *size)
-            .collect())
-    }
-
+    /// Model less reading of the positions, and what the residuals of each row are divided by.
     fn problem<'a>(
         &'a self,
-        device: &'a Model,
         postures: &'a Recording,
-        weights: &Weights,
-    ) -> Result<DeviceProblem<'a>, Error> {
-        DeviceProblem::new(
-            device,
-            postures,
-            &[Channel::Position],
-            &self.parameters,
-            weights,
-        )
-        .map_err(Error::internal)
+    ) -> Result<(DeviceProblem<'a>, Vec<f64>), Error> {
+        let (device, channels) = (&self.device, [Channel::Position]);
+        let weights = Weights::stated(device, &channels);
+        let problem = DeviceProblem::new(device, postures, &channels, &self.parameters, &weights);
+        let sizes = weights.residual_sd(device, postures, Channel::Position);
+        Ok((
+            problem.map_err(Error::internal)?,
+            sizes.map_err(Error::internal)?,
+        ))
     }
+}
 
-    fn weights(&self) -> Weights {
-        Weights::stated(&self.device, &[Channel::Position])
-    }
-
-    /// What the residuals of each row are divided by.
-    fn sizes(&self, postures: &Recording, weights: &Weights) -> Result<Vec<f64>, Error> {
-        weights
-            .residual_sd(&self.device, postures, Channel::Position)
-            .map_err(Error::internal)
-    }
+/// Positions with these values of the parameters.
+fn of_values(
+    problem: &DeviceProblem<'_>,
+    values: &[f64],
+    sizes: &[f64],
+) -> Result<Vec<Vector3<f64>>, Error> {
+    let mut residuals = vec![0.0; problem.residual_count()];
+    problem
+        .evaluate(values, &mut residuals, None)
+        .map_err(Error::internal)?;
+    let axes = residuals.chunks_exact(3).zip(sizes);
+    let positions = axes.map(|(axes, size)| Vector3::from_column_slice(axes) * *size);
+    Ok(positions.collect())
 }

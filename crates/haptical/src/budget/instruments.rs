@@ -114,12 +114,8 @@ impl Instruments {
             let parts = own.parts();
             if parts.is_empty() {
                 let what = format!("`{}` has no calibration, drift or conditions", own.name);
-                return Err(Error::in_file(
-                    "instruments",
-                    what,
-                    file,
-                    "say how far it may be off",
-                ));
+                let next = "say how far it may be off";
+                return Err(Error::in_file("instruments", what, file, next));
             }
             for (part, known) in parts {
                 known.input().map_err(|why| {
@@ -131,9 +127,7 @@ impl Instruments {
         }
         Ok(read)
     }
-}
 
-impl Instruments {
     /// What is said of certificates that are past their day.
     pub(super) fn overdue(&self) -> Vec<String> {
         let today = Utc::now().date_naive();
@@ -150,23 +144,20 @@ fn day(text: &str) -> Option<NaiveDate> {
 
 impl Instrument {
     fn check_dates(&self, file: &Path) -> Result<(), Error> {
-        let dates = [("date", &self.date), ("due", &self.due)];
-        let mut read = [None, None];
-        for (read, (key, text)) in read.iter_mut().zip(dates) {
-            let Some(text) = text else { continue };
-            *read = day(text);
-            if read.is_none() {
-                let what = format!("`{key}` of `{}` is `{text}`, which is no day", self.name);
-                let next = "write year-month-day, as 2026-02-03";
-                return Err(Error::in_file("instruments", what, file, next));
+        let refuse = |said: String| Error::of_file("instruments", said, file);
+        let name = &self.name;
+        for (key, text) in [("date", &self.date), ("due", &self.due)] {
+            if let Some(text) = text.as_ref().filter(|text| day(text).is_none()) {
+                return Err(refuse(format!(
+                    "`{key}` of `{name}` is `{text}`, which is no day; write year-month-day, as 2026-02-03"
+                )));
             }
         }
-        if let [Some(date), Some(due)] = read
-            && due < date
-        {
-            let what = format!("`{}` was due before the date of its certificate", self.name);
-            let next = "correct `date` or `due`";
-            return Err(Error::in_file("instruments", what, file, next));
+        // days written year-month-day are in the order of their texts
+        if self.due.is_some() && self.due < self.date {
+            return Err(refuse(format!(
+                "`{name}` was due before the date of its certificate; correct `date` or `due`"
+            )));
         }
         Ok(())
     }
@@ -189,10 +180,9 @@ impl Instrument {
             ("drift", self.drift),
             ("conditions", self.conditions),
         ];
-        parts
-            .into_iter()
-            .filter_map(|(name, known)| Some((name, known?)))
-            .collect()
+        let parts = parts.into_iter();
+        let known = parts.filter_map(|(name, known)| Some((name, known?)));
+        known.collect()
     }
 }
 

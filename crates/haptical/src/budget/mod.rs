@@ -7,6 +7,8 @@ mod handle;
 mod instruments;
 mod page;
 
+use std::collections::BTreeSet;
+
 use haptical_calibration::{ParameterFit, predict_positions};
 use haptical_kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_metrics::budget::{Agreement, Combined, Group, Simulated, combined};
@@ -16,7 +18,7 @@ use serde::Serialize;
 
 pub use self::instruments::{ActsAs, Instrument, Instruments, Known, Shape};
 
-use self::contributions::{Part, Request, parts};
+use self::contributions::{Part, identified_anew, parts};
 use self::draws::by_draws;
 use self::handle::Handle;
 use crate::device::Device;
@@ -180,14 +182,8 @@ pub fn budget(
     let found = identify(device, log, identify_options)?;
     let path = &log.source().path;
     let Some(fit) = &found.calibration.fitted.whole else {
-        let what =
-            "the log fixes no links, or the fit was rejected: the handle's position has no budget";
-        return Err(Error::in_file(
-            "no-position",
-            what,
-            path,
-            "`haptical identify` says why",
-        ));
+        let said = "the log fixes no links, or the fit was rejected: the handle's position has no budget; `haptical identify` says why";
+        return Err(Error::of_file("no-position", said, path));
     };
     let mut handle = Handle::new(fit, &log.recording);
     let (recording, of) = match postures {
@@ -202,30 +198,17 @@ pub fn budget(
     if !handle.is_seen {
         refuse_open(fit, &recording, (&device.source().path, path))?;
     }
-    let request = Request {
-        device,
-        log,
-        options: identify_options,
-        instruments,
-    };
-    let changed = request.identified_anew(&handle, &recording)?;
-    let beyond = contributions::unexplained_m(&found.calibration);
-    let all = parts(
-        (&handle, fit),
-        &recording,
-        &places,
-        instruments,
-        (&changed, beyond),
-    )?;
-    let postures: Vec<Posture> = all
-        .into_iter()
-        .enumerate()
-        .map(|(row, parts)| Posture {
-            row,
-            position_m: places[row].position_m,
-            parts,
-        })
-        .collect();
+    let there = (&handle, &recording);
+    let changed = identified_anew((device, log), identify_options, instruments, there)?;
+    let beyond = (&*changed, contributions::unexplained_m(&found.calibration));
+    let all = parts((&handle, fit), &recording, &places, instruments, beyond)?;
+    let postures = all.into_iter().zip(&places).enumerate();
+    let postures = postures.map(|(row, (parts, place))| Posture {
+        row,
+        position_m: place.position_m,
+        parts,
+    });
+    let postures: Vec<Posture> = postures.collect();
     let mut sizes = Vec::new();
     let mut worst: Option<(f64, &Posture, Vector3<f64>)> = None;
     for posture in &postures {
@@ -238,21 +221,11 @@ pub fn budget(
     }
     let (expanded_worst_m, worst, axis) = worst.ok_or_else(|| Error::internal("no posture"))?;
     let told = worst.tell((&handle, fit), &recording, &axis, options.level)?;
-    let draws = by_draws(
-        &handle,
-        &recording,
-        worst,
-        &axis,
-        &told.combined,
-        options.draws,
-    )?;
+    let (law, trials) = (&told.combined, options.draws);
+    let draws = by_draws(&handle, &recording, worst, &axis, law, trials)?;
     let mut files = device.inputs("device");
     files.splice(1..1, log.input("log"));
-    let arguments = files
-        .iter()
-        .map(crate::files::InputFile::argument)
-        .collect();
-    let mut provenance = Record::new(VERSION, "report", arguments, files);
+    let mut provenance = Record::of(VERSION, "report", files, None);
     provenance.seeds.insert("draws", SEED);
     let mut warnings = found.warnings().to_vec();
     if instruments.instrument.is_empty() {
@@ -283,26 +256,20 @@ fn refuse_open(
 ) -> Result<(), Error> {
     let predicted = predict_positions(fit, postures)
         .map_err(|error| Error::calibration(&error, device, log))?;
-    let open = predicted
-        .iter()
-        .flatten()
-        .flat_map(|axis| &axis.open_through);
-    let mut open: Vec<&str> = open.map(String::as_str).collect();
-    open.sort_unstable();
-    open.dedup();
+    let axes = predicted.iter().flatten();
+    let open: BTreeSet<&str> = (axes.flat_map(|axis| &axis.open_through))
+        .map(String::as_str)
+        .collect();
     if open.is_empty() && !fit.fitted.is_empty() {
         return Ok(());
     }
-    open.truncate(5);
-    Err(Error::in_file(
-        "no-position",
-        format!(
-            "the log does not fix where the handle is: it depends on {}, which no reading tells",
-            open.join(", ")
-        ),
-        log,
-        "record the handle with a tracker; `haptical plan` says what a rig fixes",
-    ))
+    let open: Vec<&str> = open.into_iter().take(5).collect();
+    let what = format!(
+        "the log does not fix where the handle is: it depends on {}, which no reading tells",
+        open.join(", ")
+    );
+    let next = "record the handle with a tracker; `haptical plan` says what a rig fixes";
+    Err(Error::in_file("no-position", what, log, next))
 }
 
 /// Rows whose handle is in the region, evenly thinned.
@@ -321,13 +288,8 @@ fn chosen(
     };
     let rows: Vec<usize> = (0..recording.len()).filter(is_in).collect();
     if rows.is_empty() {
-        let what = "no posture of the recording has its handle in the region";
-        return Err(Error::in_file(
-            "empty-region",
-            what,
-            path,
-            "give a larger region, or --poses with postures in it",
-        ));
+        let said = "no posture of the recording has its handle in the region; give a larger region, or --poses with postures in it";
+        return Err(Error::of_file("empty-region", said, path));
     }
     let step = rows.len().div_ceil(MOST_POSTURES);
     Ok(rows.into_iter().step_by(step).collect())
@@ -336,11 +298,7 @@ fn chosen(
 impl Posture {
     /// Direction of the largest variance.
     fn axis(&self) -> Vector3<f64> {
-        let covariance = self
-            .parts
-            .iter()
-            .map(Part::covariance)
-            .sum::<Matrix3<f64>>();
+        let covariance: Matrix3<f64> = self.parts.iter().map(Part::covariance).sum();
         let eigen = covariance.symmetric_eigen();
         let largest = eigen.eigenvalues.imax();
         let axis = eigen.eigenvectors.column(largest).into_owned();
@@ -351,12 +309,9 @@ impl Posture {
         }
     }
 
-    fn groups(&self, axis: &Vector3<f64>) -> Vec<Group> {
-        self.parts.iter().map(|part| part.along(axis)).collect()
-    }
-
     fn along(&self, axis: &Vector3<f64>, level: f64) -> Result<Combined, Error> {
-        combined(&self.groups(axis), level).map_err(Error::internal)
+        let groups: Vec<Group> = self.parts.iter().map(|part| part.along(axis)).collect();
+        combined(&groups, level).map_err(Error::internal)
     }
 
     /// The whole budget.
@@ -369,22 +324,17 @@ impl Posture {
     ) -> Result<PostureBudget, Error> {
         let combined = self.along(axis, level)?;
         let variance = combined.standard_uncertainty.powi(2);
-        let mut contributions = Vec::new();
-        for part in &self.parts {
-            contributions.push(part.tell(handle, axis, variance)?);
-        }
+        let contributions = self.parts.iter();
+        let contributions = contributions.map(|part| part.tell(handle, axis, variance));
+        let mut contributions = contributions.collect::<Result<Vec<_>, _>>()?;
         contributions.sort_by(|a, b| b.contribution_m.total_cmp(&a.contribution_m));
         let mut expanded_xyz_m = [0.0; 3];
-        for (index, size) in expanded_xyz_m.iter_mut().enumerate() {
-            let mut own = Vector3::zeros();
-            own[index] = 1.0;
-            *size = self.along(&own, level)?.expanded_uncertainty;
+        for (axis, size) in Matrix3::identity().column_iter().zip(&mut expanded_xyz_m) {
+            *size = self.along(&axis.into_owned(), level)?.expanded_uncertainty;
         }
         Ok(PostureBudget {
             line: recording.line.get(self.row).copied().unwrap_or_default(),
-            joints: recording
-                .joint
-                .iter()
+            joints: (recording.joint.iter())
                 .map(|column| column[self.row])
                 .collect(),
             position_m: self.position_m.into(),
