@@ -153,8 +153,10 @@ impl Instrument {
                 )));
             }
         }
-        // days written year-month-day are in the order of their texts
-        if self.due.is_some() && self.due < self.date {
+        let day_of = |text: &Option<String>| day(text.as_deref()?);
+        if let (Some(date), Some(due)) = (day_of(&self.date), day_of(&self.due))
+            && due < date
+        {
             return Err(refuse(format!(
                 "`{name}` was due before the date of its certificate; correct `date` or `due`"
             )));

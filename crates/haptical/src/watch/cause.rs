@@ -45,16 +45,12 @@ impl WatchOptions {
     /// # Errors
     /// As [`WriteRule::check`].
     pub fn check_outputs(&self, page: Option<&Path>) -> Result<(), Error> {
-        let within = |names: &mut dyn Iterator<Item = &'static str>| {
-            let folder = self.out.iter();
-            let names: Vec<&str> = names.collect();
-            let all = folder.flat_map(|folder| names.iter().map(move |name| folder.join(name)));
-            all.collect::<Vec<PathBuf>>()
-        };
+        let within = |name: &str| self.out.as_ref().map(|folder| folder.join(name));
         let [rows, record] = ROWS;
-        let mut own = within(&mut [record, rows].into_iter());
+        let mut own: Vec<PathBuf> = [record, rows].into_iter().filter_map(within).collect();
         own.extend(page.map(Path::to_owned));
-        let diagnosis = within(&mut ResultKind::DIAGNOSIS.outputs());
+        let diagnosis = ResultKind::DIAGNOSIS.outputs();
+        let diagnosis: Vec<PathBuf> = diagnosis.filter_map(within).collect();
         self.rule.check(&own)?;
         self.of_diagnosis().check(&diagnosis)?;
         own.extend(diagnosis);
@@ -96,36 +92,35 @@ pub(super) fn cause(
     options: &WatchOptions,
 ) -> Result<WatchCause, Error> {
     let folder = options.out.as_deref();
-    let shape = LogShape::from(&device.model);
     let mut written = Vec::new();
     let log = match folder {
         Some(folder) => {
             written = write_rows(device, text, (folder, &options.rule))?;
             Log::read(folder.join(ROWS[0]), device)
         }
-        None => read_log_from(text.as_bytes(), ROWS[0], &shape)
-            .map_err(|error| Error::log(error, &device.model))
-            .and_then(|read| Log::from_recording(read.recording, ROWS[0], device)),
-    };
-    // a watch goes on, whatever its rows say of a cause
-    let nothing = |error: &Error, written: Vec<PathBuf>| WatchCause {
-        rows,
-        answer: format!("the rows since the change name no effect: {}", error.what()),
-        verdict: None,
-        effect: None,
-        written,
-    };
-    let log = match log {
-        Ok(log) => log,
-        Err(error) => return Ok(nothing(&error, written)),
+        None => {
+            let shape = LogShape::from(&device.model);
+            read_log_from(text.as_bytes(), ROWS[0], &shape)
+                .map_err(|error| Error::log(error, &device.model))
+                .and_then(|read| Log::from_recording(read.recording, ROWS[0], device))
+        }
     };
     let request = Diagnose {
         model: Some(device),
         ..Diagnose::default()
     };
-    let found = match diagnose(device, &log, &request) {
+    let found = match log.and_then(|log| diagnose(device, &log, &request)) {
         Ok(found) => found,
-        Err(error) => return Ok(nothing(&error, written)),
+        // a watch goes on, whatever its rows say of a cause
+        Err(error) => {
+            return Ok(WatchCause {
+                rows,
+                answer: format!("the rows since the change name no effect: {}", error.what()),
+                verdict: None,
+                effect: None,
+                written,
+            });
+        }
     };
     if let Some(folder) = folder {
         let kind = ResultKind::DIAGNOSIS;

@@ -36,13 +36,10 @@ impl Ceased {
     pub(super) fn take(&mut self, values: &[f64], time_s: f64) {
         self.since.resize(values.len(), None);
         for (since, value) in self.since.iter_mut().zip(values) {
-            match value.is_finite() {
-                true => *since = Some((0, time_s)),
-                false => {
-                    if let Some((rows, _)) = since {
-                        *rows += 1;
-                    }
-                }
+            if value.is_finite() {
+                *since = Some((0, time_s));
+            } else if let Some((rows, _)) = since {
+                *rows += 1;
             }
         }
     }

@@ -54,9 +54,7 @@ impl Feed {
     /// # Errors
     /// There is no such file or folder.
     pub fn open(path: &Path) -> Result<Self, Error> {
-        let meta = std::fs::metadata(path).map_err(|error| {
-            Error::unreadable(&error, path, "check the path and its permissions")
-        })?;
+        let meta = std::fs::metadata(path).map_err(|error| unreadable(&error, path))?;
         Ok(Self(match meta.is_dir() {
             true => Kind::Folder(Folder::new(path)),
             false => Kind::File(Box::new(Tail::new(path))),
@@ -83,7 +81,7 @@ impl Feed {
         });
         Self(Kind::Pipe(Pipe {
             pieces,
-            cutter: Cutter::new(),
+            cutter: Cutter::default(),
             name: name.to_owned(),
             has_begun: false,
         }))
@@ -137,10 +135,14 @@ impl Pipe {
     }
 }
 
+pub(super) fn unreadable(error: &std::io::Error, path: &Path) -> Error {
+    Error::unreadable(error, path, "check the path and its permissions")
+}
+
 /// Says that a last line without an end is not judged.
 fn half_line(cutter: &Cutter, name: &str) -> Option<WatchEvent> {
     let text = format!("{name}: the last line has no end and is not judged");
-    (cutter.waiting() > 0).then_some(WatchEvent::Note { text })
+    (cutter.waiting() > 0).then(|| WatchEvent::note(text))
 }
 
 /// A file that grows; it may be cut, or replaced by another of its name.
@@ -162,7 +164,7 @@ impl Tail {
             path: path.to_owned(),
             open: None,
             offset: 0,
-            cutter: Cutter::new(),
+            cutter: Cutter::default(),
             size: None,
             is_done: false,
             growing: Growing::default(),
@@ -174,9 +176,7 @@ impl Tail {
     }
 
     fn look(&mut self, watch: &mut Watch, is_last: bool) -> Result<Fed, Error> {
-        let unreadable = |error: std::io::Error, path: &Path| {
-            Error::unreadable(&error, path, "check the path and its permissions")
-        };
+        let refuse = |error: std::io::Error| unreadable(&error, &self.path);
         let mut fed = Fed::default();
         let there = std::fs::metadata(&self.path).ok();
         if self.open.is_none() {
@@ -184,31 +184,26 @@ impl Tail {
                 fed.ended = is_last;
                 return Ok(fed);
             };
-            let file = File::open(&self.path).map_err(|error| unreadable(error, &self.path))?;
+            let file = File::open(&self.path).map_err(refuse)?;
             self.open = Some((file, identity(meta)));
             self.offset = 0;
-            self.cutter = Cutter::new();
+            self.cutter = Cutter::default();
             watch.begin(&self.name());
         }
         let Some((file, own)) = &mut self.open else {
             return Ok(fed);
         };
-        let size = file
-            .metadata()
-            .map_err(|error| unreadable(error, &self.path))?
-            .len();
+        let size = file.metadata().map_err(refuse)?.len();
         if size < self.offset {
-            let text = format!(
-                "{}: the file was cut; its rows from here on follow",
-                Source::given(&self.path).label
-            );
-            fed.events.push(WatchEvent::Note { text });
+            let name = Source::given(&self.path).label;
+            let text = format!("{name}: the file was cut; its rows from here on follow");
+            fed.events.push(WatchEvent::note(text));
             self.open = None;
             fed.grew = true;
             return Ok(fed);
         }
         if self.offset == 0 {
-            let first = first_bytes(file).map_err(|error| unreadable(error, &self.path))?;
+            let first = first_bytes(file).map_err(refuse)?;
             if first.starts_with(MAGIC) {
                 return self.growing(watch, size, is_last);
             }
@@ -219,23 +214,21 @@ impl Tail {
                 let is_said = std::mem::replace(&mut self.is_done, true);
                 let text = format!("{}: this is {what}, which is no log: {next}", self.name());
                 fed.events
-                    .extend((!is_said).then_some(WatchEvent::Note { text }));
+                    .extend((!is_said).then(|| WatchEvent::note(text)));
                 fed.ended = is_last;
                 return Ok(fed);
             }
         }
-        file.seek(SeekFrom::Start(self.offset))
-            .map_err(|error| unreadable(error, &self.path))?;
+        file.seek(SeekFrom::Start(self.offset)).map_err(refuse)?;
         let mut piece = Vec::with_capacity(PIECE_BYTES.min((size - self.offset) as usize));
         let mut part = file.take(PIECE_BYTES as u64);
-        part.read_to_end(&mut piece)
-            .map_err(|error| unreadable(error, &self.path))?;
+        part.read_to_end(&mut piece).map_err(refuse)?;
         let is_replaced = there.as_ref().is_some_and(|meta| identity(meta) != *own);
         if piece.is_empty() {
             if is_replaced {
                 let text = format!("{}: another file has taken its place", self.name());
                 fed.events.extend(half_line(&self.cutter, &self.name()));
-                fed.events.push(WatchEvent::Note { text });
+                fed.events.push(WatchEvent::note(text));
                 self.open = None;
                 fed.grew = true;
             } else if is_last {
@@ -266,13 +259,10 @@ impl Tail {
         let mut fed = Fed::default();
         self.is_done = new.is_whole || is_last;
         fed.grew = !new.text.is_empty();
-        fed.events.extend(new.why_none.map(|why| WatchEvent::Note {
-            text: format!("no rows yet: {why}"),
-        }));
-        let mut cutter = Cutter::behind(new.behind);
-        for piece in new.text.chunks(PIECE_BYTES) {
-            fed.events.extend(watch.parts(cutter.take(piece), 0)?);
-        }
+        let why_none = new.why_none.map(|why| format!("no rows yet: {why}"));
+        fed.events.extend(why_none.map(WatchEvent::note));
+        fed.events
+            .extend(in_pieces(watch, Cutter::behind(new.behind), &new.text)?);
         Ok(fed)
     }
 
@@ -289,13 +279,19 @@ impl Tail {
         let shape = LogShape::from(&watch.device.model);
         write_log_to(&mut text, &log.recording, &shape)?;
         self.is_done = true;
-        let mut cutter = Cutter::new();
-        for piece in text.chunks(PIECE_BYTES) {
-            fed.events.extend(watch.parts(cutter.take(piece), 0)?);
-        }
+        fed.events = in_pieces(watch, Cutter::default(), &text)?;
         fed.grew = true;
         Ok(fed)
     }
+}
+
+/// Judges a whole text.
+fn in_pieces(watch: &mut Watch, mut cutter: Cutter, text: &[u8]) -> Result<Vec<WatchEvent>, Error> {
+    let mut events = Vec::new();
+    for piece in text.chunks(PIECE_BYTES) {
+        events.extend(watch.parts(cutter.take(piece), 0)?);
+    }
+    Ok(events)
 }
 
 /// What tells a file from another of its name.
@@ -377,11 +373,10 @@ impl Folder {
                 let tail = Tail::new(&self.path.join(&name));
                 (name, tail)
             });
-            let grew = self.now.is_some();
             return Ok(Fed {
-                events: Vec::new(),
-                grew,
+                grew: self.now.is_some(),
                 ended,
+                ..Fed::default()
             });
         };
         // a file is complete when another one has come after it
@@ -389,9 +384,7 @@ impl Folder {
             Ok(fed) => fed,
             // a file of another device, or one that is damaged, ends no watch of a folder
             Err(error) if watch.model.is_some() => Fed {
-                events: vec![WatchEvent::Note {
-                    text: format!("left out: {error}"),
-                }],
+                events: vec![WatchEvent::note(format!("left out: {error}"))],
                 grew: true,
                 ended: true,
             },

@@ -60,9 +60,7 @@ impl Growing {
                 ..NewRows::default()
             });
         }
-        let unreadable = |error: std::io::Error| {
-            Error::unreadable(&error, path, "check the path and its permissions")
-        };
+        let unreadable = |error| super::follow::unreadable(&error, path);
         let whole = is_complete(path, bytes).map_err(unreadable)?;
         let file = File::open(path).map_err(unreadable)?;
         let name = path.display().to_string();

@@ -22,8 +22,15 @@ pub struct LeftOut {
     pub first: Option<String>,
 }
 
+impl LeftOut {
+    /// Lines and rows.
+    pub(super) fn count(&self) -> u64 {
+        self.unreadable + self.out_of_order
+    }
+}
+
 /// Reads lines.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Intake {
     pub(super) left_out: LeftOut,
     last_s: Option<f64>,
@@ -45,17 +52,6 @@ pub(super) struct Rows {
 }
 
 impl Intake {
-    pub(super) fn new() -> Self {
-        Self {
-            left_out: LeftOut::default(),
-            last_s: None,
-            run: None,
-            session: 0,
-            late_s: Vec::new(),
-            warnings: Vec::new(),
-        }
-    }
-
     /// A new file begins: its times are its own.
     pub(super) fn new_file(&mut self) {
         self.last_s = None;
@@ -76,20 +72,13 @@ impl Intake {
         shape: &LogShape,
         device: &Model,
     ) -> Result<Option<Rows>, Error> {
-        let Lines {
-            header,
-            first_line,
-            lines,
-        } = part;
+        let (mut header, first_line, mut lines) = (part.header, part.first_line, part.lines);
         let is_run = |name: &str| name.trim().trim_matches('"') == "run";
         let has_runs = header.split(',').any(is_run);
-        let (header, mut lines) = match has_runs {
-            true => (header, lines),
-            false => (
-                format!("{header},run"),
-                lines.iter().map(|line| self.with_run(line)).collect(),
-            ),
-        };
+        if !has_runs {
+            header += ",run";
+            lines = lines.iter().map(|line| self.with_run(line)).collect();
+        }
         let run_at = header.split(',').position(is_run).unwrap_or_default();
         let parse = |lines: &[String]| parsed(&header, lines, run_at, (file, shape));
         match parse(&lines) {
@@ -175,10 +164,8 @@ impl Intake {
 
     fn is_in_order(&self, recording: &Recording) -> bool {
         let first = recording.time_s.as_ref().and_then(|times| times.first());
-        let is_new_run = recording
-            .run
-            .as_ref()
-            .is_some_and(|runs| runs.first().copied() != self.run);
+        let runs = recording.run.as_ref();
+        let is_new_run = runs.is_some_and(|runs| runs.first().copied() != self.run);
         match (first, self.last_s) {
             (Some(first), Some(last)) => is_new_run || first.is_nan() || *first > last,
             _ => true,
@@ -220,10 +207,7 @@ impl Intake {
         let mut new = Vec::new();
         for warning in warnings.into_iter().filter(is_of_file) {
             let words = warning.replace(file, "");
-            let words: String = words
-                .chars()
-                .filter(|letter| !letter.is_ascii_digit())
-                .collect();
+            let words = words.replace(|letter: char| letter.is_ascii_digit(), "");
             if self.warnings.len() < 100 && !self.warnings.contains(&words) {
                 self.warnings.push(words);
                 new.push(warning);
@@ -264,31 +248,23 @@ fn in_own_run(line: &str, run_at: usize) -> String {
     let cells = cells.iter().enumerate();
     let cells = cells.map(|(at, cell)| if at == run_at { own.as_str() } else { cell });
     let mut writer = csv::WriterBuilder::new().from_writer(Vec::new());
-    let written = writer
-        .write_record(cells)
-        .ok()
-        .and_then(|()| writer.into_inner().ok());
+    let written = writer.write_record(cells).ok();
+    let written = written.and_then(|()| writer.into_inner().ok());
     let text = written.map(|bytes| String::from_utf8_lossy(&bytes).trim_end().to_owned());
     text.unwrap_or_else(|| line.to_owned())
 }
 
 /// A log of torques alone, or of postures that touch.
 pub(super) fn nothing_to_watch(recording: &Recording, file: &Path) -> Error {
-    let has_torques = recording.torque_nm.iter().any(Option::is_some);
-    let what = match has_torques {
+    let said = match recording.torque_nm.iter().any(Option::is_some) {
         true => {
-            "the log has torques and nothing that says where the links are: torques of a moving arm are not watched"
-        }
-        false => "the log has no reading that the device predicts",
-    };
-    let next = match has_torques {
-        true => {
-            "judge it with `haptical diagnose`, or record an external encoder (out1_rad), a cable (cable_m) or a tracker \
-                 (x_m, y_m, z_m) too"
+            "the log has torques and nothing that says where the links are: torques of a moving arm are not watched; judge it with \
+             `haptical diagnose`, or record an external encoder (out1_rad), a cable (cable_m) or a tracker (x_m, y_m, z_m) too"
         }
         false => {
-            "record an external encoder (out1_rad), a cable (cable_m) or a tracker (x_m, y_m, z_m)"
+            "the log has no reading that the device predicts; record an external encoder (out1_rad), a cable (cable_m) or a \
+             tracker (x_m, y_m, z_m)"
         }
     };
-    Error::in_file("nothing-to-watch", what, file, next)
+    Error::of_file("nothing-to-watch", said, file)
 }

@@ -60,13 +60,9 @@ impl Kept {
     }
 
     fn text(&self, skipped: usize) -> String {
-        let mut text = self.header.clone();
-        text.push('\n');
-        for line in self.lines.iter().skip(skipped) {
-            text.push_str(line);
-            text.push('\n');
-        }
-        text
+        let lines = self.lines.iter().skip(skipped);
+        let all = std::iter::once(&self.header).chain(lines);
+        all.flat_map(|line| [line, "\n"]).collect()
     }
 }
 

@@ -16,15 +16,16 @@ pub(super) struct Lines {
 }
 
 /// How a text says its columns.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 enum Kind {
+    #[default]
     Unknown,
     Csv(String),
     Json(Vec<String>),
 }
 
 /// Cuts a text that arrives in pieces.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Cutter {
     rest: Vec<u8>,
     too_long: bool,
@@ -35,21 +36,11 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    pub(super) fn new() -> Self {
-        Self {
-            rest: Vec::new(),
-            too_long: false,
-            kind: Kind::Unknown,
-            line: 0,
-            left_out: 0,
-        }
-    }
-
     /// Of a text that goes on behind so many rows, with its header again.
     pub(super) fn behind(rows: usize) -> Self {
         Self {
             line: rows as u64,
-            ..Self::new()
+            ..Self::default()
         }
     }
 
@@ -125,10 +116,8 @@ impl Cutter {
 /// The cells of an object in the order of the names, to which its new names are added; none of what is no flat object.
 fn from_json(text: &str, names: &mut Vec<String>) -> Option<String> {
     let object: Map<String, Value> = serde_json::from_str(text).ok()?;
-    if object
-        .values()
-        .any(|value| value.is_object() || value.is_array())
-    {
+    let is_nested = |value: &Value| value.is_object() || value.is_array();
+    if object.values().any(is_nested) {
         return None;
     }
     for name in object.keys() {
@@ -146,13 +135,11 @@ fn from_json(text: &str, names: &mut Vec<String>) -> Option<String> {
 }
 
 fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!(
-            "\"{}\"",
-            text.replace('"', "\"\"").replace(['\n', '\r'], " ")
-        ),
-        false => text.to_owned(),
+    if !text.contains([',', '"', '\n', '\r']) {
+        return text.to_owned();
     }
+    let text = text.replace('"', "\"\"").replace(['\n', '\r'], " ");
+    format!("\"{text}\"")
 }
 
 #[cfg(test)]
@@ -161,7 +148,7 @@ mod tests {
 
     #[test]
     fn half_a_line_waits_for_its_rest() {
-        let mut cutter = Cutter::new();
+        let mut cutter = Cutter::default();
         assert_eq!(cutter.take(b"\xef\xbb\xbft_s,theta1_rad\r\n0.0,0."), []);
         assert_eq!(cutter.waiting(), 6);
         let parts = cutter.take(b"125\r\n\n1.0,0.2\n2.0");
@@ -176,7 +163,7 @@ mod tests {
 
     #[test]
     fn json_lines_become_cells_and_new_names_a_new_header() {
-        let mut cutter = Cutter::new();
+        let mut cutter = Cutter::default();
         let text = b"{\"t_s\":0,\"theta1_rad\":0.5}\n{\"theta1_rad\":null,\"t_s\":1e-3}\nno\n{\"t_s\":[1]}\n{\"t_s\":2,\"tool\":\"a,b\"}\n";
         let parts = cutter.take(text);
         assert_eq!(parts[0].header, "t_s,theta1_rad");
@@ -190,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_line_without_end_takes_no_memory() {
-        let mut cutter = Cutter::new();
+        let mut cutter = Cutter::default();
         cutter.take(b"t_s,theta1_rad\n");
         for _ in 0..40 {
             assert_eq!(cutter.take(&[b'1'; 1 << 16]), []);

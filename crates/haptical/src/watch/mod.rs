@@ -28,7 +28,7 @@ pub use self::state::{
 };
 
 use self::cause::{cause, rows_for_cause};
-use self::intake::{Intake, Rows, nothing_to_watch};
+use self::intake::{Intake, nothing_to_watch};
 use self::kept::Kept;
 use self::lines::Lines;
 use self::motion::{Motion, joint_of};
@@ -158,13 +158,9 @@ impl Watch {
     /// Options that say nothing: a rate or a length that is not above 0.
     pub fn new(device: Device, options: WatchOptions) -> Result<Self, Error> {
         if device.model.has_run_bases() {
-            return Err(Error::in_file(
-                "per-run",
-                "the tracker stands elsewhere in each run: what it sees of a new run says nothing of the device before its place \
-                 is fitted",
-                &device.source().path,
-                "watch a device whose tracker stays, or identify each run",
-            ));
+            let said = "the tracker stands elsewhere in each run: what it sees of a new run says nothing of the device before its place \
+                        is fitted; watch a device whose tracker stays, or identify each run";
+            return Err(Error::of_file("per-run", said, &device.source().path));
         }
         let sizes = [
             ("--false-alarms-per-hour", options.false_alarms_per_hour),
@@ -175,16 +171,12 @@ impl Watch {
         let tolerances = tolerances.map(|(_, size)| ("--tolerance", *size));
         let mut sizes = sizes.into_iter().chain(tolerances);
         if let Some((flag, size)) = sizes.find(|(_, size)| !(size.is_finite() && *size > 0.0)) {
-            let what = format!("{flag} is {size}");
-            return Err(Error::command_line(
-                "arguments",
-                what,
-                "give a number above 0",
-            ));
+            let said = format!("{flag} is {size}; give a number above 0");
+            return Err(Error::arguments(said));
         }
         Ok(Self {
             shape: LogShape::from(&device.model),
-            intake: Intake::new(),
+            intake: Intake::default(),
             motion: Motion::default(),
             course: Course::default(),
             ceased: ceased::Ceased::default(),
@@ -218,7 +210,7 @@ impl Watch {
     /// # Errors
     /// A log that is not of this device, or that has nothing to watch. Single rows that are none are left out and counted.
     pub fn text(&mut self, text: &str) -> Result<Vec<WatchEvent>, Error> {
-        let mut cutter = lines::Cutter::new();
+        let mut cutter = lines::Cutter::default();
         let parts = cutter.take(text.as_bytes());
         self.parts(parts, cutter.left_out)
     }
@@ -239,14 +231,8 @@ impl Watch {
         let Some(rows) = read.map_err(|error| error.with_equipment(&self.device))? else {
             return Ok(());
         };
-        let Rows {
-            recording,
-            header,
-            lines,
-            warnings,
-        } = rows;
-        let notes = warnings.into_iter().map(|text| WatchEvent::Note { text });
-        events.extend(notes);
+        let (recording, header, lines) = (rows.recording, rows.header, rows.lines);
+        events.extend(rows.warnings.into_iter().map(WatchEvent::note));
         if self.places.len() == MOST_PLACES {
             self.places.pop_front();
         }
@@ -276,21 +262,25 @@ impl Watch {
         }
         let before = context.lines().count() - 1;
         let whole = self.kept.last(before + count);
-        let read = read_log_from(whole.as_bytes(), &self.file, &self.shape);
-        match read {
+        match read_log_from(whole.as_bytes(), &self.file, &self.shape) {
             Ok(log) => self.judge(&log.recording, before, events),
             // a file that begins anew is no continuation
             Err(_) => self.judge(&recording, 0, events),
         }
     }
 
+    /// Of the device and of what is read.
+    fn paths(&self) -> [PathBuf; 2] {
+        [self.device.source().path.clone(), PathBuf::from(&self.file)]
+    }
+
     /// Whether there are rows enough to begin with.
     fn is_set_up_by(&self, latest: &Recording) -> bool {
         let span_s = match (&latest.time_s, self.options.rate_hz) {
-            (Some(times), _) => times
-                .last()
-                .zip(self.first_s)
-                .map_or(0.0, |(last, first)| last - first),
+            (Some(times), _) => {
+                let ends = times.last().zip(self.first_s);
+                ends.map_or(0.0, |(last, first)| last - first)
+            }
             (None, Some(rate_hz)) => self.setup_rows as f64 / rate_hz,
             _ => f64::INFINITY,
         };
@@ -301,8 +291,8 @@ impl Watch {
 
     /// The first rows say what there is to watch, how often it comes, and where the tracker stands.
     fn set_up(&mut self, events: &mut Vec<WatchEvent>) -> Result<(), Error> {
-        let paths = (self.device.source().path.clone(), PathBuf::from(&self.file));
-        let paths = (paths.0.as_path(), paths.1.as_path());
+        let [device, file] = self.paths();
+        let paths = (device.as_path(), file.as_path());
         let text = self.kept.last(usize::MAX);
         let Ok(read) = read_log_from(text.as_bytes(), &self.file, &self.shape) else {
             // rows of several files whose runs have the same names: the next ones begin
@@ -326,17 +316,15 @@ impl Watch {
             })?;
         self.model = Some(model.clone());
         if must_be_placed {
-            let text = format!(
+            events.push(WatchEvent::note(format!(
                 "the device file does not say where the tracker stands or what it sees: both are fitted to the first {} rows \
                  and then held",
                 recording.len()
-            );
-            events.push(WatchEvent::Note { text });
+            )));
         }
         let (residuals, unpredicted) = predicted_residuals(&mut model, &recording, paths)?;
         let read = residuals.iter().filter(|own| !own.rows.is_empty());
-        let mut floors = Vec::new();
-        let mut tolerances = Vec::new();
+        let (mut floors, mut tolerances) = (Vec::new(), Vec::new());
         let mut given = self.options.tolerances.clone();
         for own in read {
             let (name, unit) = (own.channel.name(), own.channel.unit(&model).to_owned());
@@ -346,11 +334,10 @@ impl Watch {
                 floors.push(own.noise_floor);
                 let stated = tolerance.map(|(_, size)| *size);
                 tolerances.push(stated.unwrap_or(TOLERANCE * own.noise_floor));
-                let (channel, unit) = (name.clone(), unit.clone());
                 self.components.push(Component {
-                    channel,
+                    channel: name.clone(),
                     axis,
-                    unit,
+                    unit: unit.clone(),
                     joint: joint_of(&own.channel, own.noise_floor),
                 });
             }
@@ -359,18 +346,15 @@ impl Watch {
             return Err(nothing_to_watch(&recording, paths.1));
         }
         if let Some((name, _)) = given.first() {
-            let names: Vec<&str> = self
-                .components
-                .iter()
-                .map(|own| own.channel.as_str())
-                .collect();
-            let what = format!("--tolerance names `{name}`, and the log has no such channel");
-            let next = format!("the channels are: {}", names.join(", "));
-            return Err(Error::command_line("arguments", what, next));
+            let names = self.components.iter().map(|own| own.channel.as_str());
+            return Err(Error::arguments(format!(
+                "--tolerance names `{name}`, and the log has no such channel; the channels are: {}",
+                names.collect::<Vec<_>>().join(", ")
+            )));
         }
         if !unpredicted.is_empty() {
             let text = format!("not watched: {}", unpredicted.join(", "));
-            events.push(WatchEvent::Note { text });
+            events.push(WatchEvent::note(text));
         }
         let least = self.least_reference_rows(hours);
         // the first rows of a fast log are no longer kept, and count
@@ -382,9 +366,9 @@ impl Watch {
             miss: MISS,
         };
         let mut monitor = Monitor::new(settings).map_err(Error::internal)?;
-        monitor
-            .set_rows_between_false_alarms(hours / self.options.false_alarms_per_hour)
-            .map_err(Error::internal)?;
+        let rows = hours / self.options.false_alarms_per_hour;
+        let set = monitor.set_rows_between_false_alarms(rows);
+        set.map_err(Error::internal)?;
         if self.is_reference {
             monitor.hold_reference();
         }
@@ -402,12 +386,9 @@ impl Watch {
         let steps = times.windows(2).map(|pair| pair[1] - pair[0]);
         let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0).collect();
         if steps.is_empty() {
-            return Err(Error::in_file(
-                "no-times",
-                "the log has no times, and a rate of false alarms is one of an hour",
-                file,
-                "add a column t_s, or say how many rows a second has: --rate-hz",
-            ));
+            let said = "the log has no times, and a rate of false alarms is one of an hour; add a column t_s, or say how many rows a \
+                        second has: --rate-hz";
+            return Err(Error::of_file("no-times", said, file));
         }
         let middle = steps.len() / 2;
         let (_, step_s, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
@@ -421,14 +402,14 @@ impl Watch {
         before: usize,
         events: &mut Vec<WatchEvent>,
     ) -> Result<(), Error> {
-        let paths = (self.device.source().path.clone(), PathBuf::from(&self.file));
+        let [device, file] = self.paths();
         let Some(model) = &self.model else {
             return Ok(());
         };
         let mut model = model.clone();
         let known = self.device.model.without_unknown_orientation(recording);
         let recording = known.as_ref().unwrap_or(recording);
-        let residuals = match predicted_residuals(&mut model, recording, (&paths.0, &paths.1)) {
+        let residuals = match predicted_residuals(&mut model, recording, (&device, &file)) {
             Ok((residuals, _)) => residuals,
             // no channel is read: the rows count, and what ceased is said
             Err(_) if channels(&model, recording).is_err() => Vec::new(),
@@ -493,20 +474,15 @@ impl Watch {
 
     fn time_of(&self, recording: &Recording, row: usize) -> f64 {
         let own = recording.time_s.as_ref().map(|times| times[row]);
-        let of_rate = self
-            .options
-            .rate_hz
-            .map(|rate_hz| self.rows as f64 / rate_hz);
+        let rate_hz = self.options.rate_hz;
+        let of_rate = rate_hz.map(|rate_hz| self.rows as f64 / rate_hz);
         own.or(of_rate).unwrap_or(f64::NAN)
     }
 
     /// Rows since the change, none without an alarm.
     fn rows_since_change(&self) -> u64 {
-        let since = self
-            .alarm
-            .as_ref()
-            .map(|alarm| self.rows - alarm.sure_row.min(self.rows));
-        since.unwrap_or_default()
+        let alarm = self.alarm.as_ref();
+        alarm.map_or(0, |alarm| self.rows - alarm.sure_row.min(self.rows))
     }
 
     /// Seeks the cause of an alarm, once.
@@ -528,6 +504,15 @@ impl Watch {
         Ok(Some(found))
     }
 
+    /// What was not yet begun is begun with what there is.
+    fn set_up_late(&mut self) -> Result<Vec<WatchEvent>, Error> {
+        let mut events = Vec::new();
+        if self.model.is_none() && self.setup_rows > 0 {
+            self.set_up(&mut events)?;
+        }
+        Ok(events)
+    }
+
     /// All rows from here on are of the device while its calibration is true, until [`Watch::end_reference`].
     pub fn begin_reference(&mut self) {
         self.is_reference = true;
@@ -538,21 +523,15 @@ impl Watch {
     /// # Errors
     /// They are too few: fewer than were asked for, or than their noise remembers.
     pub fn end_reference(&mut self) -> Result<Vec<WatchEvent>, Error> {
-        let mut events = Vec::new();
-        if self.model.is_none() && self.setup_rows > 0 {
-            self.set_up(&mut events)?;
-        }
+        let mut events = self.set_up_late()?;
         self.is_reference = false;
         if let Some(monitor) = &mut self.monitor {
             monitor.end_reference().map_err(Error::internal)?;
         }
         let Some(found) = self.reference_entry() else {
-            return Err(Error::bad_input(
-                "short-reference",
-                self.not_judged().unwrap_or_default(),
-                self.file.clone(),
-                "give a longer log of the device while it was true",
-            ));
+            let what = self.not_judged().unwrap_or_default();
+            let next = "give a longer log of the device while it was true";
+            return Err(Error::bad_input("short-reference", what, &self.file, next));
         };
         events.push(WatchEvent::Reference(found));
         events.extend(self.unread());
@@ -564,10 +543,7 @@ impl Watch {
     /// # Errors
     /// As [`Watch::text`].
     pub fn finish(&mut self) -> Result<Vec<WatchEvent>, Error> {
-        let mut events = Vec::new();
-        if self.model.is_none() && self.setup_rows > 0 {
-            self.set_up(&mut events)?;
-        }
+        let mut events = self.set_up_late()?;
         events.extend(self.seek_cause()?.map(WatchEvent::Cause));
         Ok(events)
     }
@@ -584,7 +560,7 @@ impl Watch {
 
     /// Whether so many rows are left out that those judged do not speak for all.
     fn lacks_rows(&self) -> bool {
-        let left_out = self.intake.left_out.unreadable + self.intake.left_out.out_of_order;
+        let left_out = self.intake.left_out.count();
         left_out as f64 > MOST_LEFT_OUT * (self.rows + left_out) as f64
     }
 

@@ -35,10 +35,9 @@ impl Motion {
     /// Whether a joint moved since the row that was the last reading of its own; then this row is the last one.
     pub(super) fn has_moved(&mut self, recording: &Recording, row: usize) -> bool {
         let now = || recording.joint.iter().filter_map(|column| column.get(row));
+        let mut pairs = now().zip(&self.last);
         let has_moved = self.last.len() != recording.joint.len()
-            || now()
-                .zip(&self.last)
-                .any(|(now, last)| (now - last).abs() > MOTION);
+            || pairs.any(|(now, last)| (now - last).abs() > MOTION);
         if has_moved {
             self.last.clear();
             self.last.extend(now());

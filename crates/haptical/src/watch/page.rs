@@ -49,10 +49,8 @@ impl WatchState {
         }
         let mut sections = vec![Section::new("Is the calibration true?", answer)];
         if !self.channels.is_empty() {
-            sections.push(Section::new(
-                "Channels",
-                vec![channels(&self.channels)?.into()],
-            ));
+            let table = channels(&self.channels)?;
+            sections.push(Section::new("Channels", vec![table.into()]));
         }
         sections.push(Section::new("What was read", vec![Block::List(facts)]));
         let lead = format!("{}: the rows of its log as they come.", self.device);
@@ -79,8 +77,6 @@ fn channels(channels: &[WatchChannel]) -> Result<Table, Error> {
             shown.name.into(),
         ]
     });
-    Ok(
-        Table::with_heads("How far the channels stand from the reference", heads)
-            .with_rows(rows)?,
-    )
+    let title = "How far the channels stand from the reference";
+    Ok(Table::with_heads(title, heads).with_rows(rows)?)
 }

@@ -145,14 +145,7 @@ impl Watch {
         let monitor = self.monitor.as_ref();
         let present = (0..self.components.len()).filter_map(|index| {
             let own = monitor?.state(index, RECENT_BLOCKS)?;
-            Some(WatchChannel {
-                channel: self.name(index),
-                unit: self.components[index].unit.clone(),
-                shift: own.shift,
-                shift_ci95: [own.shift - own.half_width, own.shift + own.half_width],
-                rms: None,
-                share: None,
-            })
+            Some(self.shifted(index, own.shift, own.half_width))
         });
         WatchState {
             verdict: self.verdict(),
@@ -172,6 +165,18 @@ impl Watch {
             },
             alarm: self.alarm.clone(),
             cause: self.cause.clone(),
+        }
+    }
+
+    /// A component whose mean moved by so much.
+    fn shifted(&self, index: usize, shift: f64, half_width: f64) -> WatchChannel {
+        WatchChannel {
+            channel: self.name(index),
+            unit: self.components[index].unit.clone(),
+            shift,
+            shift_ci95: [shift - half_width, shift + half_width],
+            rms: None,
+            share: None,
         }
     }
 
@@ -198,10 +203,9 @@ impl Watch {
     pub(super) fn least_reference_rows(&self, rows_per_hour: f64) -> f64 {
         let asked = self.options.reference_s / 3600.0 * rows_per_hour;
         let given = (LEAST_GIVEN_S / 3600.0 * rows_per_hour).max(LEAST_GIVEN_ROWS);
-        let least = if self.is_reference {
-            given.min(asked)
-        } else {
-            asked
+        let least = match self.is_reference {
+            true => given.min(asked),
+            false => asked,
         };
         least.max(LEAST_REFERENCE_ROWS).ceil()
     }
@@ -240,13 +244,12 @@ impl Watch {
             ));
         }
         if self.lacks_rows() {
-            let left_out = &self.intake.left_out;
-            let first = left_out.first.as_ref();
+            let (left_out, count) = (&self.intake.left_out, self.intake.left_out.count());
+            let first = left_out.first.as_ref().map(|first| format!(": {first}"));
             return Some(format!(
-                "{} rows of {} are left out, too many to answer for all{}",
-                left_out.unreadable + left_out.out_of_order,
-                self.rows + left_out.unreadable + left_out.out_of_order,
-                first.map_or_else(String::new, |first| format!(": {first}"))
+                "{count} rows of {} are left out, too many to answer for all{}",
+                self.rows + count,
+                first.unwrap_or_default()
             ));
         }
         let text = "no channel is read any more, though the arm moves";
@@ -263,7 +266,7 @@ impl Watch {
             "not judged: {}; the reference has too few readings between which the joint moved",
             names.join(", ")
         );
-        (!names.is_empty()).then_some(WatchEvent::Note { text })
+        (!names.is_empty()).then(|| WatchEvent::note(text))
     }
 
     fn name(&self, index: usize) -> String {
@@ -278,21 +281,18 @@ impl Watch {
     pub(super) fn reference_entry(&self) -> Option<WatchReference> {
         let monitor = self.monitor.as_ref()?;
         let reference = monitor.reference()?;
-        let channels = reference
-            .features
-            .iter()
-            .enumerate()
-            .filter_map(|(index, features)| {
-                let [mean, _] = features.as_ref()?;
-                let scale = monitor.scales()[index];
-                Some(ReferenceChannel {
-                    channel: self.name(index),
-                    unit: self.components[index].unit.clone(),
-                    sd: scale,
-                    block_sd: scale * mean.sd,
-                    margin: scale * mean.sd * mean.margin,
-                })
-            });
+        let features = reference.features.iter().enumerate();
+        let channels = features.filter_map(|(index, features)| {
+            let [mean, _] = features.as_ref()?;
+            let scale = monitor.scales()[index];
+            Some(ReferenceChannel {
+                channel: self.name(index),
+                unit: self.components[index].unit.clone(),
+                sd: scale,
+                block_sd: scale * mean.sd,
+                margin: scale * mean.sd * mean.margin,
+            })
+        });
         Some(WatchReference {
             rows: monitor.reference_rows(),
             block_rows: reference.block_rows,
@@ -315,18 +315,13 @@ impl Watch {
         let channels = shifts.into_iter().take(NAMED).map(|own| {
             let shift = own.mean_since - own.mean_before;
             WatchChannel {
-                channel: self.name(own.component),
-                unit: self.components[own.component].unit.clone(),
-                shift,
-                shift_ci95: [shift - own.half_width, shift + own.half_width],
                 rms: Some([own.rms_before, own.rms_since]),
                 share: Some(own.share),
+                ..self.shifted(own.component, shift, own.half_width)
             }
         });
-        let seen_s = self
-            .alarm
-            .as_ref()
-            .map_or(self.last_s, |alarm| alarm.seen_s);
+        let earlier = self.alarm.as_ref();
+        let seen_s = earlier.map_or(self.last_s, |alarm| alarm.seen_s);
         Some(WatchAlarm {
             seen_s,
             since_s: since,
@@ -349,9 +344,7 @@ impl Watch {
 impl WatchState {
     /// One line.
     pub fn line(&self) -> String {
-        let at = self
-            .last_s
-            .map_or_else(String::new, |last_s| format!("{}  ", when(last_s)));
+        let at = self.last_s.map(|last_s| format!("{}  ", when(last_s)));
         let verdict = match self.verdict {
             WatchVerdict::NotJudged if self.reference.is_some() => "not judged".to_owned(),
             WatchVerdict::NotJudged => "reference".to_owned(),
@@ -361,6 +354,7 @@ impl WatchState {
                 format!("NOT TRUE since {}", since.unwrap_or_default())
             }
         };
+        let at = at.unwrap_or_default();
         let mut text = format!("{at}{verdict}  {} rows", self.rows);
         if self.verdict == WatchVerdict::True {
             text += &format!("  evidence {:.1e} of an alarm's", self.evidence);
@@ -374,7 +368,7 @@ impl WatchState {
         if let Some(own) = largest {
             text += &format!("  {} {}", own.channel, shift_text(own));
         }
-        let left_out = self.left_out.unreadable + self.left_out.out_of_order;
+        let left_out = self.left_out.count();
         if left_out > 0 {
             text += &format!("  {left_out} lines left out");
         }
@@ -400,10 +394,8 @@ impl WatchState {
             text += &WatchEvent::Reference(reference.clone()).line();
             text.push('\n');
         }
-        let hours = self
-            .reference
-            .as_ref()
-            .map(|own| own.block_s * self.blocks as f64 / 3600.0);
+        let reference = self.reference.as_ref();
+        let hours = reference.map(|own| own.block_s * self.blocks as f64 / 3600.0);
         text += &match self.verdict {
             WatchVerdict::NotJudged => format!(
                 "{}.{}\n",
@@ -428,15 +420,14 @@ impl WatchState {
         for own in &self.ceased {
             text += &(own.line() + "\n");
         }
-        if self.left_out.unreadable + self.left_out.out_of_order > 0 {
+        if self.left_out.count() > 0 {
+            let first = self.left_out.first.as_ref();
+            let first = first.map(|first| format!("; the first: {first}"));
             text += &format!(
                 "Left out: {} lines that are no rows, {} rows out of order{}.\n",
                 self.left_out.unreadable,
                 self.left_out.out_of_order,
-                self.left_out
-                    .first
-                    .as_ref()
-                    .map_or_else(String::new, |first| format!("; the first: {first}"))
+                first.unwrap_or_default()
             );
         }
         text
@@ -444,43 +435,39 @@ impl WatchState {
 }
 
 impl WatchEvent {
+    pub(super) fn note(text: String) -> Self {
+        Self::Note { text }
+    }
+
     /// For people.
     pub fn line(&self) -> String {
         match self {
             Self::Note { text } => format!("note: {text}"),
             Self::Reference(own) => {
-                let channels: Vec<String> = own
-                    .channels
-                    .iter()
-                    .map(|channel| {
-                        let shown = Shown::fine(&channel.unit);
-                        let (sd, margin) = (shown.text(channel.sd), shown.text(channel.margin));
-                        format!("{} {sd}, counts beyond {margin}", channel.channel)
-                    })
-                    .collect();
+                let channels = own.channels.iter().map(|channel| {
+                    let shown = Shown::fine(&channel.unit);
+                    let (sd, margin) = (shown.text(channel.sd), shown.text(channel.margin));
+                    format!("{} {sd}, counts beyond {margin}", channel.channel)
+                });
                 format!(
                     "Reference of {} rows: blocks of {} rows ({:.3} s), one false alarm in {:.0} h at most. {}.",
                     own.rows,
                     own.block_rows,
                     own.block_s,
                     own.false_alarms_per_hour.recip(),
-                    channels.join("; ")
+                    channels.collect::<Vec<_>>().join("; ")
                 )
             }
             Self::Alarm(own) => {
                 let older = if own.may_be_older { " or earlier" } else { "" };
-                let moved: Vec<String> = own
-                    .channels
-                    .iter()
-                    .filter(|channel| channel.share.is_some_and(|share| share >= 0.05))
-                    .map(|channel| {
-                        let shown = Shown::fine(&channel.unit);
-                        let rms = channel.rms.map_or_else(String::new, |[before, since]| {
-                            format!(", rms {} to {}", shown.text(before), shown.text(since))
-                        });
-                        format!("{}: mean {}{rms}", channel.channel, shift_text(channel))
-                    })
-                    .collect();
+                let counts = |own: &&WatchChannel| own.share.is_some_and(|share| share >= 0.05);
+                let moved = own.channels.iter().filter(counts).map(|channel| {
+                    let shown = Shown::fine(&channel.unit);
+                    let rms = channel.rms.map_or_else(String::new, |[before, since]| {
+                        format!(", rms {} to {}", shown.text(before), shown.text(since))
+                    });
+                    format!("{}: mean {}{rms}", channel.channel, shift_text(channel))
+                });
                 format!(
                     "The calibration is NOT TRUE since {} [{}{older}, {}] ({}, line {}), a {} with probability {:.2}. {}.",
                     when(own.since_s),
@@ -490,15 +477,12 @@ impl WatchEvent {
                     own.line,
                     own.shape,
                     own.shape_probability,
-                    moved.join("; ")
+                    moved.collect::<Vec<_>>().join("; ")
                 )
             }
             Self::Cause(own) => {
-                let written: Vec<String> = own
-                    .written
-                    .iter()
-                    .map(|path| path.display().to_string())
-                    .collect();
+                let written = own.written.iter();
+                let written: Vec<String> = written.map(|path| path.display().to_string()).collect();
                 let written = match written.is_empty() {
                     true => String::new(),
                     false => format!("\nwritten  {}", written.join("  ")),
@@ -522,13 +506,12 @@ fn shift_text(own: &WatchChannel) -> String {
 
 /// A time of a log: a date where it counts from 1970, else seconds.
 pub(super) fn when(time_s: f64) -> String {
-    if !(CALENDAR_S..1e11).contains(&time_s) {
-        return format!("t = {time_s:.1} s");
-    }
-    match DateTime::from_timestamp(time_s.floor() as i64, 0) {
-        Some(time) => time.format("%Y-%m-%d %H:%M:%S UTC").to_string(),
-        None => format!("t = {time_s:.1} s"),
-    }
+    let is_of_calendar = (CALENDAR_S..1e11).contains(&time_s);
+    let date = DateTime::from_timestamp(time_s.floor() as i64, 0).filter(|_| is_of_calendar);
+    date.map_or_else(
+        || format!("t = {time_s:.1} s"),
+        |date| date.format("%Y-%m-%d %H:%M:%S UTC").to_string(),
+    )
 }
 
 #[cfg(test)]
