@@ -120,6 +120,17 @@ impl From<Table> for Block {
     }
 }
 
+impl Block {
+    /// A notice: its colour, the words that stand out, and the rest.
+    pub fn notice(tone: Tone, label: impl Into<String>, text: impl Into<String>) -> Self {
+        Self::Notice {
+            tone,
+            label: label.into(),
+            text: text.into(),
+        }
+    }
+}
+
 impl Section {
     /// A section.
     pub fn new(heading: impl Into<String>, blocks: Vec<Block>) -> Self {

@@ -34,7 +34,7 @@ impl Waypoints {
     /// # Errors
     /// A file that cannot be read or is no such table, with line and column.
     pub fn read(source: &Source, device: &Device) -> Result<Self, Error> {
-        let names = joint_columns(device);
+        let names = device.joint_columns();
         let text = table_of_poses(source, &names)?;
         let has_readings = text.is_none();
         let log = match &text {
@@ -81,7 +81,7 @@ impl Waypoints {
         name: &str,
         device: &Device,
     ) -> Result<Self, Error> {
-        let names = joint_columns(device);
+        let names = device.joint_columns();
         let has_readings = columns
             .iter()
             .any(|(own, _)| names.iter().any(|name| name == own));
@@ -150,14 +150,6 @@ impl Waypoints {
     pub fn recording(&self) -> &Recording {
         &self.log.recording
     }
-}
-
-/// The columns of a device's joints in a log.
-fn joint_columns(device: &Device) -> Vec<String> {
-    let joints = device.model.joints.iter().enumerate();
-    joints
-        .map(|(index, joint)| format!("theta{}_{}", index + 1, joint.unit()))
-        .collect()
 }
 
 /// The text of a table with positions and without readings of joints; none for any other file, which is read as a log is.

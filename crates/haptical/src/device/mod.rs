@@ -112,6 +112,13 @@ impl Device {
         Self::open(&Source::text(text, name), &Equipment::default())
     }
 
+    /// Names of the columns of a log that hold the joints' readings: `theta1_rad`.
+    pub(crate) fn joint_columns(&self) -> Vec<String> {
+        let joints = self.model.joints.iter().zip(1..);
+        let columns = joints.map(|(joint, number)| format!("theta{number}_{}", joint.unit()));
+        columns.collect()
+    }
+
     /// Which row each number in a parameter's name stands for, where the joints have names of their own; else empty.
     pub(crate) fn named_rows(&self) -> String {
         let joints = self.model.joints.iter().enumerate();
@@ -122,12 +129,10 @@ impl Device {
                 Some(format!("{row} is `{}`", joint.name))
             })
             .collect();
-        match named.is_empty() {
-            true => String::new(),
-            false => format!(
-                "The number in a parameter's name is its row: 0 is the base, {}.",
-                named.join(", ")
-            ),
+        let named = named.join(", ");
+        match named.as_str() {
+            "" => named,
+            _ => format!("The number in a parameter's name is its row: 0 is the base, {named}."),
         }
     }
 
@@ -201,13 +206,14 @@ impl Device {
     /// # Errors
     /// As [`Device::load`].
     pub fn open_model(&self, source: &Source) -> Result<Self, Error> {
-        let mut equipment = Equipment::default();
-        if source.text.is_none() && is_description(&source.path) {
-            equipment.base.clone_from(&self.equipment.base);
-            equipment.tip.clone_from(&self.equipment.tip);
-            let further = &self.equipment.further_tips;
-            equipment.further_tips.clone_from(further);
-        }
+        let equipment = match source.text.is_none() && is_description(&source.path) {
+            true => Equipment {
+                rig: None,
+                denominators: InputDrumDenominators::Stated,
+                ..self.equipment.clone()
+            },
+            false => Equipment::default(),
+        };
         Self::open(source, &equipment)
     }
 
@@ -219,21 +225,16 @@ impl Device {
         if !self.model.has_hands() {
             return Ok(());
         }
-        let hands: Vec<&str> = self
-            .model
-            .hands
-            .iter()
-            .map(|hand| hand.name.as_str())
-            .collect();
+        let hands = self.model.hands.iter().map(|hand| hand.name.as_str());
+        let hands = hands.collect::<Vec<_>>().join(", ");
+        let what = format!("the device has the hands {hands}, and {what} is of one chain");
+        let next = "give a device of one of them: of a URDF with one --tip, of a device file without the rows of the others and \
+                    without [[hand]]";
         Err(Error::in_file(
             "several-hands",
-            format!(
-                "the device has the hands {}, and {what} is of one chain",
-                hands.join(", ")
-            ),
+            what,
             &self.source.path,
-            "give a device of one of them: of a URDF with one --tip, of a device file without the rows of the others and \
-             without [[hand]]",
+            next,
         ))
     }
 
@@ -280,18 +281,15 @@ fn said_of_no_body(model: &Model, file: &str) -> Vec<String> {
 /// It is not; `path` is the model's.
 pub fn refuse_other_device(nominal: &Model, model: &Model, path: &Path) -> Result<(), Error> {
     let mut pairs = nominal.joints.iter().zip(&model.joints);
-    let counts = |device: &Model| {
-        [
-            ("joints", device.joints.len()),
-            ("links", device.links.len()),
-        ]
-    };
+    let counts = |device: &Model| [device.joints.len(), device.links.len()];
     let hands = |device: &Model| -> Vec<(String, usize)> {
         let hands = device.hands.iter();
         hands.map(|hand| (hand.name.clone(), hand.row)).collect()
     };
-    let mut counts = counts(nominal).into_iter().zip(counts(model));
-    let what = if let Some(((what, wanted), (_, got))) = counts.find(|(own, other)| own != other) {
+    let counts = counts(nominal).into_iter().zip(counts(model));
+    let mut counts = counts.zip(["joints", "links"]);
+    let other = counts.find(|((wanted, got), _)| wanted != got);
+    let what = if let Some(((wanted, got), what)) = other {
         format!("the model has {got} {what}, the device has {wanted}")
     } else if nominal.convention != model.convention {
         "the model has another convention of its links than the device".to_owned()

@@ -36,10 +36,7 @@ use serde::Serialize;
 
 use crate::device::{Device, refuse_other_device};
 use crate::error::Error;
-use crate::files::{
-    DIAGNOSIS_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, VERSION, WriteRule,
-    sealed_json, write_result,
-};
+use crate::files::{DIAGNOSIS_FILES, NewFile, Record, ResultKind, VERSION, sealed_json};
 use crate::identify::{flag_of_loss, flags_of_fit, hold};
 use crate::lines::labelled;
 use crate::log::Log;
@@ -78,6 +75,22 @@ pub struct Diagnose<'a> {
     pub interrupt: Interrupt,
     /// Whether to write the log without what is its own fault, and to diagnose that again.
     pub repair: bool,
+}
+
+impl Diagnose<'_> {
+    /// Flags of the command that decide the result, but for files.
+    fn flags(&self, device: &Device) -> Vec<String> {
+        let mut flags: Vec<String> = device.equipment().chain_flags().collect();
+        let without = self.without.join(",");
+        flags.extend((!without.is_empty()).then(|| format!("--without={without}")));
+        flags.extend((self.loss != LossChoice::Auto).then(|| flag_of_loss(self.loss)));
+        let with = self
+            .joint_compliance
+            .then(|| JOINT_COMPLIANCE.name.to_owned());
+        flags.extend(flags_of_fit(with.as_slice(), &self.hold, &self.deviations));
+        flags.extend(self.repair.then(|| "--repair".to_owned()));
+        flags
+    }
 }
 
 /// A diagnosis with the names and hashes of what it was made from. It prints as the command's answer.
@@ -145,39 +158,32 @@ pub fn diagnose_as(
     log: &Log,
     options: &Diagnose<'_>,
 ) -> Result<Diagnosed, Error> {
-    let Diagnose {
-        without,
-        own_effects,
-        model,
-        also,
-        validate,
-        loss,
-        joint_compliance,
-        hold: kept,
-        deviations,
-        interrupt,
-        repair,
-    } = options;
+    let (model, validate, interrupt) = (options.model, options.validate, &options.interrupt);
     if let Some(model) = model {
         refuse_other_device(&device.model, &model.model, &model.source().path)?;
     }
-    let logs: Vec<&Log> = std::iter::once(log).chain(also.iter().copied()).collect();
+    let logs: Vec<&Log> = std::iter::once(log)
+        .chain(options.also.iter().copied())
+        .collect();
     let recording = joined(&logs)?;
-    refuse_repair_of_several(*repair, &logs)?;
+    if options.repair && logs.len() > 1 {
+        let said = "--repair with several logs: one log is repaired at a time; leave --repair out, or give one log";
+        return Err(Error::arguments(said));
+    }
     if let Some(second) = validate {
         logs.iter()
             .try_for_each(|log| refuse_same_log(log, second))?;
         refuse_without_readings(device, &recording, second)?;
     }
     let mut described = device.model.clone();
-    if *joint_compliance {
+    if options.joint_compliance {
         described.fit_compliance();
     }
-    hold(&mut described, kept, deviations)?;
+    hold(&mut described, &options.hold, &options.deviations)?;
     let request = Options {
-        loss: *loss,
-        without: without.clone(),
-        own_effects: *own_effects,
+        loss: options.loss,
+        without: options.without.clone(),
+        own_effects: options.own_effects,
         model: model.map(|model| &model.model),
         validation: validate.map(|log| log.recording.as_ref()),
         interrupt: interrupt.clone(),
@@ -194,7 +200,7 @@ pub fn diagnose_as(
     };
     drives::fill(device, &fitted, &mut diagnosis);
     let reproduced = corrected::reproduced(device, &fitted, &diagnosis);
-    let repair = match repair {
+    let repair = match options.repair {
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
         false => None,
     };
@@ -216,16 +222,7 @@ pub fn diagnose_as(
     files.extend(logs.iter().filter_map(|log| log.input("log")));
     files.extend(model.iter().flat_map(|model| model.inputs("model")));
     files.extend(validate.and_then(|log| log.input("validate")));
-    let mut arguments: Vec<String> = files.iter().map(InputFile::argument).collect();
-    arguments.extend(device.equipment().chain_flags());
-    arguments.extend((!without.is_empty()).then(|| format!("--without={}", without.join(","))));
-    arguments.extend((*loss != LossChoice::Auto).then(|| flag_of_loss(*loss)));
-    let with: Vec<String> = (joint_compliance.then(|| JOINT_COMPLIANCE.name.to_owned()))
-        .into_iter()
-        .collect();
-    arguments.extend(flags_of_fit(&with, kept, deviations));
-    arguments.extend(repair.is_some().then(|| "--repair".to_owned()));
-    let mut record = Record::new(version, "diagnose", arguments, files);
+    let mut record = Record::of(version, "diagnose", files, options.flags(device));
     record.seeds.insert("bootstrap", BOOTSTRAP_SEED);
     Ok(Diagnosed {
         provenance: GapProvenance {
@@ -245,17 +242,6 @@ pub fn diagnose_as(
         validate: validate.map(|log| log.source().label.clone()),
         model: model.map(|model| model.source().label.clone()),
     })
-}
-
-fn refuse_repair_of_several(repair: bool, logs: &[&Log]) -> Result<(), Error> {
-    match repair && logs.len() > 1 {
-        true => Err(Error::command_line(
-            "arguments",
-            "--repair with several logs: one log is repaired at a time",
-            "leave --repair out, or give one log",
-        )),
-        false => Ok(()),
-    }
 }
 
 /// What a replay of corrected.toml leaves of each channel, or why the file is not written.
@@ -283,10 +269,10 @@ fn arm_of(
     diagnosis: &Diagnosis,
     recording: &Recording,
 ) -> Result<Option<Block>, Error> {
-    let corrected = diagnosis.corrected.as_ref();
-    let draw = |corrected| arm::picture(&given.model, corrected, recording, "as corrected");
-    let picture = corrected.map(draw);
-    picture.transpose().map(Option::flatten)
+    let Some(corrected) = &diagnosis.corrected else {
+        return Ok(None);
+    };
+    arm::picture(&given.model, corrected, recording, "as corrected")
 }
 
 /// The log set right by its diagnosis, and diagnosed again; what was set right is no part of the device with the causes.
@@ -342,19 +328,14 @@ impl Diagnosed {
     /// A fault of this library alone.
     pub fn files(&self) -> Result<Vec<NewFile<'static>>, Error> {
         let [json_name, page_name, predictions_name, corrected_name, ..] = Self::FILES;
-        let mut files = vec![(
-            page_name,
-            page::page(
-                &self.diagnosis,
-                page::Besides {
-                    repaired: self.repaired_log(),
-                    arm: self.arm.as_ref(),
-                    joints: self.joints.as_deref(),
-                    record: &self.provenance.record,
-                },
-            )?
-            .into_bytes(),
-        )];
+        let besides = page::Besides {
+            repaired: self.repaired_log(),
+            arm: self.arm.as_ref(),
+            joints: self.joints.as_deref(),
+            record: &self.provenance.record,
+        };
+        let page = page::page(&self.diagnosis, besides)?;
+        let mut files = vec![(page_name, page.into_bytes())];
         if self.validate.is_some() {
             let predictions = predictions_csv(&self.diagnosis.predictions)?;
             files.push((predictions_name, predictions));
@@ -378,16 +359,11 @@ impl Diagnosed {
     ///
     /// # Errors
     /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
-    /// [`write_result`] can overwrite it.
+    /// [`crate::files::write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        let (kind, files) = (ResultKind::DIAGNOSIS, self.files()?);
-        let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
-        let written = write_result(folder.as_ref(), &kind, &files, &rule, &|| false)?;
-        Ok(written.written)
+        ResultKind::DIAGNOSIS.write(folder.as_ref(), &self.files()?)
     }
-}
 
-impl Diagnosed {
     /// The answer in fewer than 25 lines, for a terminal: what is too long for them ends in a mark. What is printed by
     /// `Display` has every word.
     pub fn brief(&self) -> String {
@@ -438,12 +414,10 @@ fn refuse_overflow(diagnosis: &Diagnosis, log: &Path) -> Result<(), Error> {
 
 /// predictions.csv: a header even without rows.
 fn predictions_csv(predictions: &[Prediction]) -> Result<Vec<u8>, Error> {
-    let mut writer = csv::WriterBuilder::new()
-        .has_headers(false)
-        .from_writer(Vec::new());
-    writer
-        .write_record(PREDICTION_COLUMNS)
-        .map_err(Error::internal)?;
+    let mut writer = csv::WriterBuilder::new();
+    let mut writer = writer.has_headers(false).from_writer(Vec::new());
+    let written = writer.write_record(PREDICTION_COLUMNS);
+    written.map_err(Error::internal)?;
     for prediction in predictions {
         writer.serialize(prediction).map_err(Error::internal)?;
     }

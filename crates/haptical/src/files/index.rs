@@ -5,7 +5,7 @@ use std::path::Path;
 use haptical_report::{Block, Document, Link, Section, Tone};
 use serde_json::Value;
 
-use super::own::{Recorded, own_text};
+use super::own::{Listing, own_text, read_all};
 use super::{ResultKind, is_sealed_by, sealed_text};
 use crate::error::Error;
 use crate::page::facts;
@@ -18,7 +18,7 @@ const WRITER: &str = "haptical";
 /// # Errors
 /// A fault of this library alone.
 pub fn index(folder: &Path) -> Result<Option<String>, Error> {
-    let results = Recorded::read_all(folder);
+    let results = read_all(folder);
     match results.is_empty() {
         true => Ok(None),
         false => page(&results).map(Some),
@@ -31,10 +31,9 @@ pub fn is_one(path: &Path) -> bool {
 }
 
 /// The page of these results.
-pub(super) fn page(results: &[Recorded]) -> Result<String, Error> {
+pub(super) fn page(results: &[(ResultKind, Listing)]) -> Result<String, Error> {
     let in_order = ResultKind::ALL.into_iter();
-    let results =
-        in_order.flat_map(|kind| results.iter().filter(move |result| result.kind == kind));
+    let results = in_order.flat_map(|kind| results.iter().filter(move |(own, _)| *own == kind));
     let sections = results.map(section).collect::<Result<Vec<_>, Error>>()?;
     let lead = match sections.len() {
         1 => "One result is in this folder.".to_owned(),
@@ -45,32 +44,23 @@ pub(super) fn page(results: &[Recorded]) -> Result<String, Error> {
 }
 
 /// Answer, files and origin of a result.
-fn section(result: &Recorded) -> Result<Section, Error> {
-    let text = |key: &str| result.value.get(key).and_then(Value::as_str);
+fn section((kind, result): &(ResultKind, Listing)) -> Result<Section, Error> {
+    let answer = result.value.get("answer").and_then(Value::as_str);
     let provenance = &result.value["provenance"];
     let version = provenance["haptical_version"].as_str().unwrap_or("unknown");
-    let answer = text("answer").map_or_else(
-        || format!("Version {version} wrote it, without an answer in a line."),
-        str::to_owned,
-    );
+    let without = || format!("Version {version} wrote it, without an answer in a line.");
+    let answer = answer.map_or_else(without, str::to_owned);
+    let changed = format!("{} was changed after it was written.", kind.result);
     let (tone, label) = match result.is_whole {
-        true => (Tone::Neutral, String::new()),
-        false => (
-            Tone::Bad,
-            format!("{} was changed after it was written.", result.kind.result),
-        ),
-    };
-    let answer = Block::Notice {
-        tone,
-        label,
-        text: answer,
+        true => (Tone::Neutral, ""),
+        false => (Tone::Bad, &*changed),
     };
     let is_there = |name: &&&str| {
-        **name == result.kind.result || result.outputs.iter().any(|output| output.file == **name)
+        **name == kind.result || result.outputs.iter().any(|output| output.file == **name)
     };
-    let mut names: Vec<&str> = result.kind.files.iter().filter(is_there).copied().collect();
+    let mut names: Vec<&str> = kind.files.iter().filter(is_there).copied().collect();
     // the page for people first
-    names.sort_by_key(|name| *name != result.kind.page);
+    names.sort_by_key(|name| *name != kind.page);
     let links = names.into_iter().map(|name| Link {
         file: name.to_owned(),
         text: meaning(name).to_owned(),
@@ -82,14 +72,14 @@ fn section(result: &Recorded) -> Result<Section, Error> {
         rows.push((word("flag").to_owned(), value));
     }
     let blocks = vec![
-        answer,
+        Block::notice(tone, label, answer),
         Block::Links(links.collect()),
         Block::Folded {
             summary: "What it was made from".to_owned(),
             blocks: vec![facts("", rows)?.into()],
         },
     ];
-    Ok(Section::new(result.kind.title, blocks))
+    Ok(Section::new(kind.title, blocks))
 }
 
 /// What a file is.

@@ -1,5 +1,10 @@
 //! The commands that leave a result in a folder, and the names of their files.
 
+use std::path::{Path, PathBuf};
+
+use super::{NewFile, Overwrite, WriteRule, write_result};
+use crate::error::Error;
+
 /// Name of the index of the results in a folder.
 pub const INDEX: &str = "report.html";
 /// The last one is written only where a fit is rejected.
@@ -65,6 +70,19 @@ impl ResultKind {
     };
     /// All kinds, in the order of the index.
     pub const ALL: [Self; 3] = [Self::IDENTIFICATION, Self::DIAGNOSIS, Self::PLAN];
+
+    /// Writes the files of a result and the index of the folder, in the place of those of an earlier run: all of them or none.
+    ///
+    /// # Errors
+    /// As [`write_result`]; a file that no earlier run wrote, or that was changed since.
+    pub(crate) fn write(
+        &self,
+        folder: &Path,
+        files: &[NewFile<'static>],
+    ) -> Result<Vec<PathBuf>, Error> {
+        let rule = WriteRule::new(self.command, Vec::new(), Overwrite::Own);
+        Ok(write_result(folder, self, files, &rule, &|| false)?.written)
+    }
 
     /// Names of the files that are written, that of the index among them.
     pub fn outputs(&self) -> impl Iterator<Item = &'static str> {

@@ -13,14 +13,13 @@ pub type NewFile<'a> = (&'a str, Vec<u8>);
 /// # Errors
 /// Something that is no folder is in the way.
 pub fn check_folder(folder: &Path) -> Result<(), Error> {
-    let existing = folder
-        .ancestors()
-        .find(|path| path.as_os_str().is_empty() || path.exists());
-    match existing {
-        Some(path) if path.as_os_str().is_empty() || path.is_dir() => Ok(()),
-        _ => {
-            let blocking = existing.unwrap_or(folder).display().to_string();
-            Err(unwritable(folder, &format!("{blocking} is not a folder")))
+    let is_there = |path: &&Path| path.as_os_str().is_empty() || path.exists();
+    let existing = folder.ancestors().find(is_there).unwrap_or(folder);
+    match existing.as_os_str().is_empty() || existing.is_dir() {
+        true => Ok(()),
+        false => {
+            let why = format!("{} is not a folder", existing.display());
+            Err(unwritable(folder, &why))
         }
     }
 }
@@ -51,24 +50,12 @@ impl Drop for MadeFolders {
     }
 }
 
-/// Writes all files: first into a temporary folder, then each is renamed into its place, so that a full
-/// disk or an interruption while writing leaves nothing half-written. It ends where `stop` says so.
+/// Writes all files and takes `stale` ones away: first into a temporary folder, then each is renamed into its place, so that a
+/// full disk or an interruption while writing leaves nothing half-written. It ends where `stop` says so. Where a file cannot be
+/// put into its place, those before it are put back as they were.
 ///
 /// # Errors
 /// The folder cannot be written to, or `stop` said so.
-pub(super) fn write_all(
-    folder: &Path,
-    files: &[NewFile<'_>],
-    stop: &dyn Fn() -> bool,
-) -> Result<Vec<PathBuf>, Error> {
-    replace_all(folder, files, &[], stop)
-}
-
-/// The same, and takes `stale` files away. Where a file cannot be put into its place, those before it are
-/// put back as they were.
-///
-/// # Errors
-/// As [`write_all`].
 pub(super) fn replace_all(
     folder: &Path,
     files: &[NewFile<'_>],
@@ -88,8 +75,8 @@ pub(super) fn replace_all(
     }
     let stage = tempfile::Builder::new()
         .prefix(".haptical-")
-        .tempdir_in(folder)
-        .map_err(refuse)?;
+        .tempdir_in(folder);
+    let stage = stage.map_err(refuse)?;
     let [new, before] = ["new", "before"].map(|name| stage.path().join(name));
     for inner in [&new, &before] {
         std::fs::create_dir(inner).map_err(refuse)?;
@@ -166,12 +153,8 @@ pub fn reason(error: &std::io::Error) -> String {
 }
 
 fn unwritable(folder: &Path, why: &str) -> Error {
-    Error::bad_input(
-        "unwritable",
-        format!("cannot write: {why}"),
-        folder.display().to_string(),
-        "give a folder that can be written to and has room",
-    )
+    let next = "give a folder that can be written to and has room";
+    Error::in_file("unwritable", format!("cannot write: {why}"), folder, next)
 }
 
 #[cfg(test)]

@@ -129,19 +129,18 @@ impl Record {
     /// A fault of this library alone.
     pub fn lines(&self) -> Result<Vec<(String, String)>, Error> {
         let version = format!("haptical {}", self.haptical_version);
+        let command = format!("haptical {}{}", self.command, typed(&self.arguments));
         let mut lines = vec![
             ("version".to_owned(), version),
-            ("command line".to_owned(), self.command_line()),
+            ("command line".to_owned(), command),
         ];
         lines.extend(self.inputs.iter().map(|input| {
             let (file, bytes, sha256) = (&input.file, input.bytes, &input.sha256);
             let value = format!("{file}, {bytes} bytes, SHA-256 {sha256}");
             (input.flag.clone(), value)
         }));
-        let seeds = self
-            .seeds
-            .iter()
-            .map(|(purpose, seed)| format!("{purpose} {seed}"));
+        let seeds = self.seeds.iter();
+        let seeds = seeds.map(|(purpose, seed)| format!("{purpose} {seed}"));
         let seeds = match seeds.collect::<Vec<_>>().as_slice() {
             [] => "none, no random numbers are drawn".to_owned(),
             seeds => seeds.join(", "),
@@ -160,17 +159,10 @@ impl Record {
         Ok(lines)
     }
 
-    /// The command as one would type it.
-    fn command_line(&self) -> String {
-        format!("haptical {}{}", self.command, typed(&self.arguments))
-    }
-
     /// Those of its flags that another command of the same device takes, as one would type them, a blank before each.
     pub(crate) fn typed(&self, flags: &[&str]) -> String {
         let is_wanted = |argument: &&String| {
-            let flag = argument
-                .split_once('=')
-                .map_or(argument.as_str(), |(flag, _)| flag);
+            let flag = argument.split('=').next().unwrap_or_default();
             flags.contains(&flag)
         };
         typed(self.arguments.iter().filter(is_wanted))
@@ -218,13 +210,11 @@ fn words(numbers: &impl Serialize) -> Result<String, Error> {
 
 /// Arguments as one would type them, a blank before each.
 fn typed<'a>(arguments: impl IntoIterator<Item = &'a String>) -> String {
-    let words = arguments
-        .into_iter()
-        .map(|argument| match argument.split_once('=') {
-            Some((flag, value)) => format!(" {flag} {}", shell_word(value)),
-            None => format!(" {argument}"),
-        });
-    words.collect()
+    let word = |argument: &String| match argument.split_once('=') {
+        Some((flag, value)) => format!(" {flag} {}", shell_word(value)),
+        None => format!(" {argument}"),
+    };
+    arguments.into_iter().map(word).collect()
 }
 
 /// Flags of a device: its file, its rig, its chain.
@@ -299,10 +289,9 @@ fn seal(sha256: &str) -> String {
 /// A text as one word of a command line.
 pub fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "/._-+,".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', "'\\''"))
+    match !text.is_empty() && text.chars().all(plain) {
+        true => text.to_owned(),
+        false => format!("'{}'", text.replace('\'', "'\\''")),
     }
 }
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::index;
 use super::output::replace_all;
-use super::own::Recorded;
+use super::own::{Listing, read_all};
 use super::{INDEX, NewFile, ResultKind, WriteRule};
 use crate::error::Error;
 
@@ -33,17 +33,17 @@ pub fn write_result(
 ) -> Result<WrittenResult, Error> {
     let outputs: Vec<PathBuf> = kind.outputs().map(|name| folder.join(name)).collect();
     rule.check(&outputs)?;
-    let mut results = Recorded::read_all(folder);
+    let mut results = read_all(folder);
     let is_new = |name: &str| files.iter().any(|(new, _)| *new == name);
     let is_there = |name: &str| folder.join(name).symlink_metadata().is_ok();
     let names = kind.files.iter().copied();
     let stale = names.filter(|name| !is_new(name) && is_there(name));
     let (own, foreign) = rule.partition(folder, stale.collect(), kind.outputs());
     let new = files.iter().find(|(name, _)| *name == kind.result);
-    let new =
-        new.and_then(|(_, content)| Recorded::parse(std::str::from_utf8(content).ok()?, *kind));
-    results.retain(|result| result.kind != *kind);
-    results.extend(new);
+    let new = new
+        .and_then(|(_, content)| Listing::parse(std::str::from_utf8(content).ok()?, kind.command));
+    results.retain(|(own, _)| own != kind);
+    results.extend(new.map(|new| (*kind, new)));
     let mut files = files.to_vec();
     files.push((INDEX, index::page(&results)?.into_bytes()));
     let places = |names: &[&str]| names.iter().map(|name| folder.join(name)).collect();

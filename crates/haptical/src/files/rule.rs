@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::output::{check_folder, write_all};
-use super::own::{is_listed, own_text, provenance};
-use super::{INDEX, NewFile, OutputFile, file_name, index, is_seal_whole, is_sealed_by};
+use super::output::{check_folder, replace_all};
+use super::own::{Listing, own_text};
+use super::{INDEX, NewFile, index, is_seal_whole, is_sealed_by};
 use crate::error::Error;
 
 /// Which files may be overwritten.
@@ -38,13 +38,8 @@ pub struct WriteRule {
     overwrite: Overwrite,
 }
 
-/// A result or provenance file of the command, and the files that it lists.
-struct Record {
-    path: PathBuf,
-    /// Whether nobody changed it since it was written.
-    is_whole: bool,
-    outputs: Vec<OutputFile>,
-}
+/// Result or provenance files of the command with their paths.
+type Records = Vec<(PathBuf, Listing)>;
 
 impl WriteRule {
     /// The rule of a run of a command that reads these files and folders.
@@ -98,12 +93,12 @@ impl WriteRule {
         };
         let outputs: Vec<PathBuf> = files.iter().map(|(name, _)| place(name)).collect();
         let is_same = |output: &Path| {
-            let content = files.iter().zip(&outputs).find(|(_, own)| *own == output);
-            content
-                .is_some_and(|((_, new), _)| std::fs::read(output).is_ok_and(|there| there == *new))
+            let new = files.iter().zip(&outputs).find(|(_, own)| *own == output);
+            let there = std::fs::read(output).ok();
+            new.is_some_and(|((_, new), _)| there.as_ref() == Some(new))
         };
         self.check_with(&outputs, &is_same)?;
-        write_all(folder, files, stop)
+        replace_all(folder, files, &[], stop)
     }
 
     fn check_with(
@@ -115,16 +110,14 @@ impl WriteRule {
             check_folder(output.parent().unwrap_or(Path::new("")))?;
             refuse_no_file(output)?;
             if outputs[..index].iter().any(|other| is_same(other, output)) {
-                let what = "two outputs of this run have this name";
-                let next = "give another name for one of them";
-                return Err(Error::in_file("unwritable", what, output, next));
+                let said =
+                    "two outputs of this run have this name; give another name for one of them";
+                return Err(Error::of_file("unwritable", said, output));
             }
         }
         let records = self.records(outputs);
-        for output in outputs
-            .iter()
-            .filter(|output| output.symlink_metadata().is_ok())
-        {
+        let is_there = |output: &&PathBuf| output.symlink_metadata().is_ok();
+        for output in outputs.iter().filter(is_there) {
             let is_own = self.is_own(output, &records);
             if let Some(input) = self.input(output, is_own) {
                 let what = format!("{} is an input of this run", input.display());
@@ -149,36 +142,29 @@ impl WriteRule {
             folders.find(is_above).map(|_| output)
         };
         // what an earlier run left in a folder that is read is none of its inputs
-        let within = if is_own { None } else { within() };
-        same.map(PathBuf::as_path).or(within)
+        let same = same.map(PathBuf::as_path);
+        same.or_else(|| within().filter(|_| !is_own))
     }
 
     /// The records of the command among the outputs.
-    fn records(&self, outputs: &[PathBuf]) -> Vec<Record> {
-        let json = outputs.iter().filter(|path| {
-            let end = path.extension().and_then(|end| end.to_str());
+    fn records(&self, outputs: &[PathBuf]) -> Records {
+        let is_json = |path: &&PathBuf| {
+            let end = path.extension();
             end.is_some_and(|end| end.eq_ignore_ascii_case("json"))
-        });
-        json.filter_map(|path| {
-            let (_, outputs, is_whole) = provenance(&own_text(path)?, self.command)?;
-            Some(Record {
-                path: path.clone(),
-                is_whole,
-                outputs,
-            })
-        })
-        .collect()
+        };
+        let read = |path: &PathBuf| {
+            let listing = Listing::parse(&own_text(path)?, self.command)?;
+            Some((path.clone(), listing))
+        };
+        outputs.iter().filter(is_json).filter_map(read).collect()
     }
 
     /// Whether an earlier run of the command wrote a file, by the hash in it or by that in a record beside it, and nobody changed
     /// it since. The index of a folder is every command's.
-    fn is_own(&self, output: &Path, records: &[Record]) -> bool {
-        let is_record = |record: &Record| {
-            let is_beside = record.path != output && folder_of(&record.path) == folder_of(output);
-            match is_beside {
-                true => is_listed(output, &file_name(output), &record.outputs),
-                false => record.is_whole && record.path == output,
-            }
+    fn is_own(&self, output: &Path, records: &Records) -> bool {
+        let is_record = |(path, listing): &(PathBuf, Listing)| match path == output {
+            true => listing.is_whole,
+            false => folder_of(path) == folder_of(output) && listing.has(output),
         };
         if records.iter().any(is_record) {
             return true;
@@ -212,22 +198,19 @@ impl WriteRule {
     }
 
     fn not_own(&self, file: &Path) -> Error {
-        let command = self.command;
-        let what = format!(
-            "the file is there, and no earlier `haptical {command}` wrote it, or it was changed since"
+        let said = format!(
+            "the file is there, and no earlier `haptical {}` wrote it, or it was changed since; give another name or folder, or \
+             --force to overwrite it",
+            self.command
         );
-        let next = "give another name or folder, or --force to overwrite it";
-        Error::in_file("exists", what, file, next)
+        Error::of_file("exists", said, file)
     }
 }
 
 /// The folder of a file, however its path is written.
 fn folder_of(file: &Path) -> PathBuf {
-    let parent = file.parent().unwrap_or(Path::new(""));
-    let folder = match parent.as_os_str().is_empty() {
-        true => Path::new("."),
-        false => parent,
-    };
+    let parent = file.parent().filter(|own| !own.as_os_str().is_empty());
+    let folder = parent.unwrap_or(Path::new("."));
     folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
 }
 
@@ -259,7 +242,6 @@ fn refuse_no_file(output: &Path) -> Result<(), Error> {
         Ok(there) if !there.is_file() => "no regular file",
         _ => return Ok(()),
     };
-    let what = format!("cannot write: it is {kind}");
-    let next = "give the name of a file";
-    Err(Error::in_file("unwritable", what, output, next))
+    let said = format!("cannot write: it is {kind}; give the name of a file");
+    Err(Error::of_file("unwritable", said, output))
 }

@@ -50,14 +50,11 @@ pub struct Fingerprint {
 impl Source {
     /// A file that was given on the command line.
     pub fn given(path: &Path) -> Self {
-        let is_of_this_machine = path.is_absolute() || path.has_root();
-        let label = if is_of_this_machine {
-            file_name(path)
-        } else {
-            path.to_string_lossy().into_owned()
-        };
         Self {
-            label,
+            label: match path.is_absolute() || path.has_root() {
+                true => file_name(path),
+                false => path.to_string_lossy().into_owned(),
+            },
             ..Self::by_path(path)
         }
     }
@@ -118,8 +115,7 @@ impl Source {
     pub fn fingerprint_text(&self, text: &str) -> Fingerprint {
         let is_file = self.text.is_none() && self.path.is_file();
         let again = is_file.then(|| Fingerprint::of_file(&self.path).ok());
-        let again = again.flatten();
-        again.unwrap_or_else(|| Fingerprint::from_bytes(text.as_bytes()))
+        (again.flatten()).unwrap_or_else(|| Fingerprint::from_bytes(text.as_bytes()))
     }
 
     /// Puts the label in the place of the path in front of warnings.

@@ -39,8 +39,8 @@ pub use self::transmissions::TransmissionEntry;
 use crate::device::{Device, InputDrumDenominators};
 use crate::error::Error;
 use crate::files::{
-    IDENTIFICATION_FILES, InputFile, NewFile, Overwrite, Record, ResultKind, Source, Thresholds,
-    VERSION, WriteRule, sealed_json, without_comments, write_result,
+    IDENTIFICATION_FILES, InputFile, NewFile, Record, ResultKind, Source, Thresholds, VERSION,
+    sealed_json, without_comments,
 };
 use crate::log::Log;
 use crate::reproduced::{Left, comments, reproduced};
@@ -138,7 +138,7 @@ pub fn identify_as(
     // behind the device, before the rig: the order of the flags
     inputs.splice(1..1, log.input("log"));
     inputs.extend(causes);
-    let mut record = Record::new(version, "identify", options.flags(device, &inputs), inputs);
+    let mut record = Record::of(version, "identify", inputs, options.flags(device));
     record.thresholds = Some(Thresholds::from_options(&options.options));
     let force = force(&model, &calibration, &recording).map_err(refuse)?;
     let labels = [device.source(), log.source()].map(|source| source.label.as_str());
@@ -263,10 +263,9 @@ impl Identify {
     }
 
     /// The flags of the command that decide the result, defaults included.
-    fn flags(&self, device: &Device, inputs: &[InputFile]) -> Vec<String> {
+    fn flags(&self, device: &Device) -> Vec<String> {
         let options = &self.options;
-        let mut flags: Vec<String> = inputs.iter().map(InputFile::argument).collect();
-        flags.extend([
+        let mut flags = vec![
             format!("--method={}", Calibration::method_name(options.method)),
             match options.held_out {
                 HeldOut::Folds(folds) => format!("--folds={folds}"),
@@ -282,7 +281,7 @@ impl Identify {
                 Weighting::Estimated => "--noise=estimated".to_owned(),
             },
             flag_of_loss(options.loss),
-        ]);
+        ];
         flags.extend(flags_of_fit(&self.with, &self.hold, &self.deviations));
         let equipment = device.equipment();
         if let InputDrumDenominators::Same(length_m) = equipment.denominators {
@@ -386,18 +385,10 @@ impl Found {
     ///
     /// # Errors
     /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
-    /// [`write_result`] can overwrite it.
+    /// [`crate::files::write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        write_identification(folder.as_ref(), &self.files()?)
+        ResultKind::IDENTIFICATION.write(folder.as_ref(), &self.files()?)
     }
-}
-
-/// Writes the files of an identification, all of them or none.
-fn write_identification(folder: &Path, files: &[NewFile<'static>]) -> Result<Vec<PathBuf>, Error> {
-    let kind = ResultKind::IDENTIFICATION;
-    let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
-    let written = write_result(folder, &kind, files, &rule, &|| false)?;
-    Ok(written.written)
 }
 
 impl std::fmt::Display for Found {

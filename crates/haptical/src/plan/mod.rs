@@ -12,10 +12,7 @@ use serde::Serialize;
 
 use crate::device::Device;
 use crate::error::Error;
-use crate::files::{
-    InputFile, NewFile, Overwrite, PLAN_FILES, Record, ResultKind, VERSION, WriteRule, sealed_json,
-    write_result,
-};
+use crate::files::{NewFile, PLAN_FILES, Record, ResultKind, VERSION, sealed_json};
 use crate::log::Log;
 
 pub use self::settle::{
@@ -72,12 +69,10 @@ pub fn plan_as(
     warnings.extend(measured.iter().flat_map(|log| log.warnings.iter().cloned()));
     let mut inputs = device.inputs("device");
     inputs.extend(measured.and_then(|log| log.input("log")));
-    let mut flags: Vec<String> = inputs.iter().map(InputFile::argument).collect();
-    flags.extend(device.equipment().chain_flags());
-    flags.extend(flags::from_request(request));
-    let mut provenance = Record::new(version, "plan", flags, inputs);
+    let flags = device.equipment().chain_flags();
+    let flags = flags.chain(flags::from_request(request));
+    let mut provenance = Record::of(version, "plan", inputs, flags);
     provenance.seeds.insert("poses", request.seed);
-    let joints = device.model.joints.iter().enumerate();
     Ok(Planned {
         device: device.source().label.clone(),
         answer: text::answer(&plan),
@@ -85,20 +80,16 @@ pub fn plan_as(
         warnings,
         provenance,
         named_rows: device.named_rows(),
-        columns: joints
-            .map(|(index, joint)| format!("theta{}_{}", index + 1, joint.unit()))
-            .collect(),
+        columns: device.joint_columns(),
     })
 }
 
 /// Poses of a log.
 fn postures(log: &Log) -> Vec<Posture> {
     let recording = &log.recording;
-    let row = |row: usize| {
-        let readings = recording.joint.iter().map(|column| column[row]).collect();
-        Posture::free(readings)
-    };
-    (0..recording.len()).map(row).collect()
+    let row = |row: usize| recording.joint.iter().map(|column| column[row]).collect();
+    let rows = 0..recording.len();
+    rows.map(|number| Posture::free(row(number))).collect()
 }
 
 /// The request with what a rig file says of its tracker where a measurement says nothing.
@@ -158,12 +149,9 @@ impl Planned {
     ///
     /// # Errors
     /// The folder cannot be written to, or a file of these names in it is none that an earlier run wrote:
-    /// [`write_result`] can overwrite it.
+    /// [`crate::files::write_result`] can overwrite it.
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        let (kind, files) = (ResultKind::PLAN, self.files()?);
-        let rule = WriteRule::new(kind.command, Vec::new(), Overwrite::Own);
-        let written = write_result(folder.as_ref(), &kind, &files, &rule, &|| false)?;
-        Ok(written.written)
+        ResultKind::PLAN.write(folder.as_ref(), &self.files()?)
     }
 
     /// The joints' columns of a log, to drive to and then to measure at.

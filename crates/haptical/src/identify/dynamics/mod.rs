@@ -18,7 +18,8 @@ pub use self::result::{
 use crate::device::Device;
 use crate::error::Error;
 use crate::files::{
-    IDENTIFICATION_FILES, NewFile, Record, Source, VERSION, sealed_json, without_comments,
+    IDENTIFICATION_FILES, NewFile, Record, ResultKind, Source, VERSION, sealed_json,
+    without_comments,
 };
 use crate::log::Log;
 
@@ -92,14 +93,10 @@ pub fn identify_dynamics_as(
     let mut inputs = device.inputs("device");
     inputs.splice(1..1, log.input("log"));
     inputs.extend(validate.and_then(|own| own.input("validate")));
-    let mut flags: Vec<String> = inputs
-        .iter()
-        .map(crate::files::InputFile::argument)
-        .collect();
-    flags.push(format!("--with={DYNAMICS}"));
+    let mut flags = vec![format!("--with={DYNAMICS}")];
     flags.extend(band_hz.map(|edge| format!("--band-hz={edge}")));
     flags.extend(device.equipment().chain_flags());
-    let mut record = Record::new(version, "identify", flags, inputs);
+    let mut record = Record::of(version, "identify", inputs, flags);
     record.seeds.insert("noise added to positions", NOISE_SEED);
     let mut warnings = device.warnings.clone();
     warnings.extend_from_slice(&log.warnings);
@@ -151,7 +148,7 @@ impl FoundDynamics {
     /// # Errors
     /// As [`crate::identify::Found::write`].
     pub fn write(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        super::write_identification(folder.as_ref(), &self.files()?)
+        ResultKind::IDENTIFICATION.write(folder.as_ref(), &self.files()?)
     }
 }
 

@@ -14,7 +14,7 @@ use super::flags;
 use crate::device::Device;
 use crate::diagnose::joined;
 use crate::error::Error;
-use crate::files::{InputFile, NewFile, PLAN_FILES, Record, VERSION, sealed_json};
+use crate::files::{NewFile, PLAN_FILES, Record, VERSION, sealed_json};
 use crate::log::Log;
 
 pub use self::gap_file::GapFile;
@@ -244,24 +244,18 @@ pub fn settle_as(
     let mut inputs = device.inputs("device");
     inputs.push(gap.input().clone());
     inputs.extend(logs.iter().filter_map(|log| log.input("log")));
-    let mut arguments: Vec<String> = inputs.iter().map(InputFile::argument).collect();
-    arguments.extend(device.equipment().chain_flags());
-    arguments.extend(request.rows.map(|rows| format!("--rows={rows}")));
-    arguments.extend(request.press_n.map(|newtons| format!("--press={newtons}")));
-    arguments.extend(flags::from_request(&Request {
+    let mut flags: Vec<String> = device.equipment().chain_flags().collect();
+    flags.extend(request.rows.map(|rows| format!("--rows={rows}")));
+    flags.extend(request.press_n.map(|newtons| format!("--press={newtons}")));
+    flags.extend(flags::from_request(&Request {
         candidates: request.candidates,
         seed: request.seed,
         limits: request.limits,
         ..Request::default()
     }));
-    let mut provenance = Record::new(version, "plan", arguments, inputs);
+    let mut provenance = Record::of(version, "plan", inputs, flags);
     provenance.seeds.insert("motions", request.seed);
-    let joints = device.model.joints.iter().zip(1..);
-    let columns = joints.map(|(joint, number)| format!("theta{number}_{}", joint.unit()));
-    let columns = columns.collect();
-    Ok(Settled::new(
-        device, gap, chosen, columns, warnings, provenance,
-    ))
+    Ok(Settled::new(device, gap, chosen, warnings, provenance))
 }
 
 impl Settled {
@@ -269,7 +263,6 @@ impl Settled {
         device: &Device,
         gap: &GapFile,
         chosen: Chosen,
-        columns: Vec<String>,
         warnings: Vec<String>,
         provenance: Record,
     ) -> Self {
@@ -283,11 +276,7 @@ impl Settled {
             answer: String::new(),
             verdict: gap.verdict().to_owned(),
             rows: chosen.motion.len(),
-            duration_s: chosen
-                .motion
-                .time_s
-                .as_ref()
-                .and_then(|times| times.last().copied()),
+            duration_s: (chosen.motion.time_s.as_ref()).and_then(|times| times.last().copied()),
             least_odds: least(&chosen.odds),
             least_odds_at_random: least(&chosen.at_random.1),
             odds: (chosen.odds.iter())
@@ -305,7 +294,7 @@ impl Settled {
             candidates: names,
             pieces: chosen.pieces,
             motion: chosen.motion,
-            columns,
+            columns: device.joint_columns(),
             warnings,
             provenance,
         };
@@ -328,19 +317,13 @@ impl Settled {
 
     /// The joints' columns of a log, with times and forces where there are any.
     fn poses_csv(&self) -> Result<Vec<u8>, Error> {
-        let mut columns: Vec<(String, &Vec<f64>)> = Vec::new();
-        columns.extend(
-            self.motion
-                .time_s
-                .iter()
-                .map(|times| ("time_s".to_owned(), times)),
-        );
-        columns.extend(self.columns.iter().cloned().zip(&self.motion.joint));
-        let axes = self.motion.force_n.iter().flatten();
-        let named = FORCES.iter().map(|name| (*name).to_owned());
-        columns.extend(named.zip(axes));
+        let joints = self.columns.iter().map(String::as_str);
+        let mut columns: Vec<(&str, &Vec<f64>)> = Vec::new();
+        columns.extend(self.motion.time_s.iter().map(|times| ("time_s", times)));
+        columns.extend(joints.zip(&self.motion.joint));
+        columns.extend(FORCES.into_iter().zip(self.motion.force_n.iter().flatten()));
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let header = columns.iter().map(|(name, _)| name);
+        let header = columns.iter().map(|(name, _)| *name);
         writer.write_record(header).map_err(Error::internal)?;
         for row in 0..self.motion.len() {
             // a millionth of a radian, a second or a newton is more than anyone follows
