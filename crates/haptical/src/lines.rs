@@ -29,6 +29,18 @@ pub(crate) fn labelled(label: &str, said: &str, indent: usize) -> String {
     lines.collect()
 }
 
+/// The first few of some texts, a line each, and how many more a file has.
+pub(crate) fn first_of(
+    texts: impl ExactSizeIterator<Item = impl std::fmt::Display>,
+    most: usize,
+    file: &str,
+) -> String {
+    let more = texts.len().saturating_sub(most);
+    let lines = texts.take(most).map(|text| format!("  {text}\n"));
+    let more = (more > 0).then(|| format!("  and {more} more, see {file}\n"));
+    lines.chain(more).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -48,8 +48,8 @@ impl Log {
             }
         };
         let mut reader = HashingReader::new(file);
-        let log = read_log_from(&mut reader, &source.name(), &shape)
-            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        let log = read_log_from(&mut reader, &source.name(), &shape);
+        let log = log.map_err(|error| Error::log(error, device))?;
         // The log was read without error, but its end may not have been asked for.
         let _ = std::io::copy(&mut reader, &mut std::io::sink());
         Self::new(log, source.clone(), Some(reader.fingerprint()), device)
@@ -61,8 +61,8 @@ impl Log {
     /// As [`Log::read`].
     pub(crate) fn from_text(text: &str, source: &Source, device: &Device) -> Result<Self, Error> {
         let shape = LogShape::from(&device.model);
-        let log = read_log_from(text.as_bytes(), &source.name(), &shape)
-            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        let log = read_log_from(text.as_bytes(), &source.name(), &shape);
+        let log = log.map_err(|error| Error::log(error, device))?;
         let fingerprint = source.fingerprint_text(text);
         Self::new(log, source.clone(), Some(fingerprint), device)
     }
@@ -77,8 +77,8 @@ impl Log {
         device: &Device,
     ) -> Result<Self, Error> {
         let shape = LogShape::from(&device.model);
-        let log = log_from_columns(columns, name, &shape)
-            .map_err(|error| Error::log(error, &device.model).with_equipment(device))?;
+        let log = log_from_columns(columns, name, &shape);
+        let log = log.map_err(|error| Error::log(error, device))?;
         Self::new(log, Source::text("", name), None, device)
     }
 
@@ -125,24 +125,14 @@ impl Log {
         };
         let path = &self.source.path;
         if !path.is_file() {
-            let what = "it cannot be read twice, as a repair must";
-            return Err(Error::in_file(
-                "no-file",
-                what,
-                path,
-                "give a file, not a pipe",
-            ));
+            let said = "it cannot be read twice, as a repair must; give a file, not a pipe";
+            return Err(Error::of_file("no-file", said, path));
         }
         let unreadable = |error| Error::unreadable(&error, path, "check its permissions");
         let bytes = std::fs::read(path).map_err(unreadable)?;
         if Fingerprint::from_bytes(&bytes) != *before {
-            let what = "it was changed while it was diagnosed";
-            return Err(Error::in_file(
-                "changed",
-                what,
-                path,
-                "run the command again",
-            ));
+            let said = "it was changed while it was diagnosed; run the command again";
+            return Err(Error::of_file("changed", said, path));
         }
         Ok(Some(bytes))
     }
@@ -153,6 +143,18 @@ impl Log {
             recording: Arc::new(recording),
             ..self.clone()
         }
+    }
+
+    /// A refusal of a row.
+    pub(crate) fn refuse_row(
+        &self,
+        name: &'static str,
+        what: impl Into<String>,
+        row: usize,
+        next: &str,
+    ) -> Error {
+        let line = self.recording.line.get(row).copied();
+        Error::log_line(name, what, &self.source.path, line, next)
     }
 
     /// Its origin.

@@ -17,7 +17,7 @@ mod refitted;
 mod repair;
 mod several;
 mod summary;
-mod words;
+pub(crate) mod words;
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use haptical_data::{DataError, Fault};
-use haptical_model::Device;
 
 use super::equipment::listed;
 use super::{Error, ErrorKind, Place, split_advice};
+use crate::device::Device;
 
 impl Error {
     /// A refused log of a device: the joints that it has no columns of are named.
@@ -15,7 +15,7 @@ impl Error {
             Fault::MissingColumn {
                 missing, required, ..
             } => {
-                let joints = required.iter().zip(&device.joints);
+                let joints = required.iter().zip(&device.model.joints);
                 let joints = joints.filter(|(column, _)| missing.contains(column));
                 // a file that names no joints numbers them
                 let named = joints.filter(|(_, joint)| joint.name.parse::<f64>().is_err());
@@ -29,7 +29,7 @@ impl Error {
             [name] => refused.what += &format!(" (joint `{name}`)"),
             _ => refused.what += &format!(" (joints {})", listed(&names)),
         }
-        refused
+        refused.with_equipment(device)
     }
 }
 

@@ -28,48 +28,59 @@ pub struct JointDrift {
     pub torque_rms: Option<f64>,
 }
 
+/// A sum of squares and how many there are.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Squares {
+    sum: f64,
+    count: usize,
+}
+
+impl Squares {
+    pub(super) fn add(&mut self, gap: f64) {
+        self.sum += gap * gap;
+        self.count += 1;
+    }
+
+    pub(super) fn root_mean(self) -> f64 {
+        (self.sum / self.count.max(1) as f64).sqrt()
+    }
+}
+
 /// Sums of squares on their way to a [`JointDrift`].
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sums {
-    square: f64,
-    rows: usize,
-    end_square: f64,
-    ends: usize,
+    all: Squares,
+    ends: Squares,
     largest: f64,
-    torque_square: f64,
-    torques: usize,
+    torques: Squares,
 }
 
 impl Sums {
-    pub(super) fn add(&mut self, gap: f64) {
-        self.square += gap * gap;
-        self.rows += 1;
+    /// Takes a row's gap; `is_end` at the last one of a window.
+    pub(super) fn add(&mut self, gap: f64, is_end: bool) {
+        self.all.add(gap);
         self.largest = self.largest.max(gap.abs());
-    }
-
-    pub(super) fn end(&mut self, gap: f64) {
-        self.end_square += gap * gap;
-        self.ends += 1;
+        if is_end {
+            self.ends.add(gap);
+        }
     }
 
     pub(super) fn torque(&mut self, gap: f64) {
         if gap.is_finite() {
-            self.torque_square += gap * gap;
-            self.torques += 1;
+            self.torques.add(gap);
         }
     }
 
     pub(super) fn rows(&self) -> usize {
-        self.rows
+        self.all.count
     }
 
     pub(super) fn told(&self) -> JointDrift {
-        let root = |square: f64, count: usize| (square / count.max(1) as f64).sqrt();
         JointDrift {
-            rms: root(self.square, self.rows),
-            end_rms: root(self.end_square, self.ends),
+            rms: self.all.root_mean(),
+            end_rms: self.ends.root_mean(),
             largest: self.largest,
-            torque_rms: (self.torques > 0).then(|| root(self.torque_square, self.torques)),
+            torque_rms: (self.torques.count > 0).then(|| self.torques.root_mean()),
         }
     }
 }

@@ -49,28 +49,24 @@ impl Inputs {
     ) -> Result<Self, Error> {
         let recording = log.recording.as_ref();
         let path = &log.source().path;
-        let refuse = |what: String, next: &str| Error::in_file("log", what, path, next);
+        let refuse = |said: &str| Error::of_file("log", said, path);
+        let lacks = |name: &str, next: &str| refuse(&format!("it has no column `{name}`; {next}"));
         let Some(time_s) = &recording.time_s else {
-            let what = "it has no column `t_s`".to_owned();
-            return Err(refuse(what, "log the time of each row in s"));
+            return Err(lacks("t_s", "log the time of each row in s"));
         };
         let pieces = pieces(recording, time_s);
         if pieces.is_empty() {
-            let what = "no two of its rows follow each other".to_owned();
-            return Err(refuse(what, "log whole motions"));
+            let said = "no two of its rows follow each other; log whole motions";
+            return Err(refuse(said));
         }
         let ranges: Vec<Range<usize>> = pieces.iter().map(|own| own.rows.clone()).collect();
         let motions = recording.joint.iter();
-        let motions: Vec<_> = motions
-            .map(|column| local_motion(column, time_s, &ranges))
-            .collect();
+        let motions = motions.map(|column| local_motion(column, time_s, &ranges));
+        let (theta, dtheta) = motions.map(|own| (own.value, own.velocity)).unzip();
         let mut inputs = Self {
             time_s: time_s.clone(),
-            theta: motions.iter().map(|motion| motion.value.clone()).collect(),
-            dtheta: motions
-                .iter()
-                .map(|motion| motion.velocity.clone())
-                .collect(),
+            theta,
+            dtheta,
             torque: Vec::new(),
             command: Vec::new(),
             command_rate: Vec::new(),
@@ -83,10 +79,8 @@ impl Inputs {
             for (joint, own) in device.model.joints.iter().enumerate() {
                 let name = own.torque_column(joint + 1);
                 let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
-                let column = column.ok_or_else(|| {
-                    let what = format!("it has no column `{name}`");
-                    refuse(what, "log the torque of every drive, or give --controller")
-                })?;
+                let next = "log the torque of every drive, or give --controller";
+                let column = column.ok_or_else(|| lacks(&name, next))?;
                 inputs.torque.push(column.clone());
                 if matches!(drive, Drive::Torques) {
                     whole(&name, column, log)?;
@@ -98,14 +92,11 @@ impl Inputs {
                 let name = format!("command{}_{}", joint + 1, own.unit());
                 let own = |(column, _): &&(String, Vec<f64>)| *column == name;
                 let column = recording.covariates.iter().find(own);
-                let (_, column) = column.ok_or_else(|| {
-                    let what = format!("it has no column `{name}`");
-                    refuse(what, "log what the controller is told")
-                })?;
+                let missing = || lacks(&name, "log what the controller is told");
+                let (_, column) = column.ok_or_else(missing)?;
                 whole(&name, column, log)?;
-                inputs
-                    .command_rate
-                    .push(rates(column, time_s, &inputs.pieces));
+                let rates = rates(column, time_s, &inputs.pieces);
+                inputs.command_rate.push(rates);
                 inputs.command.push(column.clone());
             }
         }
@@ -113,8 +104,8 @@ impl Inputs {
             inputs.keep_known_torques(delays_s);
         }
         if inputs.pieces.is_empty() {
-            let what = "its runs are shorter than `torque_delay_s` of the device".to_owned();
-            return Err(refuse(what, "correct torque_delay_s in the device file"));
+            let said = "its runs are shorter than `torque_delay_s` of the device; correct torque_delay_s in the device file";
+            return Err(refuse(said));
         }
         Ok(inputs)
     }
@@ -155,11 +146,8 @@ impl Inputs {
     }
 
     pub(super) fn runs(&self) -> usize {
-        self.pieces
-            .iter()
-            .map(|piece| piece.run + 1)
-            .max()
-            .unwrap_or(0)
+        let runs = self.pieces.iter().map(|piece| piece.run + 1);
+        runs.max().unwrap_or(0)
     }
 }
 
@@ -168,13 +156,11 @@ fn whole(name: &str, column: &[f64], log: &Log) -> Result<(), Error> {
     let Some(row) = column.iter().position(|value| !value.is_finite()) else {
         return Ok(());
     };
-    Err(Error::log_line(
-        "log",
+    let (what, next) = (
         format!("`{name}` is empty"),
-        &log.source().path,
-        log.recording.line.get(row).copied(),
         "fill the cell or leave the row out",
-    ))
+    );
+    Err(log.refuse_row("log", what, row, next))
 }
 
 fn pieces(recording: &Recording, time_s: &[f64]) -> Vec<Piece> {
@@ -209,10 +195,8 @@ fn rates(column: &[f64], time_s: &[f64], pieces: &[Piece]) -> Vec<f64> {
     let mut rates = vec![0.0; column.len()];
     for Piece { rows, .. } in pieces {
         for row in rows.clone() {
-            let (before, after) = (
-                row.saturating_sub(1).max(rows.start),
-                (row + 1).min(rows.end - 1),
-            );
+            let before = row.saturating_sub(1).max(rows.start);
+            let after = (row + 1).min(rows.end - 1);
             rates[row] = (column[after] - column[before]) / (time_s[after] - time_s[before]);
         }
     }

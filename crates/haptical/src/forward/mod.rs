@@ -100,43 +100,32 @@ pub fn forward(devices: &[(&str, &Device)], log: &Log, drive: Drive<'_>) -> Resu
     };
     let controller = match drive {
         Drive::Torques => None,
-        Drive::Controller(file) => {
-            let own = file.of(&nominal.model);
-            Some(own.map_err(|error| refusal(&error, nominal))?)
-        }
+        Drive::Controller(file) => Some(file.of(&nominal.model)),
     };
+    let controller = controller.transpose();
+    let controller = controller.map_err(|error| refusal(&error, nominal))?;
     for (name, device) in devices {
         crate::refuse_other_device(&nominal.model, &device.model, &device.source().path)?;
         let refuse = |error: ModelError| refusal(&error, device);
-        let mut models = Vec::new();
-        for run in 0..inputs.runs() {
-            models.push(
-                ForwardModel::of_device(&device.model, (run, inputs.runs())).map_err(refuse)?,
-            );
-        }
-        told.warnings
-            .extend(said(name, &device.model, models.first()));
+        let runs = inputs.runs();
+        let models = (0..runs).map(|run| ForwardModel::of_device(&device.model, (run, runs)));
+        let models = models.collect::<Result<Vec<_>, _>>().map_err(refuse)?;
+        let said = said(name, &device.model, models.first());
+        told.warnings.extend(said);
         let prediction = Prediction {
             inputs: &inputs,
             models: &models,
             controller: controller.as_ref(),
         };
-        told.devices
-            .push(prediction.device(name, &mut told.starts).map_err(refuse)?);
+        let made = prediction.device(name, &mut told.starts);
+        told.devices.push(made.map_err(refuse)?);
     }
     Ok(told)
 }
 
 /// What is not as it seems.
 fn said(name: &str, device: &Model, model: Option<&ForwardModel>) -> Vec<String> {
-    let mut said = Vec::new();
-    let left_out = model.map_or(&[][..], ForwardModel::left_out);
-    if !left_out.is_empty() {
-        said.push(format!(
-            "{name}: not part of the motion: {}",
-            left_out.join(", ")
-        ));
-    }
+    let left_out = model.map_or(&[][..], ForwardModel::left_out).join(", ");
     let segments = Segments::of_device(device);
     let rows = segments.iter().flat_map(|own| &own.rows).enumerate();
     let points = rows.filter(|(_, own)| {
@@ -144,24 +133,25 @@ fn said(name: &str, device: &Model, model: Option<&ForwardModel>) -> Vec<String>
         weighs.is_some_and(|own| own.given_inertia() == GivenInertia::Point)
     });
     let points: Vec<String> = points.map(|(row, _)| (row + 1).to_string()).collect();
-    if !points.is_empty() {
-        said.push(format!(
-            "{name}: the inertia of the rows {} is given as 0: points here, where a diagnosis takes rods",
-            points.join(", ")
-        ));
-    }
-    let bare = device
-        .joints
-        .iter()
-        .filter(|joint| joint.armature_kgm2.is_none());
+    let joints = device.joints.iter();
+    let bare = joints.filter(|joint| joint.armature_kgm2.is_none());
     let bare: Vec<&str> = bare.map(|joint| joint.name.as_str()).collect();
-    if !bare.is_empty() {
-        said.push(format!(
-            "{name}: no armature_kgm2 of the joints {}: their rotors and gears weigh nothing here",
-            bare.join(", ")
-        ));
-    }
-    said
+    let said = [
+        ("not part of the motion: ", left_out, ""),
+        (
+            "the inertia of the rows ",
+            points.join(", "),
+            " is given as 0: points here, where a diagnosis takes rods",
+        ),
+        (
+            "no armature_kgm2 of the joints ",
+            bare.join(", "),
+            ": their rotors and gears weigh nothing here",
+        ),
+    ];
+    let said = said.into_iter().filter(|(_, names, _)| !names.is_empty());
+    said.map(|(before, names, after)| format!("{name}: {before}{names}{after}"))
+        .collect()
 }
 
 fn refusal(error: &ModelError, device: &Device) -> Error {

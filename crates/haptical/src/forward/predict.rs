@@ -7,7 +7,7 @@ use haptical_simulator::{
     Command, Controller, ControllerState, ForwardModel, ForwardState, ForwardWork,
 };
 
-use super::drift::{Drift, Sums};
+use super::drift::{Drift, Squares, Sums};
 use super::inputs::{Inputs, Piece};
 use super::{CHECKED_WINDOWS, ForwardDevice, HORIZONS_S, KEPT_HORIZON_S};
 
@@ -38,11 +38,8 @@ impl Prediction<'_> {
     ) -> Result<ForwardDevice, ModelError> {
         let joints = self.inputs.theta.len();
         let rows = self.inputs.time_s.len();
-        let mut kept = vec![vec![f64::NAN; rows]; joints];
-        let mut torque = match self.controller {
-            None => Vec::new(),
-            Some(_) => kept.clone(),
-        };
+        let mut theta = vec![vec![f64::NAN; rows]; joints];
+        let mut torque = self.controller.map_or(Vec::new(), |_| theta.clone());
         let mut drifts = Vec::new();
         for horizon_s in HORIZONS_S.map(Some).into_iter().chain([None]) {
             let windows = self.windows(horizon_s);
@@ -51,16 +48,8 @@ impl Prediction<'_> {
                 let path = self.path(window, 1.0)?;
                 self.compare(window, &path, &mut sums);
                 if horizon_s == Some(KEPT_HORIZON_S) {
-                    for (row, values) in window.0.clone().zip(path.theta.chunks(joints)) {
-                        for (column, value) in kept.iter_mut().zip(values) {
-                            column[row] = *value;
-                        }
-                    }
-                    for (row, values) in window.0.clone().zip(path.torque.chunks(joints)) {
-                        for (column, value) in torque.iter_mut().zip(values) {
-                            column[row] = *value;
-                        }
-                    }
+                    put(&mut theta, &window.0, &path.theta);
+                    put(&mut torque, &window.0, &path.torque);
                 }
             }
             if horizon_s == Some(KEPT_HORIZON_S) {
@@ -76,12 +65,9 @@ impl Prediction<'_> {
         Ok(ForwardDevice {
             name: name.to_owned(),
             drifts,
-            step_s: self
-                .models
-                .first()
-                .map_or(0.0, ForwardModel::longest_step_s),
+            step_s: (self.models.first()).map_or(0.0, ForwardModel::longest_step_s),
             halved_step_moves: self.halved()?,
-            theta: kept,
+            theta,
             torque,
         })
     }
@@ -117,10 +103,7 @@ impl Prediction<'_> {
             let row = rows.start + place;
             for (joint, value) in values.iter().enumerate() {
                 let gap = value - self.inputs.theta[joint][row];
-                sums[joint].add(gap);
-                if row + 1 == rows.end {
-                    sums[joint].end(gap);
-                }
+                sums[joint].add(gap, row + 1 == rows.end);
             }
         }
         if self.inputs.torque.is_empty() {
@@ -141,19 +124,17 @@ impl Prediction<'_> {
         let joints = self.inputs.theta.len();
         let windows = self.windows(Some(KEPT_HORIZON_S));
         let each = windows.len().div_ceil(CHECKED_WINDOWS).max(1);
-        let (mut squares, mut rows) = (vec![0.0; joints], 0_usize);
+        let mut squares = vec![Squares::default(); joints];
         for window in windows.iter().step_by(each) {
             let (whole, half) = (self.path(window, 1.0)?, self.path(window, 0.5)?);
             let both = whole.theta.chunks(joints).zip(half.theta.chunks(joints));
             for (whole, half) in both {
-                rows += 1;
-                for (square, (whole, half)) in squares.iter_mut().zip(whole.iter().zip(half)) {
-                    *square += (whole - half) * (whole - half);
+                for (squares, (whole, half)) in squares.iter_mut().zip(whole.iter().zip(half)) {
+                    squares.add(whole - half);
                 }
             }
         }
-        let mean = squares.iter().map(|square| square / rows.max(1) as f64);
-        Ok(mean.map(f64::sqrt).collect())
+        Ok(squares.into_iter().map(Squares::root_mean).collect())
     }
 
     /// Positions of a window's rows, from the log's state at the first, in steps of this share of the usual ones.
@@ -177,6 +158,15 @@ impl Prediction<'_> {
         match self.controller {
             None => mover.by_torques(),
             Some(controller) => mover.by_controller(controller),
+        }
+    }
+}
+
+/// Puts the values of some rows, row after row, into columns.
+fn put(columns: &mut [Vec<f64>], rows: &Range<usize>, values: &[f64]) {
+    for (row, values) in rows.clone().zip(values.chunks(columns.len().max(1))) {
+        for (column, value) in columns.iter_mut().zip(values) {
+            column[row] = *value;
         }
     }
 }
@@ -304,12 +294,8 @@ impl Mover<'_> {
         let commands = self.inputs.command.iter().zip(&self.inputs.command_rate);
         let commands = commands.map(|(value, rate)| {
             let ends = [last - 1, last];
-            hermite(
-                time_s,
-                ends.map(|row| value[row]),
-                ends.map(|row| rate[row]),
-                now_s,
-            )
+            let (values, rates) = (ends.map(|row| value[row]), ends.map(|row| rate[row]));
+            hermite(time_s, values, rates, now_s)
         });
         let (theta, dtheta): (Vec<f64>, Vec<f64>) = commands.unzip();
         let command = Command {

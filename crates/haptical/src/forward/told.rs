@@ -4,11 +4,11 @@ use std::fmt::Write;
 
 use haptical_report::{Block, Cell, Document, Figure, Mark, Section, Series, Table};
 
-use super::{Forward, JointDrift, KEPT_HORIZON_S};
+use super::{Forward, KEPT_HORIZON_S};
 use crate::device::Device;
 use crate::error::Error;
 use crate::log::Log;
-use crate::page::{FIGURE_PX, thinned};
+use crate::page::{drawn, thinned};
 use crate::units::Shown;
 
 /// A size; one of a thousand of its small units in the SI unit.
@@ -49,16 +49,15 @@ impl Forward {
                         row.push(own.name.as_str().into());
                     }
                     let unit = Shown::fine(own.unit());
-                    let JointDrift {
-                        rms,
-                        end_rms,
-                        largest,
-                        torque_rms,
-                    } = &drift.joints[joint];
-                    row.extend([rms, end_rms, largest].map(|size| sized(unit, *size)));
+                    let gap = &drift.joints[joint];
+                    let sizes = [gap.rms, gap.end_rms, gap.largest];
+                    row.extend(sizes.map(|size| sized(unit, size)));
                     if has_torques {
                         let unit = Shown::fine(own.torque_unit());
-                        row.push(torque_rms.map_or("".into(), |rms| unit.text(rms).into()));
+                        row.push(
+                            gap.torque_rms
+                                .map_or("".into(), |rms| unit.text(rms).into()),
+                        );
                     }
                 }
                 rows.push(row);
@@ -74,15 +73,13 @@ impl Forward {
         let recording = log.recording.as_ref();
         let joints = &device.model.joints;
         let mut columns: Vec<(String, &[f64])> = Vec::new();
-        for (joint, own) in joints.iter().enumerate() {
-            let name = format!("theta{}_{}", joint + 1, own.unit());
-            columns.push((name, &recording.joint[joint]));
+        let names = device.joint_columns();
+        for (name, column) in names.iter().zip(&recording.joint) {
+            columns.push((name.clone(), column));
         }
         for told in &self.devices {
-            for (joint, column) in told.theta.iter().enumerate() {
-                let unit = joints[joint].unit();
-                let name = format!("{}_theta{}_{unit}", told.name, joint + 1);
-                columns.push((name, column));
+            for (name, column) in names.iter().zip(&told.theta) {
+                columns.push((format!("{}_{name}", told.name), column));
             }
             for (joint, column) in told.torque.iter().enumerate() {
                 let name = joints[joint].torque_column(joint + 1);
@@ -95,12 +92,8 @@ impl Forward {
         for row in 0..recording.len() {
             let is_start = starts.next_if_eq(&&row).is_some();
             let time_s = recording.time_s.as_ref().map_or(0.0, |time_s| time_s[row]);
-            let _ = write!(
-                text,
-                "{time_s},{},{}",
-                recording.run_at(row),
-                u8::from(is_start)
-            );
+            let run = recording.run_at(row);
+            let _ = write!(text, "{time_s},{run},{}", u8::from(is_start));
             for (_, column) in &columns {
                 let value = column[row];
                 let _ = match value.is_finite() {
@@ -134,28 +127,18 @@ impl Forward {
                     let gap = (predicted - read) * unit.per_si;
                     gap.is_finite().then_some((*time_s, gap))
                 });
-                let points: Vec<(f64, f64)> = points.collect();
-                let points = thinned(points.into_iter());
-                figure
-                    .series
-                    .push(Series::new(&told.name, Mark::Line, colour, points));
+                let series = Series::new(&told.name, Mark::Line, colour, thinned(points));
+                figure.series.push(series);
             }
-            blocks.push(Block::Svg {
-                caption: format!(
-                    "Joint {}: begun again from the log's state every {KEPT_HORIZON_S} s.",
-                    own.name
-                ),
-                svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
-            });
+            let name = &own.name;
+            let caption =
+                format!("Joint {name}: begun again from the log's state every {KEPT_HORIZON_S} s.");
+            blocks.push(drawn(&figure, caption)?);
         }
-        let page = Document {
-            title: format!("Forward prediction: {}", device.model.name),
-            lead: "How far the equations of motion of a device drift from a log, from whose state they begin again after each \
-                   time."
-                .to_owned(),
-            sections: vec![Section::new("Drift", blocks)],
-        };
-        Ok(page.to_html())
+        let title = format!("Forward prediction: {}", device.model.name);
+        let lead = "How far the equations of motion of a device drift from a log, from whose state they begin again after each time.";
+        let sections = vec![Section::new("Drift", blocks)];
+        Ok(Document::new(title, lead, sections).to_html())
     }
 
     /// Whether a controller's torques are compared.

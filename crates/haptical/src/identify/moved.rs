@@ -108,11 +108,8 @@ fn origins(device: &Device, calibration: &Calibration) -> Option<Vec<MovedEntry>
         }
     });
     // what no parameter moves is given, not identified
-    Some(
-        entries
-            .filter(|entry| entry.ci95[0] < entry.ci95[1] && entry.deviation != 0.0)
-            .collect(),
-    )
+    let is_told = |own: &MovedEntry| own.ci95[0] < own.ci95[1] && own.deviation != 0.0;
+    Some(entries.filter(is_told).collect())
 }
 
 /// Shift \[m\] in the parent's frame and turn \[rad\] in the own one, of each joint in turn.
@@ -163,6 +160,19 @@ fn spread(
     Some((0..NUMBERS.len() * given.len()).map(variance).collect())
 }
 
+/// Those that moved most as a table; none where none did.
+pub(super) fn most(moved: &[MovedEntry]) -> Result<Option<Table>, Error> {
+    let (count, listed) = (moved.len(), moved.len().min(LISTED));
+    let title = match count > listed {
+        true => format!("The {listed} of {count} numbers that moved most"),
+        false => "What moved".to_owned(),
+    };
+    match count {
+        0 => Ok(None),
+        _ => table(&title, &moved[..listed]).map(Some),
+    }
+}
+
 /// The numbers as a table, lengths in mm and angles in degrees.
 pub(super) fn table(title: &str, moved: &[MovedEntry]) -> Result<Table, Error> {
     let rows = moved.iter().map(|entry| {
@@ -185,13 +195,13 @@ pub(super) fn table(title: &str, moved: &[MovedEntry]) -> Result<Table, Error> {
 
 /// Whether the numbers are of the origins of a URDF's joints.
 pub(super) fn says_origins(moved: &[MovedEntry]) -> bool {
-    moved
-        .iter()
-        .any(|entry| entry.name.starts_with("origin of "))
+    let mut names = moved.iter().map(|entry| &entry.name);
+    names.any(|name| name.starts_with("origin of "))
 }
 
-/// What the order of the table is, and what its intervals leave out; `keeps_more` says that readings keep more than noise.
+/// What the order of the table of [`most`] is, and what its intervals leave out; `keeps_more` says that readings keep more than noise.
 pub(super) fn note(moved: &[MovedEntry], keeps_more: bool) -> String {
+    let moved = &moved[..moved.len().min(LISTED)];
     let mut note = "Moved most: in multiples of what is plausible, 5 mm or 1.1° of a link unless stated; first those whose interval holds no zero.".to_owned();
     if says_origins(moved) {
         note.push_str(

@@ -8,8 +8,9 @@ use super::moved;
 use super::refused;
 use super::result::Identified;
 use crate::diagnose::quantity::Quantity;
+use crate::diagnose::words::named_at;
 use crate::error::Error;
-use crate::lines::labelled;
+use crate::lines::{first_of, labelled};
 use crate::units::Shown;
 
 /// Sums that are listed one by one; identified.json has all.
@@ -33,24 +34,11 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     // a table of this many columns in each row is never refused
     let table = judged_table(&title, result).map_err(|_| std::fmt::Error)?;
     writeln!(text, "{}", table.to_terminal())?;
-    if !result.moved.is_empty() {
-        let (count, listed) = (result.moved.len(), result.moved.len().min(moved::LISTED));
-        let title = match count > listed {
-            true => format!("The {listed} of {count} numbers that moved most"),
-            false => "What moved".to_owned(),
-        };
-        let table = moved::table(&title, &result.moved[..listed]);
-        let table = table.map_err(|_| std::fmt::Error)?;
+    let most = moved::most(&result.moved).map_err(|_| std::fmt::Error)?;
+    if let Some(table) = most {
+        let note = moved::note(&result.moved, result.next.is_some());
         writeln!(text, "\n{}", table.to_terminal())?;
-        write!(
-            text,
-            "{}",
-            labelled(
-                "",
-                &moved::note(&result.moved[..listed], result.next.is_some()),
-                0
-            )
-        )?;
+        text.write_str(&labelled("", &note, 0))?;
     }
     if let Some(force) = force_sentence(result) {
         write!(text, "\n{}", labelled("", &force, 0))?;
@@ -58,7 +46,7 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     if !result.effects.is_empty() {
         writeln!(text, "\nEffects that were fitted with geometry and drives:")?;
         for effect in &result.effects {
-            write!(text, "{}", labelled("", &effect_line(effect), 2))?;
+            text.write_str(&labelled("", &effect_line(effect), 2))?;
         }
     }
     if let Some(next) = &result.next {
@@ -67,45 +55,39 @@ pub(super) fn write(text: &mut impl std::fmt::Write, result: &Identified) -> std
     combinations(text, result)?;
     if !result.not_identified.is_empty() {
         writeln!(text, "\nNot identified, kept at the nominal value:")?;
-        write!(text, "{}", refused::lines(&result.not_identified))?;
-        if !result.named_rows.is_empty() {
-            write!(text, "{}", labelled("", &result.named_rows, 0))?;
-        }
+        text.write_str(&refused::lines(&result.not_identified))?;
+        text.write_str(&labelled("", &result.named_rows, 0))?;
     }
     Ok(())
 }
 
 /// What is fixed only together with other numbers.
 fn combinations(text: &mut impl std::fmt::Write, result: &Identified) -> std::fmt::Result {
-    if moved::says_origins(&result.moved) && !result.combinations.is_empty() {
-        // sums of numbers that a URDF has not
-        writeln!(
-            text,
-            "\n{} numbers are fixed only in a combination with others: identified.json lists the sums.",
-            result.combinations.len()
-        )?;
-    } else if !result.combinations.is_empty() {
-        writeln!(
-            text,
-            "\nFixed only in a combination; a single one's interval counts what the others may be:"
-        )?;
-        for sum in result.combinations.iter().take(LISTED) {
-            writeln!(text, "  {}", in_words(sum))?;
-        }
-        let more = result.combinations.len().saturating_sub(LISTED);
-        if more > 0 {
-            writeln!(text, "  and {more} more, see identified.json")?;
-        }
+    let count = result.combinations.len();
+    if count == 0 {
+        return Ok(());
     }
-    Ok(())
+    if moved::says_origins(&result.moved) {
+        // sums of numbers that a URDF has not
+        return writeln!(
+            text,
+            "\n{count} numbers are fixed only in a combination with others: identified.json lists the sums."
+        );
+    }
+    writeln!(
+        text,
+        "\nFixed only in a combination; a single one's interval counts what the others may be:"
+    )?;
+    let sums = result.combinations.iter().map(in_words);
+    text.write_str(&first_of(sums, LISTED, "identified.json"))
 }
 
 /// The channel that matters most: one that sees the whole chain, else the external encoder with the largest residual.
 pub(super) fn main_channel(result: &Identified) -> Option<&ChannelReport> {
     let by_size = |a: &&ChannelReport, b: &&ChannelReport| a.rms_before.total_cmp(&b.rms_before);
-    let mut channels = result.channels.iter();
-    let chain = channels.find(|channel| channel.joint.is_none());
-    chain.or_else(|| result.channels.iter().max_by(by_size))
+    let channels = || result.channels.iter();
+    let chain = channels().find(|channel| channel.joint.is_none());
+    chain.or_else(|| channels().max_by(by_size))
 }
 
 /// The result in a line.
@@ -133,8 +115,7 @@ pub(super) fn answer(result: &Identified) -> String {
 
 /// An effect with its numbers, and whether the log shows it.
 pub(super) fn effect_line(entry: &EffectEntry) -> String {
-    let place = entry.joint.map(|joint| format!(" at joint {joint}"));
-    let name = format!("{}{}", entry.effect, place.unwrap_or_default());
+    let name = named_at(&entry.effect, entry.joint);
     if !entry.shown {
         return format!("{name}: not shown; {}", entry.why);
     }
@@ -198,10 +179,9 @@ pub(super) fn force_sentence(result: &Identified) -> Option<String> {
 pub(super) fn judged_table(title: &str, result: &Identified) -> Result<Table, Error> {
     let mut table = channel_table(title, &result.channels)?;
     for channel in result.unchecked() {
-        let shown = Shown::fine(&channel.unit);
         let mut row = vec![Cell::Missing; table.columns().len()];
         row[0] = channel.channel.as_str().into();
-        row[1] = shown.name.into();
+        row[1] = Shown::fine(&channel.unit).name.into();
         row[2] = Cell::number(0.0, 0);
         table.push(row)?;
     }
@@ -228,16 +208,18 @@ pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<T
         }
         row
     };
-    let table = if has_outliers {
-        let columns = "channel | unit | readings | outliers | before | after | after, outliers too | noise floor | \
-                 reduction [%]";
-        let title = format!("{title}; outliers are left out of before, after and reduction");
-        Table::with_heads(title, columns)
-    } else {
-        let columns = "channel | unit | readings | before | after | noise floor | reduction [%]";
-        Table::with_heads(title, columns)
+    let (own, others, left_out) = match has_outliers {
+        true => (
+            " outliers |",
+            " after, outliers too |",
+            "; outliers are left out of before, after and reduction",
+        ),
+        false => ("", "", ""),
     };
-    let mut table = table;
+    let columns = format!(
+        "channel | unit | readings |{own} before | after |{others} noise floor | reduction [%]"
+    );
+    let mut table = Table::with_heads(format!("{title}{left_out}"), &columns);
     for channel in channels {
         table.push(row(channel))?;
         let shown = Shown::fine(&channel.unit);
@@ -258,25 +240,31 @@ pub(super) fn channel_table(title: &str, channels: &[ChannelReport]) -> Result<T
 /// A combination as an equation, with half the width of its 95 % interval.
 pub(super) fn in_words(sum: &Combination) -> String {
     let shown = Shown::coarse(&sum.unit);
-    let terms = sum.terms.iter().enumerate().map(|(position, term)| {
-        let sign = match (position, term.coefficient < 0.0) {
-            (0, _) => "",
-            (_, true) => " - ",
-            (_, false) => " + ",
-        };
-        let factor = match (term.coefficient.abs() - 1.0).abs() < 5e-7 {
-            true => String::new(),
-            false => format!("{:.4} ", term.coefficient.abs()),
-        };
-        format!("{sign}{factor}{}", term.name)
-    });
+    let terms = sum.terms.iter();
+    let terms = sum_in_words(terms.map(|term| (term.name.as_str(), term.coefficient)));
     let half = (sum.ci95[1] - sum.ci95[0]) / 2.0 * shown.per_si;
     let decimals = earned_decimals(half).unwrap_or(6);
     let value = sum.value * shown.per_si;
     let text = format!(
-        "{} = {value:.decimals$} ± {half:.decimals$} {}",
-        terms.collect::<String>(),
+        "{terms} = {value:.decimals$} ± {half:.decimals$} {}",
         shown.name
     );
     text.trim_end().to_owned()
+}
+
+/// A sum of numbers with their factors: `a3 - 0.5000 d4`. The first one's sign is its value's.
+pub(super) fn sum_in_words<'t>(terms: impl Iterator<Item = (&'t str, f64)>) -> String {
+    let term = |(position, (name, factor)): (usize, (&str, f64))| {
+        let sign = match (position, factor < 0.0) {
+            (0, _) => "",
+            (_, true) => " - ",
+            (_, false) => " + ",
+        };
+        let size = factor.abs();
+        match (size - 1.0).abs() < 5e-7 {
+            true => format!("{sign}{name}"),
+            false => format!("{sign}{size:.4} {name}"),
+        }
+    };
+    terms.enumerate().map(term).collect()
 }

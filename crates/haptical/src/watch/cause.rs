@@ -101,7 +101,7 @@ pub(super) fn cause(
         None => {
             let shape = LogShape::from(&device.model);
             read_log_from(text.as_bytes(), ROWS[0], &shape)
-                .map_err(|error| Error::log(error, &device.model))
+                .map_err(|error| Error::log(error, device))
                 .and_then(|read| Log::from_recording(read.recording, ROWS[0], device))
         }
     };

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use haptical_data::{DataError, LoadedLog, LogShape, read_log_from};
-use haptical_model::{Device as Model, Recording};
+use haptical_model::Recording;
 
 use super::lines::Lines;
+use crate::device::Device;
 use crate::error::Error;
 
 /// Rows before the first of their file's times that follow one another: then the clock was set back.
@@ -70,7 +71,7 @@ impl Intake {
         part: Lines,
         file: &str,
         shape: &LogShape,
-        device: &Model,
+        device: &Device,
     ) -> Result<Option<Rows>, Error> {
         let (mut header, first_line, mut lines) = (part.header, part.first_line, part.lines);
         let is_run = |name: &str| name.trim().trim_matches('"') == "run";

@@ -225,10 +225,8 @@ impl Watch {
     }
 
     fn part(&mut self, part: Lines, events: &mut Vec<WatchEvent>) -> Result<(), Error> {
-        let read = self
-            .intake
-            .read(part, &self.file, &self.shape, &self.device.model);
-        let Some(rows) = read.map_err(|error| error.with_equipment(&self.device))? else {
+        let (file, shape) = (&self.file, &self.shape);
+        let Some(rows) = self.intake.read(part, file, shape, &self.device)? else {
             return Ok(());
         };
         let (recording, header, lines) = (rows.recording, rows.header, rows.lines);

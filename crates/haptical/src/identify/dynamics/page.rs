@@ -1,12 +1,12 @@
 //! identify.html of an identification of the dynamics.
 
-use haptical_report::{Block, Cell, Document, Figure, Mark, Section, Series, Table, Tone};
+use haptical_report::{Block, Cell, Figure, Mark, Series, Table, Tone};
 
 use super::result::{IdentifiedDynamics, TorqueEntry};
 use super::text::{bodies, in_words, joints, noise, torques};
 use crate::error::Error;
 use crate::files::FIT_FLAGS;
-use crate::page::{FIGURE_PX, facts, next};
+use crate::page::{Page, drawn, facts, next};
 
 /// The whole page.
 pub(super) fn page(result: &IdentifiedDynamics) -> Result<String, Error> {
@@ -37,29 +37,19 @@ pub(super) fn page(result: &IdentifiedDynamics) -> Result<String, Error> {
             format!("{:.2} ms", 1e3 * result.torque_delay_s.value),
         ),
     ];
-    let mut blocks = vec![Block::Notice {
-        tone: Tone::Good,
-        label: "Identified.".to_owned(),
-        text: result.answer.clone(),
-    }];
+    let mut blocks = vec![Block::notice(Tone::Good, "Identified.", &result.answer)];
     blocks.extend(left(result)?);
     let words = "use identified.toml, which is in this folder, and see which effects the torques show besides";
     blocks.extend(next(words, commands(result)));
-    let mut sections = vec![Section::new("", blocks)];
-    let mut fold = |heading: &str, blocks: Vec<Block>| {
-        sections.push(Section::new(heading, blocks).folded());
-    };
-    fold("Torques", vec![torques(result)?.into()]);
-    fold("Joints", vec![joints(result)?.into()]);
-    fold("Bodies", vec![bodies(result)?.into()]);
-    fold("Sums", vec![sums.into()]);
-    fold("What was fitted", vec![facts("", settings)?.into()]);
-    if !result.warnings.is_empty() {
-        fold("Warnings", vec![Block::List(result.warnings.clone())]);
-    }
-    fold("Provenance", vec![result.provenance.table()?.into()]);
-    let title = format!("Dynamics of {}", result.device);
-    Ok(Document::new(title, "", sections).to_html())
+    let mut page = Page::new(blocks);
+    page.fold("Torques", vec![torques(result)?.into()]);
+    page.fold("Joints", vec![joints(result)?.into()]);
+    page.fold("Bodies", vec![bodies(result)?.into()]);
+    page.fold("Sums", vec![sums.into()]);
+    page.fold("What was fitted", vec![facts("", settings)?.into()]);
+    page.warnings(&result.warnings);
+    page.fold("Provenance", vec![result.provenance.table()?.into()]);
+    Ok(page.to_html(format!("Dynamics of {}", result.device)))
 }
 
 /// The share of each torque that is not explained, before and after.
@@ -74,39 +64,28 @@ fn left(result: &IdentifiedDynamics) -> Result<Option<Block>, Error> {
         let each = result.torques.iter().enumerate();
         each.map(|(index, own)| (index as f64, of(own))).collect()
     };
+    let before = percents(|own| own.percent.before);
+    let after = percents(|own| own.percent.after);
     figure.series = vec![
-        Series::new(
-            "before",
-            Mark::Bars,
-            Series::BEFORE,
-            percents(|own| own.percent.before),
-        ),
-        Series::new(
-            "after",
-            Mark::Bars,
-            Series::AFTER,
-            percents(|own| own.percent.after),
-        ),
+        Series::new("before", Mark::Bars, Series::BEFORE, before),
+        Series::new("after", Mark::Bars, Series::AFTER, after),
     ];
-    Ok(Some(Block::Svg {
-        caption: "On the log that was fitted: by the given device, and by the identified one."
-            .to_owned(),
-        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
-    }))
+    let caption = "On the log that was fitted: by the given device, and by the identified one.";
+    drawn(&figure, caption).map(Some)
 }
 
 fn commands(result: &IdentifiedDynamics) -> Vec<(String, String)> {
     let flags = result.provenance.typed(&FIT_FLAGS);
-    [
+    let diagnose = format!("haptical diagnose{flags} --out gap");
+    let export = "haptical export --device identified.toml --format mjcf --out model.xml";
+    vec![
         (
-            "Which effects the torques show besides:",
-            format!("haptical diagnose{flags} --out gap"),
+            "Which effects the torques show besides:".to_owned(),
+            diagnose,
         ),
         (
-            "The identified device for a simulator:",
-            "haptical export --device identified.toml --format mjcf --out model.xml".to_owned(),
+            "The identified device for a simulator:".to_owned(),
+            export.to_owned(),
         ),
     ]
-    .map(|(purpose, command)| (purpose.to_owned(), command))
-    .into()
 }

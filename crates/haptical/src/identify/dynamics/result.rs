@@ -11,6 +11,7 @@ use serde::Serialize;
 
 use super::IdentifiedHead;
 use crate::files::Record;
+use crate::identify::summary::sum_in_words;
 
 /// identified.json of `haptical identify --with dynamics`.
 #[derive(Debug, Clone, Serialize)]
@@ -321,20 +322,9 @@ fn by_load(found: &Dynamics) -> Option<String> {
 }
 
 fn combination(own: &BaseParameter) -> CombinationEntry {
-    let term = |(place, (name, factor)): (usize, &(String, f64))| {
-        let sign = match (place, *factor < 0.0) {
-            (0, _) => "",
-            (_, true) => " - ",
-            (_, false) => " + ",
-        };
-        let size = factor.abs();
-        match (size - 1.0).abs() < 5e-7 {
-            true => format!("{sign}{name}"),
-            false => format!("{sign}{size:.4} {name}"),
-        }
-    };
+    let terms = own.terms.iter();
     CombinationEntry {
-        sum: own.terms.iter().enumerate().map(term).collect(),
+        sum: sum_in_words(terms.map(|(name, factor)| (name.as_str(), *factor))),
         terms: own.terms.clone(),
         found: number(&own.estimated, own.unit),
         nominal: own.nominal,

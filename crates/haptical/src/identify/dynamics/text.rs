@@ -2,8 +2,9 @@
 
 use haptical_report::{Cell, Table, earned_decimals};
 
-use super::result::{IdentifiedDynamics, NumberEntry};
+use super::result::{IdentifiedDynamics, NumberEntry, StackedEntry};
 use crate::error::Error;
+use crate::lines::first_of;
 
 /// Sums that are listed; identified.json has all.
 const LISTED: usize = 10;
@@ -45,13 +46,8 @@ pub(super) fn write(
             text,
             "\nNot determined by this motion, kept near the device's own:"
         )?;
-        for sum in result.not_determined.iter().take(LISTED) {
-            writeln!(text, "  {sum}")?;
-        }
-        let more = result.not_determined.len().saturating_sub(LISTED);
-        if more > 0 {
-            writeln!(text, "  and {more} more, see identified.json")?;
-        }
+        let sums = result.not_determined.iter();
+        text.write_str(&first_of(sums, LISTED, "identified.json"))?;
     }
     if !result.unseen.is_empty() {
         writeln!(text, "\nNo torque depends on: {}", result.unseen.join(", "))?;
@@ -75,32 +71,29 @@ pub(super) fn torques(result: &IdentifiedDynamics) -> Result<Table, Error> {
     let title = "Torques not explained, ||tau - model|| / ||tau||";
     let mut table = Table::with_heads(title.to_owned(), columns);
     let unseen = result.torques_validate.as_deref().unwrap_or_default();
+    let row = |head: [Cell; 3], own: StackedEntry, other: Option<StackedEntry>| {
+        let percents = [
+            Some(own.before),
+            Some(own.after),
+            Some(own.base),
+            other.map(|own| own.before),
+            other.map(|own| own.after),
+        ];
+        let percents = percents.map(|own| Cell::number_or_missing(own, 1));
+        head.into_iter().chain(percents).collect()
+    };
     for own in &result.torques {
         let other = unseen.iter().find(|other| other.channel == own.channel);
-        let percent = |value: Option<f64>| value.map_or(Cell::Missing, |own| Cell::number(own, 1));
-        table.push(vec![
-            own.channel.as_str().into(),
+        let head = [
+            (&own.channel).into(),
             own.unit.into(),
             Cell::number(own.rms, 3),
-            Cell::number(own.percent.before, 1),
-            Cell::number(own.percent.after, 1),
-            Cell::number(own.percent.base, 1),
-            percent(other.map(|own| own.percent.before)),
-            percent(other.map(|own| own.percent.after)),
-        ])?;
+        ];
+        table.push(row(head, own.percent, other.map(|own| own.percent)))?;
     }
     let (own, other) = (result.stacked_percent, result.stacked_percent_validate);
-    let percent = |value: Option<f64>| value.map_or(Cell::Missing, |own| Cell::number(own, 1));
-    table.push(vec![
-        "all".into(),
-        "".into(),
-        Cell::Missing,
-        Cell::number(own.before, 1),
-        Cell::number(own.after, 1),
-        Cell::number(own.base, 1),
-        percent(other.map(|own| own.before)),
-        percent(other.map(|own| own.after)),
-    ])?;
+    let head = ["all".into(), "".into(), Cell::Missing];
+    table.push(row(head, own, other))?;
     Ok(table)
 }
 
@@ -112,11 +105,7 @@ pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
     for own in &result.joints {
         let transition = own.transition.iter().next();
         let transition = transition.map_or_else(String::new, |(name, size)| {
-            let what = if name.starts_with("speed") {
-                "speed"
-            } else {
-                "travel"
-            };
+            let what = name.split('_').next().unwrap_or_default();
             let digits = (2.0 - size.log10().floor()).clamp(0.0, 9.0) as usize;
             format!("{what} {size:.digits$}")
         });
@@ -127,9 +116,7 @@ pub(super) fn joints(result: &IdentifiedDynamics) -> Result<Table, Error> {
         table.push(vec![
             name.into(),
             in_words(&own.coulomb).into(),
-            own.of_load
-                .as_ref()
-                .map_or(Cell::Missing, |own| in_words(own).into()),
+            (own.of_load.as_ref()).map_or(Cell::Missing, |own| in_words(own).into()),
             in_words(&own.viscous).into(),
             transition.into(),
             in_words(&own.armature).into(),
@@ -147,8 +134,7 @@ pub(super) fn bodies(result: &IdentifiedDynamics) -> Result<Table, Error> {
         let [x, y, z] = own.centre_of_mass_m;
         table.push(vec![
             format!("{}", own.row).into(),
-            own.nominal_mass_kg
-                .map_or(Cell::Missing, |own| Cell::number(own, 3)),
+            Cell::number_or_missing(own.nominal_mass_kg, 3),
             in_words(&own.mass_kg).into(),
             format!("{x:.4}, {y:.4}, {z:.4}").into(),
         ])?;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use haptical_calibration::Calibration;
 use haptical_model::Recording;
-use haptical_report::{Block, Cell, Document, Section, Table, Tone};
+use haptical_report::{Block, Cell, Table, Tone};
 
 use super::moved;
 use super::result::Identified;
@@ -17,7 +17,7 @@ use super::summary::{channel_table, effect_line, force_sentence, judged_table};
 use crate::device::is_urdf;
 use crate::error::Error;
 use crate::files::{FIT_FLAGS, shell_word};
-use crate::page::{arm, facts, next};
+use crate::page::{Page, arm, facts, next};
 use crate::units::Shown;
 
 /// The whole page.
@@ -27,58 +27,39 @@ pub(super) fn page(
     recording: &Recording,
 ) -> Result<String, Error> {
     let mut figures = channel_figures::blocks(calibration, recording)?;
-    let arm = arm::picture(
-        &calibration.nominal,
-        &calibration.device,
-        recording,
-        "as identified",
-    )?;
+    let (given, found) = (&calibration.nominal, &calibration.device);
+    let arm = arm::picture(given, found, recording, "as identified")?;
     let main = arm.or_else(|| {
-        let first = figures
-            .iter()
-            .position(|block| matches!(block, Block::Svg { .. }));
+        let is_drawn = |block: &Block| matches!(block, Block::Svg { .. });
+        let first = figures.iter().position(is_drawn);
         first.map(|index| figures.remove(index))
     });
-    let mut sections = vec![answer(result, calibration, main)?];
-    let mut fold = |heading: &str, blocks: Vec<Block>| {
-        sections.push(Section::new(heading, blocks).folded());
-    };
-    fold("Residuals in numbers", residuals(result)?);
-    fold("Residuals in figures", figures);
+    let mut page = Page::new(answer(result, calibration, main)?);
+    page.fold("Residuals in numbers", residuals(result)?);
+    page.fold("Residuals in figures", figures);
     if !result.outliers.is_empty() {
-        fold("Outliers", outliers::blocks(result)?);
+        page.fold("Outliers", outliers::blocks(result)?);
     }
     let transmissions = transmission_figures::blocks(result, calibration, recording)?;
-    if !transmissions.is_empty() {
-        fold("Transmissions", transmissions);
-    }
+    page.fold("Transmissions", transmissions);
     if !result.effects.is_empty() {
         let lines = result.effects.iter().map(effect_line);
-        fold("Effects", vec![Block::List(lines.collect())]);
+        page.fold("Effects", vec![Block::List(lines.collect())]);
     }
     if result.moved.len() > moved::LISTED {
-        fold(
-            "All that moved",
-            vec![moved::table("", &result.moved)?.into()],
-        );
+        let table = moved::table("", &result.moved)?;
+        page.fold("All that moved", vec![table.into()]);
     }
     let mut parameters = vec![parameter_tables::identified(result)?.into()];
     parameters.extend(parameter_tables::combinations(result)?);
-    fold("Parameters", parameters);
-    fold(
-        "What was not identified",
-        parameter_tables::not_identified(result)?,
-    );
-    fold(
-        "Correlations",
-        vec![parameter_tables::correlations(result)?],
-    );
-    if !result.warnings.is_empty() {
-        fold("Warnings", vec![Block::List(result.warnings.clone())]);
-    }
-    fold("Provenance", provenance(result)?);
-    let title = format!("Identification of {}", calibration.nominal.name);
-    Ok(Document::new(title, "", sections).to_html())
+    page.fold("Parameters", parameters);
+    let refused = parameter_tables::not_identified(result)?;
+    page.fold("What was not identified", refused);
+    let correlations = parameter_tables::correlations(result)?;
+    page.fold("Correlations", vec![correlations]);
+    page.warnings(&result.warnings);
+    page.fold("Provenance", provenance(result)?);
+    Ok(page.to_html(format!("Identification of {}", calibration.nominal.name)))
 }
 
 /// What came out, the picture of it, what moved most, and what to do next.
@@ -86,37 +67,24 @@ fn answer(
     result: &Identified,
     calibration: &Calibration,
     picture: Option<Block>,
-) -> Result<Section, Error> {
+) -> Result<Vec<Block>, Error> {
     let (tone, label) = match (&result.rejected, &result.next) {
         (Some(_), _) => (Tone::Bad, "Not kept."),
         (None, Some(_)) => (Tone::Neutral, "Identified, but more than noise is left."),
         (None, None) => (Tone::Good, "Identified."),
     };
-    let mut blocks = vec![Block::Notice {
-        tone,
-        label: label.to_owned(),
-        text: result.answer.clone(),
-    }];
+    let mut blocks = vec![Block::notice(tone, label, &result.answer)];
     blocks.extend(force_sentence(result).map(Block::Paragraph));
     blocks.extend(picture);
-    if !result.moved.is_empty() {
-        let (count, listed) = (result.moved.len(), result.moved.len().min(moved::LISTED));
-        let title = match count > listed {
-            true => format!("The {listed} of {count} numbers that moved most"),
-            false => "What moved".to_owned(),
-        };
-        let table = moved::table(&title, &result.moved[..listed])?;
-        blocks.push(
-            table
-                .with_note(moved::note(&result.moved[..listed], result.next.is_some()))
-                .into(),
-        );
+    if let Some(table) = moved::most(&result.moved)? {
+        let note = moved::note(&result.moved, result.next.is_some());
+        blocks.push(table.with_note(note).into());
     }
     let words = result.next.clone().unwrap_or_else(|| {
         "nothing is left above the noise on rows that the fit did not see: use identified.toml, which is in this folder".to_owned()
     });
     blocks.extend(next(&words, commands(result, calibration)));
-    Ok(Section::new("", blocks))
+    Ok(blocks)
 }
 
 /// Commands that go on from here, as one would type them where this one was typed.
@@ -175,10 +143,8 @@ fn residuals(result: &Identified) -> Result<Vec<Block>, Error> {
 }
 
 fn provenance(result: &Identified) -> Result<Vec<Block>, Error> {
-    let convergence = result.convergence.map_or_else(
-        || "no parameter was fitted".to_owned(),
-        |convergence| convergence.to_string(),
-    );
+    let convergence = result.convergence.map(|own| own.to_string());
+    let convergence = convergence.unwrap_or("no parameter was fitted".to_owned());
     let search = format!("{convergence}, {} steps", result.iterations);
     let fitted = [
         ("rows", result.rows.to_string()),
