@@ -4,6 +4,7 @@
 
 mod budget;
 mod check;
+mod columns;
 mod correct;
 mod device;
 mod diagnose;

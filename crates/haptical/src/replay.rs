@@ -4,7 +4,7 @@ use haptical_calibration::{
     CalibrationError, Channel, ChannelResiduals, Weights, channel_residuals, channels,
     prepare_device,
 };
-use haptical_data::LogShape;
+use haptical_data::{LogColumn, LogShape};
 use haptical_diagnosis::with_carried_loads;
 use haptical_effects::device::{attached, handle_moved_m};
 use haptical_kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -12,6 +12,7 @@ use haptical_model::{DriveNumber, Recording, drive_numbers_in_words};
 use haptical_motion::unwrapped;
 use serde::Serialize;
 
+use crate::columns::columns_of;
 use crate::device::Device;
 use crate::error::Error;
 use crate::log::Log;
@@ -43,6 +44,9 @@ pub struct ReplayedChannel {
     /// Prediction minus measurement, by row: axis after axis.
     #[serde(skip)]
     pub residuals: Vec<(usize, Vec<f64>)>,
+    /// Columns of its axes; none of an orientation, whose parts are no residuals.
+    #[serde(skip)]
+    columns: Vec<LogColumn>,
 }
 
 /// What a page draws of a log: the recording with what the effects of a device add to it, and how far they move its handle.
@@ -115,8 +119,8 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
     for own in &residuals {
         let width = own.channel.width();
         let rows = own.rows.iter().zip(own.residuals.chunks_exact(width));
-        let rows: Vec<(usize, Vec<f64>)> =
-            rows.map(|(row, values)| (*row, values.to_vec())).collect();
+        let rows = rows.map(|(row, values)| (*row, values.to_vec()));
+        let rows: Vec<(usize, Vec<f64>)> = rows.collect();
         blank(&mut predicted, own.channel, &rows);
         put(&mut predicted, own.channel, &rows);
         if own.outside_range > 0 {
@@ -133,6 +137,10 @@ pub fn replay(device: &Device, log: &Log) -> Result<Replayed, Error> {
             rms: own.rms().unwrap_or(0.0),
             noise_floor: own.noise_floor,
             residuals: rows,
+            columns: match own.channel {
+                Channel::Orientation => Vec::new(),
+                channel => columns_of(channel),
+            },
         });
     }
     Ok(Replayed {
@@ -209,11 +217,11 @@ impl Replayed {
                         1 => channel.channel.clone(),
                         _ => format!("{}.{}", channel.channel, ["x", "y", "z"][axis.min(2)]),
                     };
-                    let measured = measured(&log.recording, &channel.channel, *row, axis);
-                    let both = measured.map_or_else(
-                        || ",".to_owned(),
-                        |measured| format!("{measured},{}", measured + residual),
-                    );
+                    let column = channel.columns.get(axis);
+                    let readings = column.and_then(|own| own.readings(&log.recording));
+                    let both = readings.map_or(",".to_owned(), |readings| {
+                        format!("{},{}", readings[*row], readings[*row] + residual)
+                    });
                     text.push_str(&format!("{row},{name},{both},{residual}\n"));
                 }
             }
@@ -234,75 +242,41 @@ fn is_predicted(channel: &Channel) -> bool {
     )
 }
 
-/// A reading, where it is a number; an orientation is none.
-fn measured(recording: &Recording, channel: &str, row: usize, axis: usize) -> Option<f64> {
-    if channel == "position" {
-        return recording.position_m.as_ref().map(|axes| axes[axis][row]);
-    }
-    let outputs = recording.output.iter().enumerate();
-    let outputs = outputs.map(|(joint, column)| (Channel::Output { joint }.name(), column));
-    let cables = recording.cable_m.iter().enumerate();
-    let cables = cables.map(|(index, column)| (Channel::Cable { index }.name(), column));
-    let mut all = outputs.chain(cables);
-    let (_, column) = all.find(|(name, _)| name == channel)?;
-    column.as_ref().map(|column| column[row])
-}
-
 /// Leaves no reading where there is no prediction.
 fn blank(recording: &mut Recording, channel: Channel, predicted: &[(usize, Vec<f64>)]) {
     let mut is_kept = vec![false; recording.len()];
     predicted.iter().for_each(|(row, _)| is_kept[*row] = true);
-    let blank = |column: &mut Vec<f64>| {
-        let cells = column.iter_mut().zip(&is_kept);
-        for (cell, _) in cells.filter(|(_, is_kept)| !**is_kept) {
-            *cell = f64::NAN;
-        }
-    };
-    match channel {
-        Channel::Output { joint } => recording.output[joint].iter_mut().for_each(blank),
-        Channel::Cable { index } => recording.cable_m[index].iter_mut().for_each(blank),
-        Channel::Position => recording.position_m.iter_mut().flatten().for_each(blank),
-        Channel::Orientation => {
-            let parts = recording.orientation_wxyz.iter_mut().flatten();
-            parts.for_each(blank);
-        }
-        _ => {}
+    for column in columns_of(channel) {
+        let cells = column.readings_mut(recording).into_iter().flatten();
+        let left = cells.zip(&is_kept).filter(|(_, is_kept)| !**is_kept);
+        left.for_each(|(cell, _)| *cell = f64::NAN);
     }
 }
 
 /// Adds the residuals to what was measured.
 fn put(recording: &mut Recording, channel: Channel, rows: &[(usize, Vec<f64>)]) {
     for (row, values) in rows {
-        let row = *row;
-        match channel {
-            Channel::Output { joint } => {
-                if let Some(column) = &mut recording.output[joint] {
-                    column[row] += values[0];
-                }
+        if channel == Channel::Orientation {
+            turn(recording, *row, values);
+            continue;
+        }
+        for (column, value) in columns_of(channel).into_iter().zip(values) {
+            if let Some(column) = column.readings_mut(recording) {
+                column[*row] += value;
             }
-            Channel::Cable { index } => {
-                if let Some(column) = &mut recording.cable_m[index] {
-                    column[row] += values[0];
-                }
-            }
-            Channel::Position => {
-                for (column, value) in recording.position_m.iter_mut().flatten().zip(values) {
-                    column[row] += value;
-                }
-            }
-            Channel::Orientation => {
-                if let Some(parts) = &mut recording.orientation_wxyz {
-                    let [w, x, y, z] = parts.each_ref().map(|part| part[row]);
-                    let read = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
-                    let turn = Vector3::new(values[0], values[1], values[2]);
-                    let there = (UnitQuaternion::from_scaled_axis(turn) * read).into_inner();
-                    for (part, value) in parts.iter_mut().zip([there.w, there.i, there.j, there.k])
-                    {
-                        part[row] = value;
-                    }
-                }
-            }
-            _ => {}
+        }
+    }
+}
+
+/// Turns what was measured by the residual of an orientation.
+fn turn(recording: &mut Recording, row: usize, values: &[f64]) {
+    if let Some(parts) = &mut recording.orientation_wxyz {
+        let [w, x, y, z] = parts.each_ref().map(|part| part[row]);
+        let read = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        let turn = Vector3::from_column_slice(values);
+        let there = (UnitQuaternion::from_scaled_axis(turn) * read).into_inner();
+        for (part, value) in parts.iter_mut().zip([there.w, there.i, there.j, there.k]) {
+            part[row] = value;
         }
     }
 }

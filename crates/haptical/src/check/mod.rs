@@ -9,7 +9,7 @@ use haptical_calibration::{
     held_for_scale, identifiability_at, prepare_device, split,
 };
 use haptical_model::{
-    Device as Model, JointType, ParameterId, Recording, TransmissionError, TransmissionKind,
+    Device as Model, ParameterId, Recording, TransmissionError, TransmissionKind,
 };
 use serde::Serialize;
 
@@ -145,57 +145,41 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
         if let Some(found) = torques::torques_alone(&model, &log.recording, &place.label) {
             return Ok(found);
         }
-        let found = checked_log(
-            &model,
-            &log.recording,
-            &request.options,
-            place.label.clone(),
-        );
+        let found = checked_log(&model, &log.recording, &request.options, &place.label);
         found.map_err(|error| {
             Error::calibration(&error, &source.path, &place.path).with_equipment(device)
         })
     });
     Ok(Checked {
         log: found.transpose()?,
-        device: checked_device(
-            &model,
-            log.map(|log| log.recording.as_ref()),
-            source.label.clone(),
-        ),
+        device: checked_device(&model, log, source.label.clone()),
         warnings,
         named_rows: device.named_rows(),
     })
 }
 
-fn checked_device(device: &Model, recording: Option<&Recording>, file: String) -> CheckedDevice {
-    let joints = device
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(index, joint)| CheckedJoint {
-            joint: index + 1,
-            name: joint.name.clone(),
-            unit: match joint.joint_type {
-                JointType::Revolute => "rad",
-                JointType::Prismatic => "m",
-            },
-            transmission: match joint.transmission {
-                TransmissionKind::Capstan => "capstan",
-                TransmissionKind::Parallelogram => "parallelogram",
-                TransmissionKind::Direct => "direct",
-            },
-            ratio: joint.transmission_ratio,
-            lower: Some(joint.lower_rad).filter(|limit| limit.is_finite()),
-            upper: Some(joint.upper_rad).filter(|limit| limit.is_finite()),
-            readings: recording.map(|recording| range(&recording.joint[index])),
-        })
-        .collect();
+fn checked_device(device: &Model, log: Option<&Log>, file: String) -> CheckedDevice {
+    let joints = device.joints.iter().enumerate();
+    let joints = joints.map(|(index, joint)| CheckedJoint {
+        joint: index + 1,
+        name: joint.name.clone(),
+        unit: joint.unit(),
+        transmission: match joint.transmission {
+            TransmissionKind::Capstan => "capstan",
+            TransmissionKind::Parallelogram => "parallelogram",
+            TransmissionKind::Direct => "direct",
+        },
+        ratio: joint.transmission_ratio,
+        lower: Some(joint.lower_rad).filter(|limit| limit.is_finite()),
+        upper: Some(joint.upper_rad).filter(|limit| limit.is_finite()),
+        readings: log.map(|log| range(&log.recording.joint[index])),
+    });
     CheckedDevice {
         file,
         name: device.name.clone(),
         links: device.links.len(),
         cables: device.cables.len(),
-        joints,
+        joints: joints.collect(),
     }
 }
 
@@ -203,7 +187,7 @@ fn checked_log(
     device: &Model,
     recording: &Recording,
     options: &Options,
-    file: String,
+    file: &str,
 ) -> Result<CheckedLog, CalibrationError> {
     let channels = channels(device, recording)?;
     check_rig(device, recording)?;
@@ -219,31 +203,26 @@ fn checked_log(
     // where the samples support none of the forms that could be freed, nothing is to be judged
     let judged = match parameters.is_empty() && !unsupported.is_empty() {
         true => None,
-        false => Some(identifiability_at(
-            &device,
-            recording,
-            &channels,
-            &parameters,
-            &weights,
-            rules,
-        )?),
+        false => {
+            let judged =
+                identifiability_at(&device, recording, &channels, &parameters, &weights, rules);
+            Some(judged?)
+        }
     };
     let mut identifiable = Vec::new();
-    let held = held.iter().map(|parameter| parameter.name(&device));
-    let held = held.map(|name| NotIdentified {
-        status: HELD,
-        reason: format!(
-            "{name}: touches of unknown points and planes do not tell a device from a larger one: it is held, and \
-             the other lengths are in proportion to it"
-        ),
-        name,
-    });
-    let unsupported = unsupported.iter().map(|parameter| parameter.name(&device));
-    let unsupported = unsupported.map(|name| NotIdentified {
-        status: HELD,
-        reason: format!("{name} is held: the samples support a form without it"),
-        name,
-    });
+    let kept = |parameter: &ParameterId, why: &str| {
+        let name = parameter.name(&device);
+        NotIdentified {
+            status: HELD,
+            reason: format!("{name}{why}"),
+            name,
+        }
+    };
+    let scale = ": touches of unknown points and planes do not tell a device from a larger one: it is held, and the other lengths \
+                 are in proportion to it";
+    let form = " is held: the samples support a form without it";
+    let held = held.iter().map(|parameter| kept(parameter, scale));
+    let unsupported = unsupported.iter().map(|parameter| kept(parameter, form));
     let mut not_identified: Vec<NotIdentified> = held.chain(unsupported).collect();
     if let Some(judged) = &judged {
         for (index, (name, status)) in judged.names.iter().zip(&judged.statuses).enumerate() {
@@ -272,36 +251,27 @@ fn checked_log(
     };
     // homing fixtures are channels too
     let is_channel = |name: &str| {
-        let mut prefixes = channels
-            .iter()
-            .map(|channel| format!("{}_", channel.name()));
+        let names = channels.iter().map(|channel| channel.name());
+        let mut prefixes = names.map(|name| format!("{name}_"));
         prefixes.any(|prefix| name.starts_with(&prefix))
     };
     let covariates = recording.covariates.iter().map(|(name, _)| name);
+    let covariates = covariates.filter(|name| !is_channel(name));
+    let channels = channels.iter().map(|channel| CheckedChannel {
+        channel: channel.name(),
+        unit: channel.unit(&device),
+        readings: readings(channel),
+    });
     Ok(CheckedLog {
-        file,
-        rows: recording.len(),
-        runs: run_count(recording),
-        rate_hz: rate_hz(recording),
-        channels: channels
-            .iter()
-            .map(|channel| CheckedChannel {
-                channel: channel.name(),
-                unit: channel.unit(&device),
-                readings: readings(channel),
-            })
-            .collect(),
-        covariates: covariates
-            .filter(|name| !is_channel(name))
-            .cloned()
-            .collect(),
+        channels: channels.collect(),
+        covariates: covariates.cloned().collect(),
         identifiability: RankEntry {
             candidates: identifiable.len() + not_identified.len(),
             ..RankEntry::from_judgements(judged.iter())
         },
         identifiable,
         not_identified,
-        good_for: Vec::new(),
+        ..CheckedLog::of_rows(file, recording)
     })
 }
 
@@ -388,10 +358,22 @@ fn range(readings: &[f64]) -> [f64; 2] {
     [low, high]
 }
 
-fn run_count(recording: &Recording) -> usize {
-    match &recording.run {
-        None => 1,
-        Some(run) => 1 + run.windows(2).filter(|pair| pair[0] != pair[1]).count(),
+impl CheckedLog {
+    /// What the rows alone say.
+    fn of_rows(file: &str, recording: &Recording) -> Self {
+        let runs = recording.run.iter().flat_map(|run| run.windows(2));
+        Self {
+            file: file.to_owned(),
+            rows: recording.len(),
+            runs: 1 + runs.filter(|pair| pair[0] != pair[1]).count(),
+            rate_hz: rate_hz(recording),
+            channels: Vec::new(),
+            covariates: Vec::new(),
+            identifiability: RankEntry::default(),
+            identifiable: Vec::new(),
+            not_identified: Vec::new(),
+            good_for: Vec::new(),
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::{Display, Error, Formatter, Result, Write};
 
 use haptical_report::{Cell, ReportError, Table};
 
-use super::{Checked, CheckedJoint, CheckedLog};
+use super::{Checked, CheckedDevice, CheckedJoint, CheckedLog};
 use crate::identify::refused;
 use crate::lines::labelled;
 
@@ -13,27 +13,29 @@ const NAMES_PER_LINE: usize = 8;
 
 impl Display for Checked {
     fn fmt(&self, text: &mut Formatter<'_>) -> Result {
-        let device = &self.device;
+        let CheckedDevice {
+            file,
+            name,
+            links,
+            cables,
+            joints,
+        } = &self.device;
+        let count = joints.len();
         writeln!(
             text,
-            "{}: {}; joints: {}, links: {}, cable encoders: {}",
-            device.file,
-            device.name,
-            device.joints.len(),
-            device.links,
-            device.cables
+            "{file}: {name}; joints: {count}, links: {links}, cable encoders: {cables}"
         )?;
         if let Some(log) = &self.log {
             describe_log(text, log)?;
         }
-        let joints = joint_table(&device.joints).map_err(|_| Error)?;
+        let joints = joint_table(joints).map_err(|_| Error)?;
         writeln!(text, "{}", joints.to_terminal())?;
         match &self.log {
             Some(log) => {
                 describe_identifiability(text, log)?;
-                match self.named_rows.is_empty() || !log.good_for.is_empty() {
-                    true => Ok(()),
-                    false => text.write_str(&labelled("", &self.named_rows, 0)),
+                match log.good_for.is_empty() {
+                    true => text.write_str(&labelled("", &self.named_rows, 0)),
+                    false => Ok(()),
                 }
             }
             None => writeln!(text, "The device file is valid."),
@@ -81,11 +83,7 @@ fn joint_table(joints: &[CheckedJoint]) -> std::result::Result<Table, ReportErro
 
 fn describe_identifiability(text: &mut impl Write, log: &CheckedLog) -> Result {
     if !log.good_for.is_empty() {
-        writeln!(text)?;
-        return log
-            .good_for
-            .iter()
-            .try_for_each(|said| writeln!(text, "{said}"));
+        return writeln!(text, "\n{}", log.good_for.join("\n"));
     }
     writeln!(
         text,

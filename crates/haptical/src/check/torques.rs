@@ -4,8 +4,7 @@ use haptical_calibration::channels;
 use haptical_model::{Device as Model, Missing, Recording};
 use haptical_motion::{Survey, SurveyedTorque, survey, why_not};
 
-use super::{CheckedChannel, CheckedLog, rate_hz, run_count};
-use crate::identify::RankEntry;
+use super::{CheckedChannel, CheckedLog};
 
 /// Below this speed inertia is small beside friction and weight \[rad/s\], \[m/s\].
 const SLOW: f64 = 0.1;
@@ -17,41 +16,31 @@ pub(super) fn torques_alone(
     file: &str,
 ) -> Option<CheckedLog> {
     let readings = |joint: usize| {
-        let column = recording.torque_nm.get(joint).and_then(Option::as_ref);
-        column.map_or(0, |column| {
-            column.iter().filter(|value| value.is_finite()).count()
-        })
+        let columns = recording.torque_nm.get(joint).into_iter().flatten();
+        columns.flatten().filter(|value| value.is_finite()).count()
     };
-    let read: Vec<usize> = (0..device.joints.len())
-        .filter(|&joint| readings(joint) > 0)
-        .collect();
+    let joints = 0..device.joints.len();
+    let read: Vec<usize> = joints.filter(|&joint| readings(joint) > 0).collect();
     if read.is_empty() || !device.has_links() || channels(device, recording).is_ok() {
         return None;
     }
     let covariates = recording.covariates.iter().map(|(name, _)| name.clone());
+    let channels = read.iter().map(|&joint| CheckedChannel {
+        channel: format!("torque{}", joint + 1),
+        unit: device.joints[joint].torque_unit(),
+        readings: readings(joint),
+    });
+    let rows = CheckedLog::of_rows(file, recording);
     Some(CheckedLog {
-        file: file.to_owned(),
-        rows: recording.len(),
-        runs: run_count(recording),
-        rate_hz: rate_hz(recording),
-        channels: read
-            .iter()
-            .map(|&joint| CheckedChannel {
-                channel: format!("torque{}", joint + 1),
-                unit: device.joints[joint].torque_unit(),
-                readings: readings(joint),
-            })
-            .collect(),
+        channels: channels.collect(),
         covariates: covariates.collect(),
-        identifiability: RankEntry::default(),
-        identifiable: Vec::new(),
-        not_identified: Vec::new(),
-        good_for: good_for(device, recording, read.len()),
+        good_for: good_for(device, recording, (rows.runs, read.len())),
+        ..rows
     })
 }
 
 /// What `haptical diagnose` can and cannot ask of it, a sentence each.
-fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String> {
+fn good_for(device: &Model, recording: &Recording, (runs, torques): (usize, usize)) -> Vec<String> {
     let mut said = vec![
         "Joints and torques alone: no number of the geometry can be identified from them, and what the torques are compared \
          with rests on the geometry of the device file."
@@ -63,9 +52,8 @@ fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String
         _ => None,
     };
     if let Some(lacks) = lacks {
-        said.push(format!(
-            "haptical diagnose cannot test the torques: {lacks}."
-        ));
+        let words = format!("haptical diagnose cannot test the torques: {lacks}.");
+        said.push(words);
         return said;
     }
     if recording.force_n.is_none()
@@ -84,7 +72,6 @@ fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String
          torque-gain."
             .to_owned(),
     );
-    let runs = run_count(recording);
     said.push(match (runs, torques) {
         (1, _) => {
             "payload: not in one run, where a mass at the flange is one with the last link's; a second run (column run) with \
@@ -94,14 +81,11 @@ fn good_for(device: &Model, recording: &Recording, torques: usize) -> Vec<String
         (_, 1) => "payload: not from one torque alone, it shows on several joints.".to_owned(),
         _ => format!("payload: what the arm carries is compared over {runs} runs."),
     });
-    if device.bodies.iter().all(Option::is_none) {
-        said.push(
-            "unbalanced-gravity: not without mass_kg and centre_of_mass_m in the device file."
-                .to_owned(),
-        );
-    } else {
-        said.push("unbalanced-gravity: the file's masses are taken as known to 10 %.".to_owned());
-    }
+    let weight = match device.bodies.iter().all(Option::is_none) {
+        true => "unbalanced-gravity: not without mass_kg and centre_of_mass_m in the device file.",
+        false => "unbalanced-gravity: the file's masses are taken as known to 10 %.",
+    };
+    said.push(weight.to_owned());
     said
 }
 
@@ -117,17 +101,16 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
     };
     let torque = |joint: usize| found.joints[joint].torque;
     let good = of(&|joint| torque(joint) == SurveyedTorque::Changes);
-    let mut said = Vec::new();
     if good.is_empty() {
-        said.push("The equations of motion cannot be used: no torque column changes.".to_owned());
-        return said;
+        let words = "The equations of motion cannot be used: no torque column changes.";
+        return vec![words.to_owned()];
     }
-    said.push(format!(
+    let mut said = vec![format!(
         "A moving arm: the equations of motion can be used, with masses, centres and inertias of the device file, {:.1} rows a second and the \
          torques of {}. haptical diagnose tests payload, link-inertia, friction, gains, delays, springs, contacts and more.",
         found.rate_hz,
         named(&good)
-    ));
+    )];
     let left_out = Missing::bodies(device).unwrap_or_default();
     if !left_out.is_empty() {
         let words: Vec<String> = left_out.iter().map(ToString::to_string).collect();
@@ -138,13 +121,9 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
     }
     let constant = of(&|joint| matches!(torque(joint), SurveyedTorque::Constant(_)));
     let absent = of(&|joint| torque(joint) == SurveyedTorque::Absent);
-    for (joints, what) in [
-        (
-            constant,
-            "has one value throughout: nothing was measured there",
-        ),
-        (absent, "is not in the log: nothing is said of it"),
-    ] {
+    let throughout = "has one value throughout: nothing was measured there";
+    let lacking = "is not in the log: nothing is said of it";
+    for (joints, what) in [(constant, throughout), (absent, lacking)] {
         if !joints.is_empty() {
             said.push(format!("The torque of {} {what}.", named(&joints)));
         }

@@ -129,9 +129,8 @@ pub fn correct(
     let source = path.log.source();
     refuse_other_device(&nominal.model, &model.model, &model.source().path)?;
     if !model.model.has_links() {
-        let next = "add one [[link]] for the base and one for each joint";
-        let what = "the device has no [[link]] rows, so it has no handle";
-        return Err(Error::in_file("no-links", what, &model.source().path, next));
+        let said = "the device has no [[link]] rows, so it has no handle; add one [[link]] for the base and one for each joint";
+        return Err(Error::of_file("no-links", said, &model.source().path));
     }
     let rows = path.recording();
     let with_orientations = asks_for_orientations(nominal, path, request)?;
@@ -168,14 +167,8 @@ pub fn correct(
         }
     }
     if !is_settled {
-        let what = "the commands and what the arm yields under its loads do not settle";
-        let next = "check the stiffnesses and masses of the model";
-        return Err(Error::in_file(
-            "unsettled",
-            what,
-            &model.source().path,
-            next,
-        ));
+        let said = "the commands and what the arm yields under its loads do not settle; check the stiffnesses and masses of the model";
+        return Err(Error::of_file("unsettled", said, &model.source().path));
     }
     let rests = stance.rests(&readings, &targets)?;
     let waypoints = (0..rows.len()).map(|row| CorrectedWaypoint {
@@ -193,7 +186,7 @@ pub fn correct(
         with_orientations,
         waypoints,
         warnings,
-        shape: path::shape(model),
+        shape: LogShape::from(&model.model),
     })
 }
 
@@ -213,15 +206,13 @@ pub struct RestPoses {
 /// A row at which the device has no value.
 pub fn rest_poses(device: &Device, postures: &Waypoints) -> Result<RestPoses, Error> {
     let mut stance = Stance::new(device, postures)?;
-    let poses = stance
-        .poses(&readings_of(postures.recording()))?
-        .into_iter();
-    let poses = poses.map(|own| Pose {
+    let poses = stance.poses(&readings_of(postures.recording()))?;
+    let pose = |own: Wanted| Pose {
         position_m: own.position_m,
         rotation: own.rotation.unwrap_or_default(),
-    });
+    };
     Ok(RestPoses {
-        poses: poses.collect(),
+        poses: poses.into_iter().map(pose).collect(),
         warnings: stance.left_out(),
     })
 }
@@ -237,12 +228,8 @@ fn targets(
         true => stance::wanted(path.recording()),
         false => {
             let mut stance = Stance::new(nominal, path)?;
-            let left_out = stance.left_out();
-            warnings.extend(
-                left_out
-                    .into_iter()
-                    .map(|own| format!("nominal device, {own}")),
-            );
+            let left_out = stance.left_out().into_iter();
+            warnings.extend(left_out.map(|own| format!("nominal device, {own}")));
             stance.poses(&readings_of(path.recording()))?
         }
     };
@@ -262,12 +249,14 @@ fn asks_for_orientations(
         Match::Auto => Ok(has && nominal.model.joints.len() >= 6),
         Match::Position => Ok(false),
         Match::Pose if has => Ok(true),
-        Match::Pose => Err(Error::in_file(
-            "no-orientations",
-            "the path has no orientations to match",
-            &path.log.source().path,
-            "add the columns qw, qx, qy, qz, or ask for the position alone",
-        )),
+        Match::Pose => {
+            let said = "the path has no orientations to match; add the columns qw, qx, qy, qz, or ask for the position alone";
+            Err(Error::of_file(
+                "no-orientations",
+                said,
+                &path.log.source().path,
+            ))
+        }
     }
 }
 
@@ -313,11 +302,11 @@ fn spread(limits: &[[f64; 2]]) -> Vec<Vec<f64>> {
     };
     let posture = |case: usize| {
         let joints = limits.iter().enumerate();
-        let readings = joints.map(|(joint, [lower, upper])| {
+        let reading = |(joint, [lower, upper]): (usize, &[f64; 2])| {
             let (lower, upper) = (lower.max(-3.0), upper.min(3.0));
             lower + (upper - lower) * share(case, joint)
-        });
-        readings.collect()
+        };
+        joints.map(reading).collect()
     };
     (0..STARTS).map(posture).collect()
 }
@@ -330,9 +319,8 @@ fn refuse_unreached(
 ) -> Result<(), Error> {
     let beyond = waypoints.iter().enumerate().filter(|(_, own)| {
         // NaN is beyond
-        let is_near = own.rest_m <= request.within_m
-            && own.rest_rad.is_none_or(|rest| rest <= request.within_rad);
-        !is_near
+        !(own.rest_m <= request.within_m
+            && own.rest_rad.is_none_or(|rest| rest <= request.within_rad))
     });
     let beyond = beyond.map(|(row, own)| {
         let way = Shown::fine("m").text(own.rest_m);
@@ -376,13 +364,8 @@ fn written(rows: &Recording, targets: &[Wanted], waypoints: &[CorrectedWaypoint]
 
 impl Waypoints {
     fn refuse_row(&self, row: usize, error: &haptical_model::ModelError) -> Error {
-        Error::log_line(
-            "row",
-            error.to_string(),
-            &self.log.source().path,
-            self.recording().line.get(row).copied(),
-            "correct the waypoint, or the device file",
-        )
+        let next = "correct the waypoint, or the device file";
+        self.log.refuse_row("row", error.to_string(), row, next)
     }
 }
 
@@ -402,11 +385,8 @@ impl Corrected {
     pub fn largest_rest(&self) -> (f64, Option<f64>) {
         let way = self.waypoints.iter().map(|own| own.rest_m);
         let turn = self.waypoints.iter().filter_map(|own| own.rest_rad);
-        let turn = turn.fold(0.0, f64::max);
-        (
-            way.fold(0.0, f64::max),
-            self.with_orientations.then_some(turn),
-        )
+        let (way, turn) = (way.fold(0.0, f64::max), turn.fold(0.0, f64::max));
+        (way, self.with_orientations.then_some(turn))
     }
 
     /// Root mean square and largest of the distances that the path's own readings would leave \[m\], and the row (from 1) of
@@ -415,10 +395,8 @@ impl Corrected {
         let before: Option<Vec<f64>> = self.waypoints.iter().map(|own| own.before_m).collect();
         let before = before?;
         let squares: f64 = before.iter().map(|own| own * own).sum();
-        let (row, largest) = before
-            .iter()
-            .enumerate()
-            .max_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let rows = before.iter().enumerate();
+        let (row, largest) = rows.max_by(|(_, a), (_, b)| a.total_cmp(b))?;
         Some(((squares / before.len() as f64).sqrt(), *largest, row + 1))
     }
 }

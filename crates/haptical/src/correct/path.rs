@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 
-use haptical_data::{Cells, LogShape};
+use haptical_data::Cells;
 use haptical_model::Recording;
 
 use super::COMMAND_PLACE;
@@ -49,26 +49,20 @@ impl Waypoints {
         let place = source.path.as_path();
         let recording = &log.recording;
         if recording.is_empty() {
-            let next = "give a row for each waypoint";
-            return Err(Error::in_file(
-                "no-rows",
-                "there are no waypoints",
-                place,
-                next,
-            ));
+            let said = "there are no waypoints; give a row for each waypoint";
+            return Err(Error::of_file("no-rows", said, place));
         }
         let has_poses = recording.position_m.is_some();
         if !has_poses && recording.orientation_wxyz.is_some() {
-            let next = "add the columns x_m, y_m, z_m";
-            let what = "there are orientations without positions";
-            return Err(Error::in_file("no-positions", what, place, next));
+            let said = "there are orientations without positions; add the columns x_m, y_m, z_m";
+            return Err(Error::of_file("no-positions", said, place));
         }
         let waypoints = Self {
             has_poses,
             has_readings,
             log,
         };
-        waypoints.refuse_gaps(source)?;
+        waypoints.refuse_gaps()?;
         Ok(waypoints)
     }
 
@@ -82,9 +76,8 @@ impl Waypoints {
         device: &Device,
     ) -> Result<Self, Error> {
         let names = device.joint_columns();
-        let has_readings = columns
-            .iter()
-            .any(|(own, _)| names.iter().any(|name| name == own));
+        let is_joint = |own: &str| names.iter().any(|name| name == own);
+        let has_readings = columns.iter().any(|(own, _)| is_joint(own));
         let rows = columns.first().map_or(0, |(_, cells)| match cells {
             Cells::Numbers(cells) => cells.len(),
             Cells::Integers(cells) => cells.len(),
@@ -94,11 +87,8 @@ impl Waypoints {
         let zeros = vec![0.0; rows];
         let mut all = columns.to_vec();
         if !has_readings {
-            all.extend(
-                names
-                    .iter()
-                    .map(|name| (name.as_str(), Cells::Numbers(&zeros))),
-            );
+            let names = names.iter().map(String::as_str);
+            all.extend(names.map(|name| (name, Cells::Numbers(&zeros))));
         }
         let waypoints = Self::from_log(Log::from_columns(&all, name, device)?)?;
         Ok(Self {
@@ -117,32 +107,28 @@ impl Waypoints {
             has_readings: true,
             log,
         };
-        waypoints.refuse_gaps(&waypoints.log.source().clone())?;
+        waypoints.refuse_gaps()?;
         Ok(waypoints)
     }
 
     /// Refuses rows of which the pose is wanted and lacks a number.
-    fn refuse_gaps(&self, source: &Source) -> Result<(), Error> {
+    fn refuse_gaps(&self) -> Result<(), Error> {
         let recording = &self.log.recording;
         if !self.has_poses {
             return Ok(());
         }
         let lacks = |row: usize| {
             let position = recording.position_m.iter().flatten();
-            let orientation = recording.orientation_wxyz.iter().flatten();
-            position
-                .chain(orientation)
-                .any(|column| !column[row].is_finite())
+            let mut all = position.chain(recording.orientation_wxyz.iter().flatten());
+            all.any(|column| !column[row].is_finite())
         };
+        let (what, next) = (
+            "the waypoint's pose is not complete",
+            "fill the cells in, or leave the row out",
+        );
         match (0..recording.len()).find(|row| lacks(*row)) {
             None => Ok(()),
-            Some(row) => Err(Error::log_line(
-                "no-pose",
-                "the waypoint's pose is not complete",
-                &source.path,
-                recording.line.get(row).copied(),
-                "fill the cells in, or leave the row out",
-            )),
+            Some(row) => Err(self.log.refuse_row("no-pose", what, row, next)),
         }
     }
 
@@ -166,10 +152,8 @@ fn table_of_poses(source: &Source, joints: &[String]) -> Result<Option<String>, 
         return Ok(is_one(header).then(|| text.clone()));
     }
     // a pipe is read once; what is no text, or is not there, is for the reader of logs to say
-    let Some(file) = File::open(&source.path)
-        .ok()
-        .filter(|_| source.path.is_file())
-    else {
+    let file = File::open(&source.path).ok();
+    let Some(file) = file.filter(|_| source.path.is_file()) else {
         return Ok(None);
     };
     let mut header = Vec::new();
@@ -187,26 +171,12 @@ fn table_of_poses(source: &Source, joints: &[String]) -> Result<Option<String>, 
 fn with_columns(text: &str, names: &[String]) -> String {
     let zeros = ",0".repeat(names.len());
     let mut lines = text.lines();
-    let mut with = String::with_capacity(text.len() + 16);
-    with.push_str(lines.next().unwrap_or_default());
-    for name in names {
-        with.push(',');
-        with.push_str(name);
-    }
-    with.push('\n');
-    for line in lines {
-        with.push_str(line);
-        if !line.trim().is_empty() {
-            with.push_str(&zeros);
-        }
-        with.push('\n');
-    }
-    with
-}
-
-/// Columns of the corrected path.
-pub(super) fn shape(device: &Device) -> LogShape {
-    LogShape::from(&device.model)
+    let header = lines.next().unwrap_or_default();
+    let rows = lines.map(|line| match line.trim().is_empty() {
+        true => format!("{line}\n"),
+        false => format!("{line}{zeros}\n"),
+    });
+    format!("{header},{}\n{}", names.join(","), rows.collect::<String>())
 }
 
 /// What a refusal says of unreachable rows.
@@ -214,21 +184,16 @@ pub(super) fn unreachable(rows: &[(u64, usize, String)], count: usize, source: &
     const MOST_NAMED: usize = 5;
     let named = rows.iter().take(MOST_NAMED);
     let named = named.map(|(line, row, rest)| format!("row {row} (line {line}): {rest}"));
-    let named: Vec<String> = named.collect();
-    let more = rows.len().saturating_sub(MOST_NAMED);
-    let more = match more {
-        0 => String::new(),
-        more => format!("; and {more} more"),
-    };
-    Error::log_line(
-        "unreachable",
-        format!(
-            "{} of {count} waypoints are out of reach of the corrected model within its joint limits: {}{more}",
-            rows.len(),
-            named.join("; ")
-        ),
-        &source.path,
-        rows.first().map(|(line, ..)| *line),
-        format!("move them, {COMMAND_PLACE}"),
-    )
+    let mut named: Vec<String> = named.collect();
+    if rows.len() > MOST_NAMED {
+        named.push(format!("and {} more", rows.len() - MOST_NAMED));
+    }
+    let what = format!(
+        "{} of {count} waypoints are out of reach of the corrected model within its joint limits: {}",
+        rows.len(),
+        named.join("; ")
+    );
+    let (line, next) = (rows.first(), format!("move them, {COMMAND_PLACE}"));
+    let line = line.map(|(line, ..)| *line);
+    Error::log_line("unreachable", what, &source.path, line, next)
 }

@@ -37,9 +37,8 @@ impl<'d> Stance<'d> {
     /// Effects that are left out, a sentence each.
     pub(super) fn left_out(&self) -> Vec<String> {
         let left_out = self.effects.left_out().into_iter();
-        left_out
-            .map(|own| format!("effect left out: {own}"))
-            .collect()
+        let said = left_out.map(|own| format!("effect left out: {own}"));
+        said.collect()
     }
 
     /// Torques that a row's joints yield to; none where nothing yields.
@@ -86,11 +85,8 @@ impl<'d> Stance<'d> {
             let way = (before.linear - now.linear).norm();
             let turn = (before.angular - now.angular).norm();
             let torques = torques_nm.get(row).zip(self.torques_nm.get(row));
-            let pairs = torques
-                .into_iter()
-                .flat_map(|(a, b)| a.iter().zip(b))
-                .enumerate();
-            let yields = pairs.map(|(joint, (before, now))| {
+            let pairs = torques.into_iter().flat_map(|(a, b)| a.iter().zip(b));
+            let yields = pairs.enumerate().map(|(joint, (before, now))| {
                 self.device.model.compliance_rad_per_nm(joint) * (before - now).abs()
             });
             yields.fold(way.max(turn), f64::max) <= limit
@@ -108,9 +104,8 @@ impl<'d> Stance<'d> {
         for (row, readings) in readings.iter().enumerate() {
             evaluation.choose_hand(model.hand_at(self.path.recording(), row));
             evaluation.set_torques(self.torques_nm(row));
-            let pose = evaluation
-                .move_pose_to(readings)
-                .and_then(|()| evaluation.pose());
+            let there = evaluation.move_pose_to(readings);
+            let pose = there.and_then(|()| evaluation.pose());
             let pose = pose.map_err(|error| self.path.refuse_row(row, &error))?;
             let moved = &self.moved[row];
             poses.push(Wanted {
@@ -144,9 +139,8 @@ fn torques_nm(device: &Device, rows: &Recording) -> Result<Vec<Vec<f64>>, Error>
     let held = holding_torques_nm(&device.model, rows).map_err(Error::internal)?;
     let torque = |row: usize, joint: usize| {
         let stated = rows.torque_nm.get(joint).and_then(Option::as_ref);
-        let stated = stated
-            .map(|column| column[row])
-            .filter(|own| own.is_finite());
+        let stated = stated.map(|column| column[row]);
+        let stated = stated.filter(|own| own.is_finite());
         let held = held.as_ref().map(|columns| columns[joint][row]);
         stated.or(held).unwrap_or(0.0)
     };

@@ -11,7 +11,7 @@ use haptical_model::{
 };
 use haptical_simulator::{PostureSimulation, draw_deviations, with_places_of};
 
-use self::rig::{Rigged, blank_as, described, rigged, with_fixtures};
+use self::rig::{blank_as, described, rigged, with_fixtures};
 use crate::device::Device;
 use crate::error::Error;
 use crate::log::Log;
@@ -88,23 +88,16 @@ pub fn simulate_postures(
     };
     refuse::unasked(rig, postures)?;
     let refuse = |error| refuse::simulator(&error, device, postures);
-    let Rigged {
-        model,
-        sensors,
-        fixtures,
-        file,
-    } = with_rig;
+    let (model, sensors) = (with_rig.model, with_rig.sensors);
     let whole = whole_truth(truth, &device.model, &model, seed).map_err(refuse)?;
-    let asked = with_fixtures(&postures.recording, &fixtures, &model);
+    let asked = with_fixtures(&postures.recording, &with_rig.fixtures, &model);
     let asked = asked.as_ref().unwrap_or(&postures.recording);
     let mut simulation =
         PostureSimulation::new(&whole, &model, asked, sensors, seed).map_err(refuse)?;
+    let mut names = asked.covariates.iter().map(|(name, _)| name);
     let is_moved = asked.contact.is_some()
         || asked.plane.is_some()
-        || asked
-            .covariates
-            .iter()
-            .any(|(name, _)| name.starts_with("fixture"));
+        || names.any(|name| name.starts_with("fixture"));
     let refuse_effect = |error| refuse::effect(&error, device, postures);
     let mut is_settled = !is_moved || whole.effects.is_empty() && !whole.has_compliance();
     let mut rounds = 0;
@@ -128,7 +121,7 @@ pub fn simulate_postures(
         warnings: refuse::left_out(simulation.left_out(), postures),
         recording,
         truth: simulation.device().clone(),
-        rig: file,
+        rig: with_rig.file,
     })
 }
 
@@ -151,10 +144,7 @@ fn whole_truth(
     let stated = match truth {
         Truth::Nominal => device,
         Truth::Of(truth) => &truth.model,
-        Truth::Drawn(share) => {
-            let parameters = deviating(rigged);
-            return draw_deviations(rigged, &parameters, share, seed);
-        }
+        Truth::Drawn(share) => return draw_deviations(rigged, &deviating(rigged), share, seed),
     };
     let whole = match truth {
         Truth::Of(truth) => with_places_of(&truth.model, rigged),

@@ -6,6 +6,7 @@ use haptical_model::{ContactPair, Device as Model, PlanePair, Recording};
 use haptical_simulator::PostureSensors;
 use toml_edit::DocumentMut;
 
+use crate::columns::measured_columns;
 use crate::device::Device;
 use crate::error::Error;
 
@@ -86,26 +87,18 @@ pub(super) fn blank_as(recording: &mut Recording, log: &Recording, left_out: &[u
     let kept: Vec<usize> = (0..log.len())
         .filter(|row| !left_out.contains(row))
         .collect();
-    let blank = |column: &mut Vec<f64>, own: &Vec<f64>| {
+    let blank = |column: &mut Vec<f64>, own: &[f64]| {
         for (value, &row) in column.iter_mut().zip(&kept) {
             if own[row].is_nan() {
                 *value = f64::NAN;
             }
         }
     };
-    let outputs = recording.output.iter_mut().zip(&log.output);
-    let cables = recording.cable_m.iter_mut().zip(&log.cable_m);
-    for (column, own) in outputs.chain(cables) {
-        if let (Some(column), Some(own)) = (column, own) {
-            blank(column, own);
+    for column in measured_columns(log) {
+        if let (Some(values), Some(own)) = (column.readings_mut(recording), column.readings(log)) {
+            blank(values, own);
         }
     }
-    let axes = recording.position_m.iter_mut().flatten();
-    let axes = axes.zip(log.position_m.iter().flatten());
-    let parts = recording.orientation_wxyz.iter_mut().flatten();
-    let parts = parts.zip(log.orientation_wxyz.iter().flatten());
-    axes.chain(parts)
-        .for_each(|(column, own)| blank(column, own));
 }
 
 /// The device with the sensors of a rig.
@@ -130,14 +123,11 @@ pub(super) fn rigged(device: &Device, rig: &Rig) -> Result<Rigged, Error> {
     }
     let has = |channel: Channel| equipped.channels.contains(&channel);
     let joints = 0..model.joints.len();
+    let outputs = joints.clone().map(|joint| has(Channel::Output { joint }));
+    let cables = (0..model.cables.len()).map(|index| has(Channel::Cable { index }));
     let sensors = PostureSensors {
-        outputs: joints
-            .clone()
-            .map(|joint| has(Channel::Output { joint }))
-            .collect(),
-        cables: (0..model.cables.len())
-            .map(|index| has(Channel::Cable { index }))
-            .collect(),
+        outputs: outputs.collect(),
+        cables: cables.collect(),
         position: has(Channel::Position),
         orientation: has(Channel::Orientation),
     };
@@ -170,14 +160,13 @@ fn add_references(model: &mut Model, measure: &Measure) {
         Measure::Contact { distance_m, .. } => {
             around.contact_sd_m.get_or_insert(UNSTATED_SD);
             let [a, b] = names("socket");
-            let pair = distance_m.map(|distance_m| ContactPair {
-                a,
-                b,
-                distance_m,
-                sd_m: STATED_SD,
-            });
-            if let Some(pair) = pair {
-                model.contact_pairs = vec![pair];
+            if let Some(distance_m) = *distance_m {
+                model.contact_pairs = vec![ContactPair {
+                    a,
+                    b,
+                    distance_m,
+                    sd_m: STATED_SD,
+                }];
             }
         }
         Measure::Plane { planes } => {
@@ -210,11 +199,10 @@ fn file(model: &Model, rig: &Rig, kept: &[&str]) -> Result<Option<String>, Error
     let text = bare.to_new_toml().map_err(Error::internal)?;
     let mut document: DocumentMut = text.parse().map_err(Error::internal)?;
     document.retain(|key, _| kept.contains(&key));
-    let text = document.to_string();
+    let (name, text) = (&rig.name, document.to_string());
+    let text = text.trim_start();
     Ok(Some(format!(
-        "# Sensors of the rig {}, for --rig.\n\n{}",
-        rig.name,
-        text.trim_start()
+        "# Sensors of the rig {name}, for --rig.\n\n{text}"
     )))
 }
 

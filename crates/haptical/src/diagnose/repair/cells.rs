@@ -10,6 +10,7 @@ use haptical_effects::{Ahead, Hook, OtherClock, runs_of};
 use haptical_model::{DeviceEffect, Recording};
 
 use super::resample::on_time;
+use crate::columns::{columns_of, measured_columns, tracked_columns};
 use crate::device::Device;
 use crate::diagnose::faults::is_of;
 use crate::error::Error;
@@ -37,10 +38,7 @@ fn late_columns(cause: &CauseAnswer, delay_s: f64, recording: &Recording) -> (Ve
     let is_of_tracker = OtherClock::of_latency(&cause.effect) == Some(OtherClock::Tracker);
     let columns = |clock: OtherClock| -> Vec<LogColumn> {
         match clock {
-            OtherClock::Tracker => {
-                let tracked = (0..3).map(LogColumn::Position);
-                tracked.chain((0..4).map(LogColumn::Orientation)).collect()
-            }
+            OtherClock::Tracker => tracked_columns().collect(),
             OtherClock::Cables => (0..recording.cable_m.len()).map(LogColumn::Cable).collect(),
             OtherClock::ExternalEncoders => {
                 (0..recording.output.len()).map(LogColumn::Output).collect()
@@ -97,13 +95,8 @@ impl<'r> Repairing<'r> {
             return Vec::new();
         };
         let is_own = |step: &&StepAnswer| step.effect == cause.effect && step.joint == cause.joint;
-        let steps: Vec<StepAnswer> = self
-            .diagnosis
-            .steps
-            .iter()
-            .filter(is_own)
-            .cloned()
-            .collect();
+        let steps: Vec<StepAnswer> =
+            (self.diagnosis.steps.iter().filter(is_own).cloned()).collect();
         let mut made = Vec::new();
         for step in steps {
             // what the channels read too much; of a motor encoder, what it reads too little
@@ -118,12 +111,9 @@ impl<'r> Repairing<'r> {
             let Some(run) = self.runs.iter().find(|run| run.contains(&last)) else {
                 continue;
             };
-            let row = (first.max(run.start)..=last)
-                .min_by(|a, b| {
-                    let bends = |row: &usize| bends(readings, run, [first, last], *row, by);
-                    bends(a).total_cmp(&bends(b))
-                })
-                .unwrap_or(last);
+            let bends = |row: &usize| bends(readings, run, [first, last], *row, by);
+            let row = (first.max(run.start)..=last).min_by(|a, b| bends(a).total_cmp(&bends(b)));
+            let row = row.unwrap_or(last);
             let mut edits = LogEdits::default();
             for row in row..run.end {
                 if readings[row].is_finite() {
@@ -217,12 +207,7 @@ impl<'r> Repairing<'r> {
     /// Empties everything that a row measured beside its joints.
     fn empty_measured(&self, edits: &mut LogEdits, row: usize) {
         let recording = &self.recording;
-        let outputs = (0..recording.output.len()).map(LogColumn::Output);
-        let cables = (0..recording.cable_m.len()).map(LogColumn::Cable);
-        let tracked = (0..3).map(LogColumn::Position);
-        let turned = (0..4).map(LogColumn::Orientation);
-        let numbers = outputs.chain(cables).chain(tracked).chain(turned);
-        for column in numbers {
+        for column in measured_columns(recording) {
             let readings = column.readings(recording);
             if readings.is_some_and(|readings| readings[row].is_finite()) {
                 edits.empty(column, row);
@@ -250,18 +235,8 @@ impl<'r> Repairing<'r> {
         };
         let mut edits = LogEdits::default();
         for (channel, row) in wild.into_iter().filter(|(channel, _)| is_told(channel)) {
-            match channel {
-                Channel::Output { joint } => edits.empty(LogColumn::Output(joint), row),
-                Channel::Cable { index } => edits.empty(LogColumn::Cable(index), row),
-                Channel::Position => {
-                    (0..3).for_each(|axis| edits.empty(LogColumn::Position(axis), row));
-                }
-                Channel::Orientation => {
-                    (0..4).for_each(|part| edits.empty(LogColumn::Orientation(part), row));
-                }
-                Channel::Contact => edits.empty(LogColumn::Contact, row),
-                Channel::Plane => edits.empty(LogColumn::Plane, row),
-                _ => {}
+            for column in columns_of(channel) {
+                edits.empty(column, row);
             }
         }
         self.set(&edits);
