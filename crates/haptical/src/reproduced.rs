@@ -36,19 +36,15 @@ pub(crate) fn comments(left: &[Left], not_in_file: &[String]) -> String {
     let mut text = String::new();
     for own in left {
         let shown = Shown::fine(&own.unit);
-        let held_out = own.held_out.map_or_else(String::new, |rms| {
-            format!(
-                "; held out, rms_after = {rms:e} {} ({})",
-                own.unit,
-                shown.text(rms)
-            )
-        });
+        let size = |rms: f64| format!("{rms:e} {} ({})", own.unit, shown.text(rms));
+        let held_out = own
+            .held_out
+            .map(|rms| format!("; held out, rms_after = {}", size(rms)));
         text += &format!(
-            "# provenance: fit of {}: rms_fit = {:e} {} ({}), on all its rows{held_out}\n",
+            "# provenance: fit of {}: rms_fit = {}, on all its rows{}\n",
             own.channel,
-            own.rms,
-            own.unit,
-            shown.text(own.rms)
+            size(own.rms),
+            held_out.unwrap_or_default()
         );
     }
     for words in not_in_file {
@@ -95,9 +91,7 @@ pub(crate) fn reproduced(
         let [(square, count), (others, further)] = sums;
         let rms = f64::sqrt(square / count);
         if own.is_missed_by(rms) {
-            let shown = Shown::fine(&own.unit);
-            let sizes = [rms, own.rms].map(|size| shown.text(size));
-            let [is, fit] = sizes;
+            let [is, fit] = [rms, own.rms].map(|size| Shown::fine(&own.unit).text(size));
             misses.push(format!("{} is {is} in place of {fit}", own.channel));
         }
         let whole = (square + others) / (count + further);

@@ -16,10 +16,9 @@ impl Shown {
     pub fn fine(unit: &str) -> Self {
         match unit {
             "m" => Self::new("µm", 1e6),
-            "rad" => Self::new("mrad", 1e3),
             "N m" => Self::new("N m", 1.0),
             "N" => Self::new("N", 1.0),
-            _ => Self::new("", 1.0),
+            _ => Self::coarse(unit),
         }
     }
 
@@ -35,9 +34,7 @@ impl Shown {
     /// For what a person measures with a ruler and a protractor.
     pub fn for_people(unit: &str) -> Self {
         match unit {
-            "m" => Self::new("mm", 1e3),
             "rad" => Self::new("°", 180.0 / std::f64::consts::PI),
-            "1" => Self::new("", 1.0),
             _ => Self::coarse(unit),
         }
     }

@@ -9,24 +9,14 @@ use crate::units::Shown;
 pub(crate) fn absorbed_sentence(diagnosis: &Diagnosis, listed: usize) -> Option<String> {
     let absorbed = diagnosis.absorbed.as_ref()?;
     let first = diagnosis.causes.first()?;
-    let share = match absorbed.share {
-        Some(share) => format!(
-            "{} of {}",
-            percent(share),
-            named_at(&first.effect, first.joint)
-        ),
-        None => format!("a part of {}", named_at(&first.effect, first.joint)),
-    };
+    let share = absorbed.share.map_or("a part".to_owned(), percent);
+    let cause = named_at(&first.effect, first.joint);
     let count = match absorbed.moved.len() {
         1 => "1 number moves".to_owned(),
         count => format!("{count} numbers move"),
     };
-    let mut moved: Vec<String> = absorbed
-        .moved
-        .iter()
-        .take(listed)
-        .map(moved_number)
-        .collect();
+    let moved = absorbed.moved.iter().take(listed);
+    let mut moved: Vec<String> = moved.map(moved_number).collect();
     if absorbed.moved.len() > listed {
         moved.push("others in gap.json".to_owned());
     }
@@ -35,7 +25,7 @@ pub(crate) fn absorbed_sentence(diagnosis: &Diagnosis, listed: usize) -> Option<
         moved => format!(": {}", moved.join(", ")),
     };
     Some(format!(
-        "The earlier model took up {share}: identify it again. With the cause in the model {count}{numbers}."
+        "The earlier model took up {share} of {cause}: identify it again. With the cause in the model {count}{numbers}."
     ))
 }
 

@@ -1,6 +1,6 @@
 //! The text of corrected.toml: the device with the causes.
 
-use haptical_diagnosis::{ChannelGap, Diagnosis, Verdict};
+use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, stiffness_key};
 
@@ -33,19 +33,21 @@ pub(super) fn tell(
     reproduced: Result<Option<Vec<(String, f64)>>, String>,
 ) {
     match reproduced {
-        Ok(left) => {
-            for (name, rms) in left.into_iter().flatten() {
-                let mut channels = diagnosis.gap.channels.iter_mut();
-                if let Some(own) = channels.find(|own| own.channel == name) {
-                    own.rms_fit = Some(rms);
-                }
-            }
-        }
+        Ok(left) => tell_left(diagnosis, left.into_iter().flatten()),
         Err(why) => {
             diagnosis.corrected = None;
             let warning = format!("{} is not written: {why}", DIAGNOSIS_FILES[3]);
             diagnosis.warnings.insert(0, warning);
         }
+    }
+}
+
+/// Says what a file leaves of channels.
+pub(super) fn tell_left(diagnosis: &mut Diagnosis, left: impl IntoIterator<Item = (String, f64)>) {
+    for (name, rms) in left {
+        let mut channels = diagnosis.gap.channels.iter_mut();
+        let own = channels.find(|own| own.channel == name);
+        own.into_iter().for_each(|own| own.rms_fit = Some(rms));
     }
 }
 
@@ -60,12 +62,8 @@ fn left(diagnosis: &Diagnosis) -> Vec<Left> {
             noise_floor: gap.noise_floor,
         })
     };
-    diagnosis
-        .gap
-        .channels
-        .iter()
-        .filter_map(of_channel)
-        .collect()
+    let channels = diagnosis.gap.channels.iter();
+    channels.filter_map(of_channel).collect()
 }
 
 /// The text of corrected.toml, which says what its fit leaves and what it does not hold.
@@ -83,15 +81,11 @@ pub(super) fn text(device: &Device, diagnosis: &Diagnosis) -> Result<Option<Stri
     let Some(corrected) = &diagnosis.corrected else {
         return Ok(None);
     };
-    let path = &device.source().path;
-    let refuse = |error: &_| Error::device_file(error, path);
-    let label = &device.source().label;
-    let mut text = without_comments(device.to_toml()).to_owned();
+    let source = device.source();
     let marked = yielding(&device.model, corrected, diagnosis);
-    text.push_str(&marked);
-    let written = corrected
-        .to_toml(&text, label)
-        .map_err(|error| refuse(&error))?;
+    let text = without_comments(device.to_toml()).to_owned() + &marked;
+    let written = corrected.to_toml(&text, &source.label);
+    let written = written.map_err(|error| Error::device_file(&error, &source.path))?;
     let head = match diagnosis.verdict {
         Verdict::Ambiguous => {
             "# The data cannot tell the first cause from others: confusable_with lists them.\n"
@@ -109,14 +103,11 @@ pub(super) fn text(device: &Device, diagnosis: &Diagnosis) -> Result<Option<Stri
 fn yielding(device: &Model, corrected: &Model, diagnosis: &Diagnosis) -> String {
     let mut tables = String::new();
     for joint in 0..corrected.joints.len() {
-        let is_new = device.compliance_rad_per_nm(joint) == 0.0
-            && corrected.compliance_rad_per_nm(joint) > 0.0
-            && !device
-                .surroundings
-                .compliance
-                .get(joint)
-                .is_some_and(|own| own.fit);
-        if !is_new {
+        let asked = device.surroundings.compliance.get(joint);
+        if device.compliance_rad_per_nm(joint) != 0.0
+            || corrected.compliance_rad_per_nm(joint) <= 0.0
+            || asked.is_some_and(|own| own.fit)
+        {
             continue;
         }
         let number = joint + 1;

@@ -4,7 +4,7 @@ use haptical_diagnosis::{BESIDE_TORQUES, Diagnosis};
 use haptical_model::Device as Model;
 use haptical_motion::{identify_drives, torques_left, with_dynamics};
 
-use super::corrected::text;
+use super::corrected::{tell_left, text};
 use crate::device::Device;
 use crate::files::DIAGNOSIS_FILES;
 use crate::identify::{without_effects, without_friction};
@@ -28,15 +28,9 @@ pub(super) fn fill(device: &Device, log: &Log, diagnosis: &mut Diagnosis) {
     match filled(device, &bare, log, diagnosis) {
         Ok(left) => {
             let words = diagnosis.not_in_file.iter_mut();
-            words
-                .filter(|words| is_beside(words))
-                .for_each(|words| *words = DELAY.to_owned());
-            for (name, rms) in left {
-                let mut channels = diagnosis.gap.channels.iter_mut();
-                if let Some(own) = channels.find(|own| own.channel == name) {
-                    own.rms_fit = Some(rms);
-                }
-            }
+            let beside = words.filter(|words| is_beside(words));
+            beside.for_each(|words| *words = DELAY.to_owned());
+            tell_left(diagnosis, left);
         }
         Err(why) => {
             diagnosis.corrected = Some(bare);

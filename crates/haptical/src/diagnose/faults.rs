@@ -23,12 +23,11 @@ pub(in crate::diagnose) fn faults(diagnosis: &Diagnosis) -> Vec<Fault<'_>> {
     }
     let causes = diagnosis.causes.iter();
     let likely = causes.filter(|cause| cause.probability >= LEAST_PROBABILITY);
-    likely
-        .filter_map(|cause| {
-            let kind = log_fault(diagnosis, cause)?;
-            Some(Fault { cause, kind })
-        })
-        .collect()
+    let faults = likely.filter_map(|cause| {
+        let kind = log_fault(diagnosis, cause)?;
+        Some(Fault { cause, kind })
+    });
+    faults.collect()
 }
 
 /// What a log has wrong by a cause. Of two laws of one name, what the cable's encoder and what the links grow by, the numbers

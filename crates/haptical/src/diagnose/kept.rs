@@ -27,12 +27,8 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
 
 /// `out2: 0.265 mrad left, noise 0.078 mrad`.
 fn left(channel: &str, unit: &str, [rms, noise]: [f64; 2]) -> String {
-    let shown = Shown::fine(unit);
-    format!(
-        "{channel}: {} left, noise {}",
-        shown.text(rms),
-        shown.text(noise)
-    )
+    let [rms, noise] = [rms, noise].map(|size| Shown::fine(unit).text(size));
+    format!("{channel}: {rms} left, noise {noise}")
 }
 
 /// Whether the log has no gap, and the second recording has one.
@@ -55,16 +51,12 @@ pub(super) fn of_second_alone(second: &SecondAnswer) -> String {
 /// A sentence, after a blank, on a second recording of which nothing was judged; empty otherwise.
 pub(super) fn not_judged(diagnosis: &Diagnosis) -> String {
     let second = diagnosis.second.as_ref();
-    match second.filter(|second| second.channels.is_empty()) {
-        Some(second) => format!(
-            " The second recording was not judged: {}.",
-            second
-                .not_predicted
-                .first()
-                .map_or("it has no channel of the log", String::as_str)
-        ),
-        None => String::new(),
-    }
+    let none = second.filter(|second| second.channels.is_empty());
+    none.map_or_else(String::new, |second| {
+        let why = second.not_predicted.first();
+        let why = why.map_or("it has no channel of the log", String::as_str);
+        format!(" The second recording was not judged: {why}.")
+    })
 }
 
 /// A further sentence of it, after a blank; empty where the causes are those of both.

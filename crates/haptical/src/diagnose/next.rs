@@ -10,26 +10,19 @@ use crate::diagnose::words::{listed, main_channel, named_at};
 /// that was `repaired`.
 pub(crate) fn next_step(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
     let step = step_beside_the_log(diagnosis);
-    if let Some(log) = repaired {
-        let again = format!("`haptical identify --log {log}` calibrates from the repaired log");
-        return match diagnosis.verdict {
-            Verdict::NoGap => again,
-            _ => format!("{again}; {step}"),
-        };
-    }
     let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
-    let names: Vec<String> = of_log
-        .map(|cause| named_at(&cause.effect, cause.joint))
-        .collect();
-    match names.as_slice() {
-        [] => step,
-        names if diagnosis.verdict == Verdict::NoGap => {
-            format!("`--repair` writes the log without {}", listed(names))
+    let names = of_log.map(|cause| named_at(&cause.effect, cause.joint));
+    let names: Vec<String> = names.collect();
+    let first = match (repaired, names.as_slice()) {
+        (Some(log), _) => {
+            format!("`haptical identify --log {log}` calibrates from the repaired log")
         }
-        names => format!(
-            "`--repair` writes the log without {}; {step}",
-            listed(names)
-        ),
+        (None, []) => return step,
+        (None, names) => format!("`--repair` writes the log without {}", listed(names)),
+    };
+    match diagnosis.verdict {
+        Verdict::NoGap => first,
+        _ => format!("{first}; {step}"),
     }
 }
 
@@ -70,10 +63,9 @@ fn by_hand(diagnosis: &Diagnosis) -> String {
             .to_owned(),
         _ => {
             let channel = main_channel(diagnosis).map(|channel| channel.channel.as_str());
+            let channel = channel.unwrap_or("the residual");
             format!(
-                "look at the device where {} shows the gap, and record it again more slowly and \
-                 more densely there",
-                channel.unwrap_or("the residual")
+                "look at the device where {channel} shows the gap, and record it again more slowly and more densely there"
             )
         }
     }
@@ -81,9 +73,8 @@ fn by_hand(diagnosis: &Diagnosis) -> String {
 
 /// Of a device that is no longer that of the earlier model.
 fn changed(cause: &CauseAnswer) -> String {
-    let joint = cause
-        .joint
-        .map_or("a joint".to_owned(), |joint| format!("joint {joint}"));
+    let joint = cause.joint.map(|joint| format!("joint {joint}"));
+    let joint = joint.unwrap_or("a joint".to_owned());
     let look = match cause.effect.as_str() {
         name if name == JOINT_OFFSET.name => {
             format!("whether {joint} was homed anew, or its encoder or coupling slipped")

@@ -8,14 +8,10 @@ use crate::log::Log;
 pub(super) fn refitted(device: &Device, logs: &[&Log]) -> Option<String> {
     let source = device.source();
     let text = source.read_text().ok()?;
-    let command =
-        provenance_of(&text).find_map(|line| line.strip_prefix("command line: haptical "))?;
-    if !["identify", "diagnose"]
-        .iter()
-        .any(|own| command.starts_with(own))
-    {
-        return None;
-    }
+    let mut lines = provenance_of(&text);
+    let command = lines.find_map(|line| line.strip_prefix("command line: haptical "))?;
+    let mut fits = ["identify", "diagnose"].into_iter();
+    fits.find(|own| command.starts_with(own))?;
     let mut of_logs = logs.iter().filter_map(|log| log.input("log"));
     let is_same = of_logs.any(|log| provenance_of(&text).any(|line| line.ends_with(&log.sha256)));
     (!is_same).then(|| {

@@ -23,10 +23,8 @@ pub(super) fn read(logs: &[&Log]) -> Vec<LogRead> {
         file: log.source().label.clone(),
         rows: log.recording.len(),
     };
-    match logs.len() {
-        0 | 1 => Vec::new(),
-        _ => logs.iter().map(of).collect(),
-    }
+    let several = Some(logs).filter(|logs| logs.len() > 1);
+    several.unwrap_or_default().iter().map(of).collect()
 }
 
 /// `a.csv (6000 rows), b.csv (3000 rows), judged together`; none for a single log.
@@ -45,14 +43,10 @@ pub(crate) fn joined<'l>(logs: &[&'l Log]) -> Result<Cow<'l, Recording>, Error> 
         return Ok(Cow::Borrowed(first.recording.as_ref()));
     }
     for (index, log) in logs.iter().enumerate() {
-        let twice = logs[..index].iter().find(|other| is_same(other, log));
-        if twice.is_some() {
-            return Err(Error::in_file(
-                "same-log",
-                "the same log is given twice: its rows would count twice",
-                &log.source().path,
-                "give each recording once",
-            ));
+        if logs[..index].iter().any(|other| is_same(other, log)) {
+            let said =
+                "the same log is given twice: its rows would count twice; give each recording once";
+            return Err(Error::of_file("same-log", said, &log.source().path));
         }
     }
     let recordings: Vec<&Recording> = logs.iter().map(|log| log.recording.as_ref()).collect();
@@ -69,13 +63,11 @@ fn not_joined(refused: &NotJoined, logs: &[&Log]) -> Error {
             with,
             without,
         } => {
-            let there = path(*with).map_or_else(String::new, |path| path.display().to_string());
-            (
-                format!(
-                    "it has no {column}, and {there} has: logs that are judged together have the same sensors"
-                ),
-                *without,
-            )
+            let there = path(*with).unwrap_or("".as_ref()).display();
+            let what = format!(
+                "it has no {column}, and {there} has: logs that are judged together have the same sensors"
+            );
+            (what, *without)
         }
         NotJoined::Joints { index, .. } => (refused.to_string(), *index),
     };
@@ -96,13 +88,9 @@ pub(super) fn refuse_same_log(first: &Log, second: &Log) -> Result<(), Error> {
     if !is_same(first, second) {
         return Ok(());
     }
-    Err(Error::in_file(
-        "same-log",
-        "the log of --validate is that of --log: the fit has seen every row of it",
-        &second.source().path,
-        "give --validate another recording of the same device, or leave it out: then blocks of the log are held \
-         back from the fit",
-    ))
+    let said = "the log of --validate is that of --log: the fit has seen every row of it; give --validate another recording of the \
+                same device, or leave it out: then blocks of the log are held back from the fit";
+    Err(Error::of_file("same-log", said, &second.source().path))
 }
 
 /// A second log without any reading of what the first one shows is told from the first.
@@ -117,13 +105,14 @@ pub(super) fn refuse_without_readings(
     };
     let mut names: Vec<String> = known.iter().map(|channel| channel.name()).collect();
     names.dedup();
+    let names = names.join(", ");
+    let what =
+        format!("the log of --validate has no reading of a sensor; that of --log has {names}");
+    let next = "give --validate a recording with the same sensors, or leave it out: then blocks of the log are held back from the fit";
     Err(Error::in_file(
         "no-readings",
-        format!(
-            "the log of --validate has no reading of a sensor; that of --log has {}",
-            names.join(", ")
-        ),
+        what,
         &second.source().path,
-        "give --validate a recording with the same sensors, or leave it out: then blocks of the log are held back from the fit",
+        next,
     ))
 }

@@ -74,28 +74,26 @@ pub(super) fn answer(diagnosis: &Diagnosis) -> String {
 fn channels(text: &mut String, diagnosis: &Diagnosis) {
     let mut order: Vec<&ChannelGap> = diagnosis.gap.channels.iter().collect();
     let listed = LISTED.saturating_sub(cause_lines(diagnosis));
-    let kept = if order.len() > listed {
+    let mut kept = listed;
+    if order.len() > listed {
         // Adding zero makes one of the two zeros.
         order.sort_by(|a, b| (b.share_of_gap + 0.0).total_cmp(&(a.share_of_gap + 0.0)));
-        listed.saturating_sub(1)
-    } else {
-        listed
-    };
-    let _ = writeln!(
-        text,
-        "{:<12}{:>15}{:>15}{:>15}   gap closed",
-        "channel", "before", "after", "noise floor"
-    );
-    for channel in order.iter().take(kept) {
-        let shown = Shown::fine(&channel.unit);
+        kept = listed.saturating_sub(1);
+    }
+    let mut line = |name: &str, [before, after, floor]: [&str; 3], closed: &str| {
         let _ = writeln!(
             text,
-            "{:<12}{:>15}{:>15}{:>15}   {}",
-            channel.channel,
-            shown.text(channel.rms_before),
-            shown.text(channel.rms_after),
-            shown.text(channel.noise_floor),
-            closed(channel)
+            "{name:<12}{before:>15}{after:>15}{floor:>15}   {closed}"
+        );
+    };
+    line("channel", ["before", "after", "noise floor"], "gap closed");
+    for channel in order.iter().take(kept) {
+        let sizes = [channel.rms_before, channel.rms_after, channel.noise_floor];
+        let sizes = sizes.map(|size| Shown::fine(&channel.unit).text(size));
+        line(
+            &channel.channel,
+            sizes.each_ref().map(String::as_str),
+            &closed(channel),
         );
     }
     let others = order.iter().skip(kept);
@@ -114,12 +112,11 @@ fn channels(text: &mut String, diagnosis: &Diagnosis) {
 fn cause_lines(diagnosis: &Diagnosis) -> usize {
     let absorbed = if diagnosis.absorbed.is_some() { 3 } else { 0 };
     let file = usize::from(!diagnosis.not_in_file.is_empty());
-    absorbed
-        + file
-        + match diagnosis.causes.len() {
-            1 => 2,
-            count => count.min(MOST_CAUSES + 1),
-        }
+    let causes = match diagnosis.causes.len() {
+        1 => 2,
+        count => count.min(MOST_CAUSES + 1),
+    };
+    absorbed + file + causes
 }
 
 impl Summary {
@@ -153,12 +150,8 @@ impl Summary {
             Some(channel) if channel.has_gap => format!("share of the gap {}", closed(channel)),
             _ => "no gap there".to_owned(),
         };
-        let said = format!(
-            "{closed} ({}); on {}",
-            held_out_sizes(held_out),
-            diagnosis.held_out
-        );
-        self.push("held out", &said, 2);
+        let (sizes, rows) = (held_out_sizes(held_out), &diagnosis.held_out);
+        self.push("held out", &format!("{closed} ({sizes}); on {rows}"), 2);
     }
 
     /// A text behind a word, on a terminal in at most `most` lines.

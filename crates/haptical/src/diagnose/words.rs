@@ -38,12 +38,10 @@ pub(crate) fn probability(probability: f64) -> String {
 
 /// A share in whole percent; what is not nothing or all is not rounded to it.
 pub(crate) fn percent(share: f64) -> String {
-    if share > 0.995 && share < 1.0 {
-        "> 99 %".to_owned()
-    } else if share > 0.0 && share < 0.005 {
-        "< 1 %".to_owned()
-    } else {
-        format!("{:.0} %", 100.0 * share)
+    match share {
+        _ if share > 0.995 && share < 1.0 => "> 99 %".to_owned(),
+        _ if share > 0.0 && share < 0.005 => "< 1 %".to_owned(),
+        _ => format!("{:.0} %", 100.0 * share),
     }
 }
 
@@ -60,20 +58,15 @@ pub(crate) fn verdict_mark(verdict: Verdict) -> (Tone, &'static str) {
 /// The channel that shows most of the gap.
 pub(crate) fn main_channel(diagnosis: &Diagnosis) -> Option<&ChannelGap> {
     let place = diagnosis.place.as_ref();
-    diagnosis
-        .gap
-        .main(place.map(|place| place.channel.as_str()))
+    let channel = place.map(|place| place.channel.as_str());
+    diagnosis.gap.main(channel)
 }
 
 /// How much of a channel's gap closes, or why that is not known.
 pub(crate) fn closed(channel: &ChannelGap) -> String {
     let share = reduction(channel.reduction_percent, channel.reduction_ci95);
-    share.unwrap_or_else(|| {
-        channel
-            .no_reduction
-            .map_or("not known", NoReduction::words)
-            .to_owned()
-    })
+    let why = channel.no_reduction.map_or("not known", NoReduction::words);
+    share.unwrap_or_else(|| why.to_owned())
 }
 
 /// The verdict in a sentence or two.
@@ -85,10 +78,9 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
                 causes.iter().partition(|cause| is_of_data(cause));
             let names: Vec<String> = of_device.into_iter().map(with_probability).collect();
-            let verb = if names.len() == 1 {
-                "explains"
-            } else {
-                "explain"
+            let verb = match names.len() {
+                1 => "explains",
+                _ => "explain",
             };
             let gap = match diagnosis.closed_unseen_share {
                 Some(_) => "a part of the gap",
@@ -103,12 +95,12 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     if diagnosis.verdict.has_causes()
         && let Some(closing) = closing(diagnosis)
     {
-        sentence = format!("{sentence} {closing}");
+        sentence += &format!(" {closing}");
     }
-    sentence.push_str(&said_of_second(diagnosis));
+    sentence += &said_of_second(diagnosis);
     if let Some(closed) = diagnosis.closed_unseen_share {
-        sentence = format!(
-            "{sentence} No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \
+        sentence += &format!(
+            " No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \
              see lose {}, and the log keeps {}.",
             percent(closed),
             percent(diagnosis.unexplained_share)
@@ -116,7 +108,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     }
     if !diagnosis.provenance.without.is_empty() {
         let names = diagnosis.provenance.without.join(", ");
-        sentence = format!("{sentence} Left out of the catalogue on request: {names}.");
+        sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
 }
@@ -138,9 +130,8 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
             (Over::Posture, "posture"),
             (Over::Approach, "direction of approach"),
         ];
-        let names = all
-            .into_iter()
-            .filter(|(over, _)| tested.contains(over) == are_tested);
+        let all = all.into_iter();
+        let names = all.filter(|(over, _)| tested.contains(over) == are_tested);
         names.map(|(_, name)| name.to_owned()).collect()
     };
     let (tested, untested) = (names(true), names(false));
@@ -183,10 +174,15 @@ fn is_of_data(cause: &CauseAnswer) -> bool {
 
 /// A further sentence on other findings; empty without any.
 fn besides(causes: &[&CauseAnswer]) -> String {
-    let names: Vec<String> = causes.iter().map(|cause| with_probability(cause)).collect();
+    named_after(" The data show besides", causes.iter().copied())
+}
+
+/// A further sentence with causes after some words; empty without any.
+fn named_after<'c>(words: &str, causes: impl Iterator<Item = &'c CauseAnswer>) -> String {
+    let names: Vec<String> = causes.map(with_probability).collect();
     match names.as_slice() {
         [] => String::new(),
-        names => format!(" The data show besides: {}.", listed(names)),
+        names => format!("{words}: {}.", listed(names)),
     }
 }
 
@@ -197,12 +193,7 @@ fn with_probability(cause: &CauseAnswer) -> String {
 
 fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
     let others = diagnosis.causes[1..].iter();
-    let others = others.filter(|cause| !is_of_data(cause));
-    let others: Vec<String> = others.map(with_probability).collect();
-    let others = match others.as_slice() {
-        [] => String::new(),
-        names => format!(" In addition: {}.", listed(names)),
-    };
+    let others = named_after(" In addition", others.filter(|cause| !is_of_data(cause)));
     let rivals: Vec<String> = rivals(first).collect();
     let (first, rivals) = (with_probability(first), joined(&rivals, "or"));
     format!("The data cannot tell {first} from {rivals}.{others}")
@@ -210,36 +201,29 @@ fn ambiguous(diagnosis: &Diagnosis, first: &CauseAnswer) -> String {
 
 /// The effects that are confusable with a cause, in words.
 pub(crate) fn rivals(cause: &CauseAnswer) -> impl Iterator<Item = String> {
-    cause
-        .confusable_with
-        .iter()
-        .map(|name| match name.as_str() {
-            IN_NO_CATALOGUE => "an effect in no catalogue".to_owned(),
-            known => known.to_owned(),
-        })
+    let names = cause.confusable_with.iter().map(String::as_str);
+    names.map(|name| match name {
+        IN_NO_CATALOGUE => "an effect in no catalogue".to_owned(),
+        known => known.to_owned(),
+    })
 }
 
 /// Unexplained share that is reported as none.
 const NOTHING_LEFT: f64 = 0.005;
 
 fn unknown(diagnosis: &Diagnosis) -> String {
-    if let Some(second) = diagnosis
-        .second
-        .as_ref()
-        .filter(|own| own.is_gap_of_it_alone)
-    {
+    let second = diagnosis.second.as_ref();
+    if let Some(second) = second.filter(|own| own.is_gap_of_it_alone) {
         return of_second_alone(second);
     }
-    let mut sentence = match main_channel(diagnosis) {
-        Some(channel) => {
-            let place = match channel.joint {
-                Some(joint) => format!("{} (joint {joint})", channel.channel),
-                None => channel.channel.clone(),
-            };
-            format!("There is a gap in {place} that no effect of the catalogue explains")
-        }
-        None => "There is a gap that no effect of the catalogue explains".to_owned(),
-    };
+    let place = main_channel(diagnosis).map(|channel| match channel.joint {
+        Some(joint) => format!(" in {} (joint {joint})", channel.channel),
+        None => format!(" in {}", channel.channel),
+    });
+    let mut sentence = format!(
+        "There is a gap{} that no effect of the catalogue explains",
+        place.unwrap_or_default()
+    );
     if let Some(place) = &diagnosis.place
         && !place.depends_on.is_empty()
     {
@@ -271,38 +255,35 @@ fn unknown(diagnosis: &Diagnosis) -> String {
 
 /// Further sentences on the curve in the place of a cause, written or refused; empty without one.
 fn corrected_by(diagnosis: &Diagnosis) -> String {
-    let kept = diagnosis.correction.as_ref().map(|own| {
+    let curve = |over: &dyn std::fmt::Display, joint: usize, share: f64| {
+        let share = percent(share.min(0.999));
         format!(
-            " corrected.toml has a correction, which is no cause: a curve over {} at joint {} closes {} of the gap's squares on \
-             unseen rows.{}",
-            own.over,
-            own.joint,
-            percent(own.closed_unseen_share.min(0.999)),
-            own.on_second.as_ref().map_or_else(String::new, |second| format!(
-                " It predicts the second recording better: {}.",
-                held_out_sizes(second)
-            ))
+            "a curve over {over} at joint {joint} closes {share} of the gap's squares on unseen rows"
+        )
+    };
+    let kept = diagnosis.correction.as_ref().map(|own| {
+        let curve = curve(&own.over, own.joint, own.closed_unseen_share);
+        let second = own.on_second.as_ref().map(held_out_sizes);
+        let second = second.map(|own| format!(" It predicts the second recording better: {own}."));
+        format!(
+            " corrected.toml has a correction, which is no cause: {curve}.{}",
+            second.unwrap_or_default()
         )
     });
     let refused = diagnosis.correction_refused.as_ref().map(|own| {
-        let curve = format!(
-            "a curve over {} at joint {} closes {} of the gap's squares on unseen rows of the log",
-            own.over,
-            own.joint,
-            percent(own.closed_unseen_share.min(0.999))
-        );
+        let curve = curve(&own.over, own.joint, own.closed_unseen_share) + " of the log";
         match own.why {
             Refusal::CourseOfTime => format!(
                 " Nothing is corrected: {curve}, but the course of one recording is no property of the device, and no other \
                  recording has it."
             ),
-            Refusal::SecondRecording => format!(
-                " Nothing is corrected: {curve}, but does not predict the second recording better{}.",
-                own.on_second.as_ref().map_or_else(String::new, |second| format!(
-                    " ({})",
-                    held_out_sizes(second)
-                ))
-            ),
+            Refusal::SecondRecording => {
+                let second = own.on_second.as_ref().map(held_out_sizes);
+                let second = second.map(|own| format!(" ({own})")).unwrap_or_default();
+                format!(
+                    " Nothing is corrected: {curve}, but does not predict the second recording better{second}."
+                )
+            }
         }
     });
     kept.or(refused).unwrap_or_default()
@@ -319,7 +300,8 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
     let share = |channel: &ChannelGap| {
         reduction(channel.reduction_percent, channel.reduction_ci95).filter(|_| channel.has_gap)
     };
-    if let Some(held_out) = held_out_answer(diagnosis)
+    let held_out = held_out_answer(diagnosis);
+    if let Some(held_out) = held_out
         && held_out.no_reduction == Some(NoReduction::Undetermined)
     {
         return Some(format!(
@@ -327,24 +309,20 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
             held_out.channel
         ));
     }
-    if let Some(held_out) = held_out_answer(diagnosis)
-        && let Some(text) = record(diagnosis, &held_out.channel).and_then(share)
-    {
-        return Some(format!(
-            "On data that the fit did not see, {text} of the gap of {} closes.",
-            held_out.channel
-        ));
-    }
-    let channel = main_channel(diagnosis)?;
-    let text = share(channel)?;
-    let rows = match channel.held_out {
+    let unseen = held_out.and_then(|own| record(diagnosis, &own.channel));
+    let unseen = unseen.and_then(|own| Some((share(own)?, &own.channel, true)));
+    let (text, channel, is_unseen) = match unseen {
+        Some(unseen) => unseen,
+        None => {
+            let main = main_channel(diagnosis)?;
+            (share(main)?, &main.channel, main.held_out)
+        }
+    };
+    let rows = match is_unseen {
         true => "On data that the fit did not see",
         false => "On the log itself",
     };
-    Some(format!(
-        "{rows}, {text} of the gap of {} closes.",
-        channel.channel
-    ))
+    Some(format!("{rows}, {text} of the gap of {channel} closes."))
 }
 
 /// The gap's record of a channel.
@@ -355,23 +333,20 @@ pub(crate) fn record<'d>(diagnosis: &'d Diagnosis, name: &str) -> Option<&'d Cha
 
 /// `97.3 % (95 % interval 96.1 to 98.0 %)`.
 pub(crate) fn reduction(percent: Option<f64>, ci95: Option<[f64; 2]>) -> Option<String> {
-    let percent = percent?;
-    Some(match ci95 {
-        Some([low, high]) => format!("{percent:.1} % (95 % interval {low:.1} to {high:.1} %)"),
-        None => format!("{percent:.1} %"),
-    })
+    let ci95 = ci95.map(|[low, high]| format!(" (95 % interval {low:.1} to {high:.1} %)"));
+    percent.map(|percent| format!("{percent:.1} %{}", ci95.unwrap_or_default()))
 }
 
 /// Before, after and floor on unseen data.
 pub(crate) fn held_out_sizes(held_out: &HeldOutAnswer) -> String {
-    let shown = Shown::fine(&held_out.unit);
-    format!(
-        "{} {} before, {} after, noise {}",
-        held_out.channel,
-        shown.text(held_out.rms_before),
-        shown.text(held_out.rms_after),
-        shown.text(held_out.noise_floor)
-    )
+    let sizes = [
+        held_out.rms_before,
+        held_out.rms_after,
+        held_out.noise_floor,
+    ];
+    let [before, after, noise] = sizes.map(|own| Shown::fine(&held_out.unit).text(own));
+    let channel = &held_out.channel;
+    format!("{channel} {before} before, {after} after, noise {noise}")
 }
 
 /// What the gap depends on and where it lies; none without a gap.
@@ -438,11 +413,8 @@ pub(crate) fn earlier(cause: &CauseAnswer, name: &str) -> String {
         let quantity = |value: f64| Quantity::new(&cause.effect, name, value).short(value);
         let step = parameter.value - earlier;
         let than = if step < 0.0 { "less" } else { "more" };
-        format!(
-            " ({} {than} than the {} of the earlier model)",
-            quantity(step.abs()),
-            quantity(*earlier)
-        )
+        let (step, earlier) = (quantity(step.abs()), quantity(*earlier));
+        format!(" ({step} {than} than the {earlier} of the earlier model)")
     })
 }
 

@@ -4,9 +4,9 @@ use haptical_diagnosis::{ChannelGap, Diagnosis, Trace, Verdict};
 use haptical_report::{BarRow, BarRows, Block, Figure, HeatCell, HeatMap, Mark, Series};
 
 use crate::diagnose::quantity::axis_label;
-use crate::diagnose::words::{column, joints, main_channel, named_at};
+use crate::diagnose::words::{column, joints, main_channel, named_at, record};
 use crate::error::Error;
-use crate::page::{FIGURE_PX, thinned};
+use crate::page::{FIGURE_PX, drawn, thinned};
 use crate::units::{Shown, decimals};
 
 /// Colours beside those of before and after: causes in turn, noise.
@@ -57,13 +57,8 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
         });
     };
     let before = budget.levels[0];
-    row(
-        "before".to_owned(),
-        0.0,
-        before,
-        Series::BEFORE,
-        text(before),
-    );
+    let (name, value) = ("before".to_owned(), text(before));
+    row(name, 0.0, before, Series::BEFORE, value);
     let causes = diagnosis.causes.iter().zip(budget.levels.windows(2));
     for ((cause, pair), colour) in causes.zip(CAUSES.into_iter().cycle()) {
         let name = named_at(&cause.effect, cause.joint);
@@ -87,15 +82,10 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
 /// The channel whose gap is drawn: the main one, or where how much of that closes is not known the largest of which it is.
 fn budgeted(diagnosis: &Diagnosis) -> Option<&ChannelGap> {
     let main = main_channel(diagnosis);
-    let known = diagnosis
-        .gap
-        .channels
-        .iter()
-        .filter(|gap| gap.reduction_percent.is_some());
+    let is_known = |gap: &&ChannelGap| gap.reduction_percent.is_some();
+    let known = diagnosis.gap.channels.iter().filter(is_known);
     let largest = known.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap));
-    main.filter(|gap| gap.reduction_percent.is_some())
-        .or(largest)
-        .or(main)
+    main.filter(is_known).or(largest).or(main)
 }
 
 /// The channel with most of the gap, where one cause (or none) makes its numbers exact. Several
@@ -112,11 +102,11 @@ fn budget(diagnosis: &Diagnosis, channel: &ChannelGap) -> Budget {
             levels,
             floor: channel.noise_floor * shown.per_si,
             unit: shown.name,
-            note: if diagnosis.causes.is_empty() {
-                "What the model leaves, and what of it is noise."
-            } else {
-                "What the model alone leaves, what the cause takes away, what stays, and what is \
-                 noise."
+            note: match diagnosis.causes.is_empty() {
+                true => "What the model leaves, and what of it is noise.",
+                false => {
+                    "What the model alone leaves, what the cause takes away, what stays, and what is noise."
+                }
             },
         };
     }
@@ -134,10 +124,9 @@ fn budget(diagnosis: &Diagnosis, channel: &ChannelGap) -> Budget {
     let mut done = 0.0;
     for cause in &diagnosis.causes {
         done += cause.share;
-        let share = if total > 0.0 {
-            (done / total).clamp(0.0, 1.0)
-        } else {
-            1.0
+        let share = match total > 0.0 {
+            true => (done / total).clamp(0.0, 1.0),
+            false => 1.0,
         };
         levels.push((before + share * (after - before)).max(0.0).sqrt());
     }
@@ -178,8 +167,8 @@ fn beside_noise(channels: &[ChannelGap]) -> Result<Block, Error> {
 
 /// Residuals before and after over the covariate that matters, with the noise behind them.
 pub(super) fn traces(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
-    let drawn = |trace: &&Trace| trace.at.iter().any(|at| at.is_finite());
-    let traces = diagnosis.traces.iter().filter(drawn);
+    let has_places = |trace: &&Trace| trace.at.iter().any(|at| at.is_finite());
+    let traces = diagnosis.traces.iter().filter(has_places);
     traces.map(|trace| trace_figure(diagnosis, trace)).collect()
 }
 
@@ -201,10 +190,9 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     };
     let column = axis_label(&trace.covariate);
     let words = column.split(" [").next().unwrap_or_default();
-    let rows = if trace.is_held_out {
-        format!(", {}", rows_unseen(diagnosis))
-    } else {
-        String::new()
+    let rows = match trace.is_held_out {
+        true => format!(", {}", rows_unseen(diagnosis)),
+        false => String::new(),
     };
     let mut figure = Figure::new(
         format!("{}: residual over {words}{rows}", trace.channel),
@@ -214,8 +202,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
     let finite = trace.at.iter().filter(|at| at.is_finite());
     let ends = (f64::INFINITY, f64::NEG_INFINITY);
     let (low, high) = finite.fold(ends, |(low, high), &at| (low.min(at), high.max(at)));
-    let mut channels = diagnosis.gap.channels.iter();
-    let channel = channels.find(|channel| channel.channel == trace.channel);
+    let channel = record(diagnosis, &trace.channel);
     let floor = channel.map(|channel| 2.0 * channel.noise_floor * shown.per_si);
     if let Some(noise) = floor.filter(|_| high > low) {
         let ends = [(low, -noise, noise), (high, -noise, noise)];
@@ -240,10 +227,7 @@ fn trace_figure(diagnosis: &Diagnosis, trace: &Trace) -> Result<Block, Error> {
         "The residual before and after the causes are put into the model.".to_owned()
     };
     figure.series.retain(|series| !series.points.is_empty());
-    Ok(Block::Svg {
-        caption,
-        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
-    })
+    drawn(&figure, caption)
 }
 
 /// Which effects at which joints come near the best candidate.
@@ -252,10 +236,8 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
     let joints = joints(all.iter().map(|candidate| candidate.joint));
     let mut effects: Vec<(&str, f64)> = Vec::new();
     for candidate in all {
-        match effects
-            .iter_mut()
-            .find(|(name, _)| *name == candidate.effect)
-        {
+        let mut known = effects.iter_mut();
+        match known.find(|(name, _)| *name == candidate.effect) {
             Some((_, best)) => *best = best.min(candidate.nats_behind),
             None => effects.push((&candidate.effect, candidate.nats_behind)),
         }
@@ -269,11 +251,10 @@ pub(super) fn candidates(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> 
     let mut map = HeatMap::new("Candidates: nats behind the best", columns);
     for (effect, _) in effects {
         let cell = |joint: &Option<usize>| {
-            let found = all
+            let own = all
                 .iter()
-                .filter(|candidate| candidate.effect == effect && candidate.joint == *joint)
-                .map(|candidate| candidate.nats_behind)
-                .min_by(f64::total_cmp)?;
+                .filter(|own| own.effect == effect && own.joint == *joint);
+            let found = own.map(|own| own.nats_behind).min_by(f64::total_cmp)?;
             Some(HeatCell {
                 shade: (-found.max(0.0) / HUNDRED_TO_ONE).exp(),
                 text: nats(found),

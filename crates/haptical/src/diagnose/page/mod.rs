@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
 use haptical_effects::{Hook, specs};
-use haptical_report::{Block, Document, Section, Table};
+use haptical_report::{Block, Table};
 
 use crate::diagnose::absorbed::absorbed_sentence;
 use crate::diagnose::next::next_step;
@@ -16,7 +16,7 @@ use crate::diagnose::words::{
 };
 use crate::error::Error;
 use crate::files::{DEVICE_FLAGS, FIT_FLAGS, Record};
-use crate::page::{facts, next};
+use crate::page::{Page, facts, next};
 
 /// Figures of residuals that are not folded away.
 const OPEN_FIGURES: usize = 2;
@@ -39,73 +39,53 @@ pub(in crate::diagnose) fn page(
     diagnosis: &Diagnosis,
     besides: Besides<'_>,
 ) -> Result<String, Error> {
-    let mut sections = vec![answer(diagnosis, besides)?];
-    let mut fold = |heading: &str, blocks: Vec<Block>| {
-        sections.push(Section::new(heading, blocks).folded());
-    };
+    let mut page = Page::new(answer(diagnosis, besides)?);
     let channels = tables::channels(diagnosis)?.into();
     let rests_on = Block::Paragraph(rests_on(diagnosis));
-    fold("Channel by channel", vec![rests_on, channels]);
-    let place = place(diagnosis)?;
-    if !place.is_empty() {
-        fold("Where the gap lies", place);
-    }
+    page.fold("Channel by channel", vec![rests_on, channels]);
+    page.fold("Where the gap lies", place(diagnosis)?);
     if !diagnosis.causes.is_empty() {
-        fold("Causes", causes(diagnosis)?);
+        page.fold("Causes", causes(diagnosis)?);
     }
-    if let Some(arm) = besides.arm {
-        fold("The arm as corrected", vec![arm.clone()]);
-    }
+    page.fold(
+        "The arm as corrected",
+        besides.arm.cloned().into_iter().collect(),
+    );
     if !diagnosis.candidates.is_empty() {
-        fold("Candidates", candidates(diagnosis)?);
+        page.fold("Candidates", candidates(diagnosis)?);
     }
-    fold("What cannot be seen", unseen(diagnosis)?);
-    if !diagnosis.warnings.is_empty() {
-        fold("Warnings", vec![Block::List(diagnosis.warnings.clone())]);
-    }
+    page.fold("What cannot be seen", unseen(diagnosis)?);
+    page.warnings(&diagnosis.warnings);
     if !diagnosis.noise.is_empty() {
-        fold("Noise", vec![tables::noise(diagnosis)?.into()]);
+        page.fold("Noise", vec![tables::noise(diagnosis)?.into()]);
     }
-    let tables = vec![
-        besides.record.table()?.into(),
-        provenance(diagnosis)?.into(),
-    ];
-    fold("Provenance", tables);
-    let name = &diagnosis.device.name;
-    let title = format!("Diagnosis of {name}");
-    Ok(Document::new(title, "", sections).to_html())
+    let tables = [besides.record.table()?, provenance(diagnosis)?];
+    page.fold("Provenance", tables.map(Block::Table).into());
+    Ok(page.to_html(format!("Diagnosis of {}", diagnosis.device.name)))
 }
 
 /// What the answer rests on, in a sentence.
 fn rests_on(diagnosis: &Diagnosis) -> String {
     let from = &diagnosis.provenance;
-    let mut text = format!(
-        "{} rows; {} of {} parameters of the model fixed by them; {} effects at their places \
-         tested.",
+    let checked = match diagnosis.held_out.as_str() {
+        "" => String::new(),
+        rows => format!(" Checked on {rows}."),
+    };
+    format!(
+        "{} rows; {} of {} parameters of the model fixed by them; {} effects at their places tested.{checked}",
         from.rows, from.base_identifiable, from.base_parameters, from.tested
-    );
-    if !diagnosis.held_out.is_empty() {
-        text.push_str(&format!(" Checked on {}.", diagnosis.held_out));
-    }
-    text
+    )
 }
 
 /// Verdict, the gap as a figure beside the first view of the residual, and the next step with its commands.
-fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error> {
+fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Vec<Block>, Error> {
     let (tone, label) = verdict_mark(diagnosis.verdict);
-    let mut blocks = vec![Block::Notice {
-        tone,
-        label: label.to_owned(),
-        text: verdict_sentence(diagnosis),
-    }];
-    let joints = besides
-        .joints
-        .map(|names| format!("In the robot description {names}."));
+    let mut blocks = vec![Block::notice(tone, label, verdict_sentence(diagnosis))];
+    let joints = besides.joints;
+    let joints = joints.map(|names| format!("In the robot description {names}."));
     blocks.extend(joints.map(Block::Paragraph));
-    let changed = diagnosis
-        .causes
-        .iter()
-        .filter(|own| !own.changed.is_empty());
+    let causes = diagnosis.causes.iter();
+    let changed = causes.filter(|own| !own.changed.is_empty());
     blocks.extend(changed.map(|cause| {
         let place = named_at(&cause.effect, cause.joint);
         Block::Paragraph(format!("{place}: {}.", parameters(cause)))
@@ -115,7 +95,7 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Section, Error>
     blocks.extend(not_held.map(Block::Paragraph));
     let words = next_step(diagnosis, besides.repaired);
     blocks.extend(next(&words, commands(diagnosis, besides)));
-    Ok(Section::new("", blocks))
+    Ok(blocks)
 }
 
 /// Whether `identify` fits the named causes beside geometry and drives: it takes none of torques and forces, and a log of torques
@@ -124,12 +104,8 @@ fn are_fitted_by_identify(diagnosis: &Diagnosis) -> bool {
     let is_of_drives = |name: &str| name.starts_with("torque") || name.starts_with("force");
     let mut channels = diagnosis.gap.channels.iter();
     let shows_geometry = channels.any(|own| !is_of_drives(&own.channel));
-    let is_taken = |name: &str| {
-        specs().any(|own| {
-            own.name == name
-                && !matches!(own.hook, Hook::Torque | Hook::ForceSensor | Hook::Readings)
-        })
-    };
+    let is_left = |hook| matches!(hook, Hook::Torque | Hook::ForceSensor | Hook::Readings);
+    let is_taken = |name: &str| specs().any(|own| own.name == name && !is_left(own.hook));
     let mut causes = diagnosis.causes.iter();
     diagnosis.verdict == Verdict::Named && shows_geometry && causes.all(|own| is_taken(&own.effect))
 }
@@ -139,39 +115,49 @@ fn are_fitted_by_identify(diagnosis: &Diagnosis) -> bool {
 fn commands(diagnosis: &Diagnosis, besides: Besides<'_>) -> Vec<(String, String)> {
     let record = besides.record;
     let (device, fit) = (record.typed(&DEVICE_FLAGS), record.typed(&FIT_FLAGS));
-    let mut commands = Vec::new();
-    let mut push = |purpose: &str, command: String| commands.push((purpose.to_owned(), command));
-    if let Some(log) = besides.repaired {
-        let command = format!("haptical identify{device} --log {log} --out result");
-        push("Calibrate from the log without its faults:", command);
-    }
-    if haptical_diagnosis::Question::of(diagnosis).is_some() {
-        let logs = record.typed(&["--log"]);
-        let command = format!("haptical plan{device}{logs} --settle gap.json --out next");
-        push(
+    let is_corrected = diagnosis.corrected.is_some();
+    let is_open = haptical_diagnosis::Question::of(diagnosis).is_some();
+    let logs = record.typed(&["--log"]);
+    let all = [
+        (
+            besides.repaired.is_some(),
+            "Calibrate from the log without its faults:",
+            format!(
+                "haptical identify{device} --log {} --out result",
+                besides.repaired.unwrap_or_default()
+            ),
+        ),
+        (
+            is_open,
             "Choose the recording that tells the candidates apart:",
-            command,
-        );
-    }
-    if diagnosis.corrected.is_some() && are_fitted_by_identify(diagnosis) {
-        let command = format!("haptical identify{fit} --with gap.json --out result");
-        push("Fit the causes together with geometry and drives:", command);
-    }
-    if diagnosis.corrected.is_some() {
-        let command =
-            "haptical simulate --device corrected.toml --replay NEW_LOG --out predicted.csv";
-        push(
+            format!("haptical plan{device}{logs} --settle gap.json --out next"),
+        ),
+        (
+            is_corrected && are_fitted_by_identify(diagnosis),
+            "Fit the causes together with geometry and drives:",
+            format!("haptical identify{fit} --with gap.json --out result"),
+        ),
+        (
+            is_corrected,
             "Check the corrected device on a log that nobody has seen:",
-            command.to_owned(),
-        );
-        let command = "haptical export --device corrected.toml --format mjcf --out model.xml";
-        push("Put it into a simulator:", command.to_owned());
-    }
-    if diagnosis.verdict == Verdict::NoGap {
-        let command = format!("haptical identify{fit} --out result");
-        push("The identified device of these data:", command);
-    }
-    commands
+            "haptical simulate --device corrected.toml --replay NEW_LOG --out predicted.csv"
+                .to_owned(),
+        ),
+        (
+            is_corrected,
+            "Put it into a simulator:",
+            "haptical export --device corrected.toml --format mjcf --out model.xml".to_owned(),
+        ),
+        (
+            diagnosis.verdict == Verdict::NoGap,
+            "The identified device of these data:",
+            format!("haptical identify{fit} --out result"),
+        ),
+    ];
+    let those = all.into_iter().filter(|(is_one, ..)| *is_one);
+    those
+        .map(|(_, purpose, command)| (purpose.to_owned(), command))
+        .collect()
 }
 
 /// Where the residual lies and how it looks there.
@@ -197,8 +183,9 @@ fn place(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
 fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     let mut blocks = Vec::new();
     let words = diagnosis.causes.iter().filter_map(|cause| {
-        let (meaning, inspect) = said_of(&cause.effect)?;
-        Some(format!("{}: {meaning}. Check {inspect}.", cause.effect))
+        let spec = haptical_effects::spec(&cause.effect)?;
+        let (name, meaning) = (&cause.effect, spec.meaning);
+        Some(format!("{name}: {meaning}. Check {}.", spec.inspect))
     });
     let mut words: Vec<String> = words.collect();
     // an effect at several joints is explained once
@@ -211,11 +198,6 @@ fn causes(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     blocks.push(tables::parameters(diagnosis)?.into());
     blocks.extend(absorbed_sentence(diagnosis, usize::MAX).map(Block::Paragraph));
     Ok(blocks)
-}
-
-/// What an effect is, and what to look at.
-fn said_of(name: &str) -> Option<(&'static str, &'static str)> {
-    haptical_effects::spec(name).map(|spec| (spec.meaning, spec.inspect))
 }
 
 /// How far the data tell the candidates for the first cause apart.
@@ -248,24 +230,20 @@ fn unseen(diagnosis: &Diagnosis) -> Result<Vec<Block>, Error> {
     if !diagnosis.plausibility.is_empty() {
         blocks.push(tables::plausibility(diagnosis)?.into());
     }
-    let (detectable, invisible) = (diagnosis.detectable.len(), diagnosis.invisible.len());
-    for (summary, count, table) in [
-        (
-            "What would have been noticed, and from which size on",
-            detectable,
-            tables::detectable(diagnosis)?,
-        ),
-        (
-            "Invisible: the model takes them for its own parameters",
-            invisible,
-            tables::invisible(diagnosis)?,
-        ),
-        (
-            "Untestable: this log lacks what they need",
-            diagnosis.untestable.len(),
-            tables::untestable(diagnosis)?,
-        ),
-    ] {
+    let noticed = "What would have been noticed, and from which size on";
+    let invisible = "Invisible: the model takes them for its own parameters";
+    let untestable = "Untestable: this log lacks what they need";
+    let counts = [
+        (noticed, diagnosis.detectable.len()),
+        (invisible, diagnosis.invisible.len()),
+        (untestable, diagnosis.untestable.len()),
+    ];
+    let all = [
+        tables::detectable(diagnosis)?,
+        tables::invisible(diagnosis)?,
+        tables::untestable(diagnosis)?,
+    ];
+    for ((summary, count), table) in counts.into_iter().zip(all) {
         if count > 0 {
             blocks.push(Block::Folded {
                 summary: format!("{summary} ({count})"),

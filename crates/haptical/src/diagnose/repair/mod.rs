@@ -107,20 +107,18 @@ impl Repair {
         let (own, others): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
             (diagnosis.causes.iter()).partition(|cause| is_own(cause));
         repair.kept.extend(others.into_iter().map(stays));
-        let moved = |ahead: &Ahead| ahead.late().is_some();
         let ahead = own.into_iter().filter_map(CauseAnswer::ahead);
-        let ahead = ahead.filter(moved);
-        repair.kept.extend(ahead.map(|own| {
-            format!(
-                "the motor encoders keep their times, and the other sensor is moved: {}",
-                own.words()
-            )
-        }));
+        let ahead = ahead
+            .filter(|own: &Ahead| own.late().is_some())
+            .map(Ahead::words);
+        let words = "the motor encoders keep their times, and the other sensor is moved";
+        repair
+            .kept
+            .extend(ahead.map(|own| format!("{words}: {own}")));
         if repairing.edits.is_empty() {
             return Ok(repair);
         }
-        let recording = &log.recording;
-        let (name, bytes) = written(log, recording, &repairing.edits, &shape)?;
+        let (name, bytes) = written(log, &repairing.edits, &shape)?;
         repair.log = Some(name);
         repair.sha256 = Some(Fingerprint::from_bytes(&bytes).sha256);
         repair.bytes = bytes;
@@ -157,9 +155,8 @@ impl Repair {
         for fault in of(LogFault::Drift) {
             if let Some(edits) = repairing.take_drift(fault.cause)? {
                 let parameters = fault.cause.parameters.iter();
-                let by: BTreeMap<String, f64> = parameters
-                    .map(|(name, own)| (name.clone(), own.value))
-                    .collect();
+                let by = parameters.map(|(name, own)| (name.clone(), own.value));
+                let by: BTreeMap<String, f64> = by.collect();
                 changes.note(fault.cause, "drift-removed", &edits, |_| by.clone());
             }
         }
@@ -194,12 +191,11 @@ impl Repair {
     /// With what the diagnosis says of the repaired log.
     pub(super) fn checked(&mut self, again: &Diagnosis, answer: String) {
         let causes = again.causes.iter();
+        let causes = causes.map(|cause| named_at(&cause.effect, cause.joint));
         self.check = Some(RepairCheck {
             verdict: again.verdict,
             answer,
-            causes: causes
-                .map(|cause| named_at(&cause.effect, cause.joint))
-                .collect(),
+            causes: causes.collect(),
         });
     }
 
@@ -273,10 +269,9 @@ impl Changes<'_> {
                 cause: cause.effect.clone(),
                 joint: cause.joint,
                 column: column.name(self.shape),
-                what: if emptied_lines.len() == cells.len() {
-                    "emptied"
-                } else {
-                    what
+                what: match emptied_lines.len() == cells.len() {
+                    true => "emptied",
+                    false => what,
                 },
                 changed: cells.len() - emptied_lines.len(),
                 emptied: emptied_lines.len(),
@@ -291,11 +286,10 @@ impl Changes<'_> {
 /// The repaired log, as text with all other bytes as they were; of another form than text as a CSV of what was read.
 fn written(
     log: &Log,
-    recording: &Recording,
     edits: &LogEdits,
     shape: &LogShape,
 ) -> Result<(&'static str, Vec<u8>), Error> {
-    let [plain, packed] = NAMES;
+    let ([plain, packed], recording) = (NAMES, &log.recording);
     if let Some(bytes) = log.read_again()? {
         let name = log.source().name();
         if let Some(edited) = edit_log(&bytes, &name, &recording.line, edits, shape)? {

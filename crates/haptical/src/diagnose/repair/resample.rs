@@ -20,10 +20,9 @@ pub(super) fn on_time(
 ) -> Vec<Option<f64>> {
     let is_read = |row: &usize| readings[*row].is_finite() && time_s[*row].is_finite();
     let known: Vec<usize> = run.clone().filter(is_read).collect();
-    let mut steps: Vec<f64> = known
-        .windows(2)
-        .map(|pair| time_s[pair[1]] - time_s[pair[0]])
-        .collect();
+    let steps = known.windows(2);
+    let steps = steps.map(|pair| time_s[pair[1]] - time_s[pair[0]]);
+    let mut steps: Vec<f64> = steps.collect();
     steps.sort_by(f64::total_cmp);
     let usual_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
     let between = Between {
@@ -57,9 +56,8 @@ impl Between<'_> {
 
     /// The reading at a time.
     fn at(&self, time_s: f64) -> Option<f64> {
-        let after = self
-            .known
-            .partition_point(|row| self.time_s[*row] < time_s - self.near_s);
+        let is_before = |row: &usize| self.time_s[*row] < time_s - self.near_s;
+        let after = self.known.partition_point(is_before);
         let there = *self.known.get(after)?;
         if (self.time_s[there] - time_s).abs() <= self.near_s {
             return Some(self.readings[there]);

@@ -4,7 +4,7 @@ use std::fmt;
 
 use haptical_report::Table;
 
-use super::{Repair, RepairChange};
+use super::{Repair, RepairChange, RepairCheck};
 use crate::diagnose::words::named_at;
 use crate::units::Shown;
 
@@ -30,12 +30,8 @@ impl fmt::Display for Repair {
                 None => writeln!(formatter, "repaired nothing, and no log is written: {kept}")?,
             }
         }
-        if let Some(check) = &self.check {
-            writeln!(
-                formatter,
-                "again    the repaired log diagnosed: {}",
-                check.answer
-            )?;
+        if let Some(RepairCheck { answer, .. }) = &self.check {
+            writeln!(formatter, "again    the repaired log diagnosed: {answer}")?;
         }
         Ok(())
     }
@@ -58,13 +54,10 @@ fn what(change: &RepairChange) -> String {
     };
     let mut said = match change.what {
         "added" => {
-            let sizes = ["rad", "m"].into_iter();
-            let mut sizes = sizes.filter_map(|unit| Some((unit, by(&format!("added_{unit}"))?)));
-            let size = sizes
-                .next()
-                .map_or_else(String::new, |(unit, size)| Shown::fine(unit).text(size));
-            let counts =
-                by("counts").map_or_else(String::new, |counts| format!(" ({counts:.1} counts)"));
+            let sized = |unit| Some(Shown::fine(unit).text(by(&format!("added_{unit}"))?));
+            let size = ["rad", "m"].into_iter().find_map(sized).unwrap_or_default();
+            let counts = by("counts").map(|counts| format!(" ({counts:.1} counts)"));
+            let counts = counts.unwrap_or_default();
             format!("{size}{counts} added to {}", cells(change.changed))
         }
         "resampled" => format!(
@@ -74,14 +67,9 @@ fn what(change: &RepairChange) -> String {
         ),
         "drift-removed" => {
             let numbers = change.by.iter();
-            let numbers: Vec<String> = numbers
-                .map(|(name, value)| format!("{name} {value:.3e}"))
-                .collect();
-            format!(
-                "drift taken out of {}: {}",
-                cells(change.changed),
-                numbers.join(", ")
-            )
+            let numbers = numbers.map(|(name, value)| format!("{name} {value:.3e}"));
+            let numbers = numbers.collect::<Vec<_>>().join(", ");
+            format!("drift taken out of {}: {numbers}", cells(change.changed))
         }
         _ => String::new(),
     };

@@ -28,12 +28,8 @@ pub(super) fn channels(diagnosis: &Diagnosis) -> Result<Table, Error> {
         ];
         if has_gap {
             row.insert(3, shown.cell(channel.rms_after));
-            row.insert(
-                4,
-                channel
-                    .rms_fit
-                    .map_or_else(|| "".into(), |rms| shown.cell(rms)),
-            );
+            let of_fit = channel.rms_fit.map(|rms| shown.cell(rms));
+            row.insert(4, of_fit.unwrap_or("".into()));
             row.push(Cell::number(100.0 * channel.share_of_gap, 1));
             row.push(match channel.no_reduction {
                 Some(why) => why.words().into(),

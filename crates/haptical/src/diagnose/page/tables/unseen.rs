@@ -1,5 +1,7 @@
 //! Tables of effects that the data could not have shown, or only from some size on.
 
+use std::collections::BTreeSet;
+
 use haptical_diagnosis::Diagnosis;
 use haptical_report::{Cell, Table};
 
@@ -14,13 +16,12 @@ pub(in crate::diagnose::page) fn detectable(diagnosis: &Diagnosis) -> Result<Tab
     let mut columns = vec!["effect".to_owned(), "parameter".to_owned()];
     columns.extend(joints.iter().map(|joint| column(*joint)));
     let mut table = Table::with_heads("", &columns.join(" | "));
-    let mut done: Vec<(&str, &str)> = Vec::new();
+    let mut done = BTreeSet::new();
     for entry in all {
         let (effect, parameter) = (entry.effect.as_str(), entry.parameter.as_str());
-        if done.contains(&(effect, parameter)) {
+        if !done.insert((effect, parameter)) {
             continue;
         }
-        done.push((effect, parameter));
         let quantity = |value| Quantity::new(effect, parameter, value);
         let mut row: Vec<Cell> = vec![effect.into(), quantity(entry.value).words.into()];
         row.extend(joints.iter().map(|joint| {
@@ -42,12 +43,8 @@ pub(in crate::diagnose::page) fn detectable(diagnosis: &Diagnosis) -> Result<Tab
 /// Effects that the model absorbs.
 pub(in crate::diagnose::page) fn invisible(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let rows = diagnosis.invisible.iter().map(|entry| {
-        let named = named_at(&entry.effect, entry.joint);
-        vec![
-            named.into(),
-            (&entry.why).into(),
-            (&entry.would_bias).into(),
-        ]
+        let named = named_at(&entry.effect, entry.joint).into();
+        vec![named, (&entry.why).into(), (&entry.would_bias).into()]
     });
     Ok(Table::with_heads("", "effect | why | what it would falsify").with_rows(rows)?)
 }
@@ -56,9 +53,9 @@ pub(in crate::diagnose::page) fn invisible(diagnosis: &Diagnosis) -> Result<Tabl
 pub(in crate::diagnose::page) fn untestable(diagnosis: &Diagnosis) -> Result<Table, Error> {
     let rows = diagnosis.untestable.iter().map(|entry| {
         let joints: Vec<String> = entry.joints.iter().map(ToString::to_string).collect();
-        let joints = match joints.is_empty() {
-            true => Cell::Missing,
-            false => joints.join(", ").into(),
+        let joints = match joints.join(", ").as_str() {
+            "" => Cell::Missing,
+            joints => joints.into(),
         };
         vec![(&entry.effect).into(), joints, (&entry.why).into()]
     });
