@@ -255,7 +255,7 @@ fn unknown(diagnosis: &Diagnosis) -> String {
 
 /// Further sentences on the curve in the place of a cause, written or refused; empty without one.
 fn corrected_by(diagnosis: &Diagnosis) -> String {
-    let curve = |over: &dyn std::fmt::Display, joint: usize, share: f64| {
+    let curve = |over: &str, joint: usize, share: f64| {
         let share = percent(share.min(0.999));
         format!(
             "a curve over {over} at joint {joint} closes {share} of the gap's squares on unseen rows"

@@ -188,11 +188,10 @@ impl Error {
 
     /// A refused diagnosis of a device from a log.
     pub(crate) fn diagnosis(error: &DiagnosisError, device: &Path, log: &Path) -> Self {
-        if let DiagnosisError::Calibration(error) = error {
-            return Self::calibration(error, device, log);
-        }
         let text = error.to_string();
         let (name, next) = match error {
+            DiagnosisError::Calibration(error) => return Self::calibration(error, device, log),
+            DiagnosisError::Effect(error) => return Self::effect(error, device, log),
             DiagnosisError::Row { line, source } => {
                 let what = source.to_string();
                 return Self::log_line("row", what, log, Some(*line), LEAVE_ROW_OUT);

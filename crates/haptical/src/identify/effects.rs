@@ -58,32 +58,6 @@ pub struct EffectNumber {
     pub ci95: Option<[Option<f64>; 2]>,
 }
 
-/// Why there is no fit with effects.
-#[derive(Debug)]
-pub(super) enum EffectFitError {
-    Calibration(CalibrationError),
-    Diagnosis(DiagnosisError),
-    Effect(DeviceEffectError),
-}
-
-impl From<CalibrationError> for EffectFitError {
-    fn from(error: CalibrationError) -> Self {
-        Self::Calibration(error)
-    }
-}
-
-impl From<DiagnosisError> for EffectFitError {
-    fn from(error: DiagnosisError) -> Self {
-        Self::Diagnosis(error)
-    }
-}
-
-impl From<DeviceEffectError> for EffectFitError {
-    fn from(error: DeviceEffectError) -> Self {
-        Self::Effect(error)
-    }
-}
-
 /// Calibrates a device together with its effects, and says of each whether the log shows it; the device that is found has
 /// those that it shows.
 ///
@@ -93,7 +67,7 @@ pub(super) fn calibrate_with_effects(
     model: &Model,
     recording: &Recording,
     options: &Options,
-) -> Result<(Calibration, Vec<EffectEntry>), EffectFitError> {
+) -> Result<(Calibration, Vec<EffectEntry>), DiagnosisError> {
     let mut rest = model.clone();
     let (asked, others): (Vec<DeviceEffect>, Vec<DeviceEffect>) = std::mem::take(&mut rest.effects)
         .into_iter()
@@ -129,9 +103,7 @@ fn compliances(calibration: &Calibration) -> Vec<EffectEntry> {
             value: stiffness(value),
             unit: Unit::NewtonMetrePerRadian.symbol(),
             // a compliance that may be 0 is a stiffness without an upper end
-            ci95: estimate
-                .ci95
-                .map(|[low, high]| [stiffness(high), stiffness(low)]),
+            ci95: (estimate.ci95).map(|[low, high]| [stiffness(high), stiffness(low)]),
         });
         let p_value = found.and_then(|(value, sd)| {
             let p = chi_square_p_value((value / sd).powi(2), 1.0).ok()?;
@@ -141,9 +113,8 @@ fn compliances(calibration: &Calibration) -> Vec<EffectEntry> {
         Some(EffectEntry {
             effect: JOINT_COMPLIANCE.name.to_owned(),
             joint: Some(joint + 1),
-            parameters: number
+            parameters: (number.into_iter())
                 .map(|number| (JOINT_COMPLIANCE.parameters[0].name.to_owned(), number))
-                .into_iter()
                 .collect(),
             p_value,
             shown,
@@ -166,7 +137,7 @@ fn with_laws(
     model: &Model,
     recording: &Recording,
     options: &Options,
-) -> Result<(Calibration, Vec<EffectEntry>), EffectFitError> {
+) -> Result<(Calibration, Vec<EffectEntry>), DiagnosisError> {
     if model.effects.is_empty() {
         return Ok((calibrate(model, recording, options)?, Vec::new()));
     }
@@ -215,10 +186,8 @@ fn with_laws(
         own.next().filter(|_| entry.shown).cloned()
     };
     let entries = entries.into_iter();
-    let entries = entries
-        .map(|entry| of_place(&entry).unwrap_or(entry))
-        .collect();
-    Ok((again.calibration, entries))
+    let entries = entries.map(|entry| of_place(&entry).unwrap_or(entry));
+    Ok((again.calibration, entries.collect()))
 }
 
 /// Whether an effect was asked for without a size: the device as it was does not have it.
@@ -233,11 +202,8 @@ fn is_new(model: &Model, index: usize) -> bool {
 /// Whether a device can have an effect with the numbers that were found for it: noise makes a play as often negative as
 /// positive.
 fn is_possible(device: &Model, index: usize) -> bool {
-    let effect = device.effects.get(index).cloned();
-    let alone = Model {
-        effects: effect.into_iter().collect(),
-        ..device.clone()
-    };
+    let mut alone = device.clone();
+    alone.effects = device.effects.get(index).cloned().into_iter().collect();
     effects_of(&alone).is_ok()
 }
 
@@ -255,7 +221,7 @@ fn fitted<'r>(
     model: &Model,
     recording: &'r Recording,
     options: &Options,
-) -> Result<Fitted<'r>, EffectFitError> {
+) -> Result<Fitted<'r>, DiagnosisError> {
     let mut start = start_values(model, recording, options.loss)?;
     for (index, effect) in model.effects.iter().enumerate() {
         if !is_possible(&start, index) {
@@ -278,10 +244,8 @@ fn fitted<'r>(
                 numbers.for_each(|number| number.value = 0.0);
             }
         }
-        let is_last = round == MOST_FITS
-            || before
-                .as_ref()
-                .is_some_and(|before| is_same(before, &with, &at));
+        let stands = |before: &Cow<'_, Recording>| is_same(before, &with, &at);
+        let is_last = round == MOST_FITS || before.as_ref().is_some_and(stands);
         let options = &Options {
             held_out: match is_last {
                 true => options.held_out,
@@ -315,9 +279,9 @@ fn is_same(before: &Recording, now: &Recording, device: &Model) -> bool {
     let channels = haptical_calibration::channels(device, now).unwrap_or_default();
     let weights = Weights::stated(device, &channels);
     let noise = |name: &str| {
-        let mut own = weights.channel_sd.iter();
-        own.find(|(channel, _)| channel.name() == name)
-            .map(|(_, sd)| *sd)
+        let mut all = weights.channel_sd.iter();
+        let own = all.find(|(channel, _)| channel.name() == name);
+        own.map(|(_, sd)| *sd)
     };
     let pairs = before.added.iter().zip(&now.added);
     let mut moved = pairs.map(|(before, now)| {
@@ -362,14 +326,9 @@ impl Fitted<'_> {
 
     /// Puts names and intervals in the place of the fitted numbers.
     fn settle(&mut self) -> Result<(), DeviceEffectError> {
-        let counts: Vec<usize> = (self.calibration.device.effects.iter())
-            .map(|effect| effect.fitted.len())
-            .collect();
-        let covariances: Vec<Option<DMatrix<f64>>> = counts
-            .iter()
-            .enumerate()
-            .map(|(effect, &count)| self.covariance(effect, count))
-            .collect();
+        let effects = self.calibration.device.effects.iter().enumerate();
+        let covariances = effects.map(|(at, effect)| self.covariance(at, effect.fitted.len()));
+        let covariances: Vec<Option<DMatrix<f64>>> = covariances.collect();
         // what the numbers are worked out from is the device that the laws were straightened about
         let own = |effect: usize| covariances.get(effect).cloned().flatten();
         let mut device = self.at.clone();
@@ -387,7 +346,7 @@ impl Fitted<'_> {
 }
 
 /// What is said of each fitted effect, with its position in the device.
-fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitError> {
+fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, DiagnosisError> {
     let device = &found.calibration.device;
     let Some(fit) = found.fit() else {
         return Ok(Vec::new());
@@ -395,26 +354,16 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
     let mut entries = Vec::new();
     for (index, effect) in device.effects.iter().enumerate() {
         let of_effect = |id: &&ParameterId| matches!(id, ParameterId::Effect { effect, .. } if *effect == index);
-        let values: Vec<f64> = fit
-            .parameters
-            .iter()
-            .filter(of_effect)
-            .map(|id| id.value(&fit.device))
-            .collect();
+        let own = || fit.parameters.iter().filter(of_effect);
+        let values: Vec<f64> = own().map(|id| id.value(&fit.device)).collect();
         if values.is_empty() {
             continue;
         }
         // the logarithm of a shape says nothing of whether there is an effect
-        let names = fit
-            .parameters
-            .iter()
-            .filter(of_effect)
-            .map(|id| id.name(&fit.device));
+        let names = own().map(|id| id.name(&fit.device));
         let sizes = names.filter(|name| !name.ends_with(".log_shape")).count();
         let covariance = found.covariance(index, values.len());
-        let p_value = covariance
-            .as_ref()
-            .and_then(|covariance| by_chance(&values[..sizes], covariance));
+        let p_value = covariance.and_then(|own| by_chance(&values[..sizes], &own));
         // a size that nature does not allow is not written into the device
         let mut names = effect.numbers.keys();
         let has_size = names.any(|name| !PLACES.contains(&name.as_str()));
@@ -439,10 +388,8 @@ fn entries(found: &Fitted<'_>) -> Result<Vec<(usize, EffectEntry)>, EffectFitErr
 
 /// What is said of effects that were put into a model with numbers that stay.
 pub(super) fn held(before: &Model, model: &Model) -> Vec<EffectEntry> {
-    let own = model
-        .effects
-        .iter()
-        .filter(|own| !own.fit && !before.effects.contains(own));
+    let is_held = |own: &&DeviceEffect| !own.fit && !before.effects.contains(own);
+    let own = model.effects.iter().filter(is_held);
     let entry = |effect: &DeviceEffect| EffectEntry {
         effect: effect.name.clone(),
         joint: effect.joint.map(|joint| joint + 1),

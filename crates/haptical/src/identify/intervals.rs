@@ -82,13 +82,11 @@ fn of_noise(intervals: &Intervals) -> String {
     };
     let mut sentences = Vec::new();
     if let Some(names) = names(&|own| own.has_memory) {
-        let least = intervals
-            .least_degrees_of_freedom
-            .map_or_else(String::new, |least| {
-                format!(" of at least {least:.1} degrees of freedom")
-            });
+        let least = intervals.least_degrees_of_freedom;
+        let least = least.map(|least| format!(" of at least {least:.1} degrees of freedom"));
         sentences.push(format!(
-            " The noise has memory along the log in {names}: intervals follow from its spectrum{least}."
+            " The noise has memory along the log in {names}: intervals follow from its spectrum{}.",
+            least.unwrap_or_default()
         ));
     }
     for own in channels {

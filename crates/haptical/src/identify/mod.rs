@@ -20,7 +20,7 @@ use haptical_calibration::{
     Options, Weighting, force_direction, without_copies,
 };
 use haptical_effects::{Ahead, OtherClock};
-use haptical_model::{Device as Model, ParameterId, Recording, TransmissionKind};
+use haptical_model::{Device as Model, DeviceEffect, ParameterId, Recording, TransmissionKind};
 
 pub use self::dynamics::{
     BodyEntry, CombinationEntry, DYNAMICS, FoundDynamics, IdentifiedDynamics, JointEntry,
@@ -28,7 +28,7 @@ pub use self::dynamics::{
 };
 pub(crate) use self::dynamics::{without_effects, without_friction};
 pub use self::effects::{EffectEntry, EffectNumber};
-use self::effects::{EffectFitError, calibrate_with_effects, held};
+use self::effects::{calibrate_with_effects, held};
 pub use self::moved::MovedEntry;
 use self::result::identified;
 pub use self::result::{
@@ -122,13 +122,8 @@ pub fn identify_as(
     };
     let found = calibrate_with_effects(&model, &recording, &options.options);
     Error::unless_interrupted(&options.options.search.interrupt, log_path)?;
-    let (calibration, mut effects) = found.map_err(|error| match error {
-        EffectFitError::Calibration(error) => refuse(error),
-        EffectFitError::Diagnosis(error) => {
-            Error::diagnosis(&error, device_path, log_path).with_equipment(device)
-        }
-        EffectFitError::Effect(error) => Error::effect(&error, device_path, log_path),
-    })?;
+    let (calibration, mut effects) = found
+        .map_err(|error| Error::diagnosis(&error, device_path, log_path).with_equipment(device))?;
     refuse_overflow(&calibration, &recording, log_path)?;
     let warnings = [&device.warnings, &log.warnings, &calibration.warnings];
     let mut warnings = warnings.map(Clone::clone);
@@ -152,9 +147,8 @@ pub fn identify_as(
     effects.extend(held(&device.model, &model));
     result.tell_effects(effects);
     let written = |model: &Model| {
-        model
-            .to_toml(without_comments(device.to_toml()), &device.source().label)
-            .map_err(|error| Error::device_file(&error, device_path))
+        let text = model.to_toml(without_comments(device.to_toml()), &device.source().label);
+        text.map_err(|error| Error::device_file(&error, device_path))
     };
     let toml = written(&calibration.device)?;
     let rejected = match &calibration.rejected {
@@ -337,11 +331,11 @@ pub(crate) fn flag_of_loss(loss: LossChoice) -> String {
 fn ahead(device: &Model, recording: &Recording) -> Option<String> {
     let channels = haptical_calibration::channels(device, recording).unwrap_or_default();
     let twin = OtherClock::only(channels.into_iter()).map(|own| own.latency().to_owned());
-    let twins: Vec<String> = twin.into_iter().collect();
-    let mut effects = device.effects.iter();
-    let ahead =
-        effects.find_map(|own| Ahead::of(&own.name, own.numbers.get("delay_s").copied(), &twins));
-    ahead.map(Ahead::words)
+    let ahead = |own: &DeviceEffect| {
+        let delay_s = own.numbers.get("delay_s").copied();
+        Ahead::of(&own.name, delay_s, twin.as_slice())
+    };
+    device.effects.iter().find_map(ahead).map(Ahead::words)
 }
 
 impl Found {

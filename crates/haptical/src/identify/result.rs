@@ -224,19 +224,11 @@ pub struct LossEntry {
 
 impl LossEntry {
     fn new(robust: Option<&Robustness>) -> Self {
-        match robust {
-            Some(robust) => Self {
-                used: robust.loss,
-                rounds: robust.rounds,
-                settled: robust.settled,
-                scales: robust.channels.clone(),
-            },
-            None => Self {
-                used: Loss::Squares,
-                rounds: 0,
-                settled: true,
-                scales: Vec::new(),
-            },
+        Self {
+            used: robust.map_or(Loss::Squares, |own| own.loss),
+            rounds: robust.map_or(0, |own| own.rounds),
+            settled: robust.is_none_or(|own| own.settled),
+            scales: robust.map_or(Vec::new(), |own| own.channels.clone()),
         }
     }
 }
@@ -269,9 +261,8 @@ pub(super) fn identified(
             }
         }
     }
-    let combinations = fits.iter().chain(&steps);
-    let mut combinations: Vec<Combination> =
-        combinations.flat_map(|fit| fit.combinations()).collect();
+    let all = fits.iter().chain(&steps);
+    let mut combinations: Vec<Combination> = all.flat_map(|fit| fit.combinations()).collect();
     let mut listed = BTreeSet::new();
     combinations.retain(|sum| listed.insert(sum.terms[0].name.clone()));
     let not_identified = parameters.iter().filter_map(refusal).collect();
@@ -301,8 +292,7 @@ pub(super) fn identified(
         not_identified,
         named_rows: String::new(),
         intervals: fits.first().map(|first| Intervals {
-            channel_noise: fits
-                .iter()
+            channel_noise: (fits.iter())
                 .flat_map(|fit| fit.channel_noise.clone())
                 .collect(),
             ..first.intervals()

@@ -33,31 +33,25 @@ pub(super) fn transmissions(
     calibration: &Calibration,
     parameters: &[ParameterEntry],
 ) -> Vec<TransmissionEntry> {
-    calibration
-        .fitted
-        .transmissions
-        .iter()
-        .map(|transmission| {
-            let prefix = format!("joint[{}].", transmission.joint + 1);
-            let own = parameters
-                .iter()
-                .filter(|entry| entry.key.starts_with(&prefix));
-            let fit = transmission.fit.as_ref();
-            TransmissionEntry {
-                joint: transmission.joint + 1,
-                terms: transmission.terms,
-                range_rad: transmission.range_rad,
-                evidence: transmission.evidence.clone(),
-                convergence: fit.map(|fit| fit.convergence),
-                parameters: own.cloned().collect(),
-                polynomial_monomials: calibration.device.joints[transmission.joint]
-                    .transmission_error
-                    .monomials(),
-                identifiability: fit
-                    .map(|fit| RankEntry::from_judgements(std::iter::once(&fit.identifiability))),
-            }
-        })
-        .collect()
+    let all = calibration.fitted.transmissions.iter();
+    let entries = all.map(|own| {
+        let number = own.joint + 1;
+        let is_own = |entry: &&ParameterEntry| entry.key.starts_with(&format!("joint[{number}]."));
+        let fit = own.fit.as_ref();
+        let joint = &calibration.device.joints[own.joint];
+        TransmissionEntry {
+            joint: number,
+            terms: own.terms,
+            range_rad: own.range_rad,
+            evidence: own.evidence.clone(),
+            convergence: fit.map(|fit| fit.convergence),
+            parameters: parameters.iter().filter(is_own).cloned().collect(),
+            polynomial_monomials: joint.transmission_error.monomials(),
+            identifiability: fit
+                .map(|fit| RankEntry::from_judgements(std::iter::once(&fit.identifiability))),
+        }
+    });
+    entries.collect()
 }
 
 /// A form in words.

@@ -55,10 +55,8 @@ pub(crate) fn picture(
         let axes = from.iter().zip(to).map(|(a, b)| (a - b).powi(2));
         axes.sum::<f64>().sqrt()
     };
-    let handle_m = before
-        .last()
-        .zip(after.last())
-        .map_or(0.0, |(a, b)| size(a, b));
+    let handles = before.last().zip(after.last());
+    let handle_m = handles.map_or(0.0, |(a, b)| size(a, b));
     if moved.is_empty() && handle_m < LEAST[0] {
         return Ok(None);
     }
@@ -66,9 +64,7 @@ pub(crate) fn picture(
     let has_origins = given.chain_origins().iter().skip(1).any(Option::is_some);
     let place = |row: usize| row + usize::from(has_origins);
     let notes = moved.iter().take(NOTED);
-    let notes = notes
-        .map(|own| (place(own.row), said(given, own)))
-        .collect();
+    let notes = notes.map(|own| (place(own.row), said(given, own)));
     let arm = ArmPicture {
         title: "What moved".to_owned(),
         names: ["as given".to_owned(), name.to_owned()],
@@ -78,7 +74,7 @@ pub(crate) fn picture(
         // without the line to the frame of the measurement
         before: before[1..].to_vec(),
         after: after[1..].to_vec(),
-        notes,
+        notes: notes.collect(),
     };
     let Ok(svg) = arm.to_svg(FIGURE_PX.0, FIGURE_PX.1) else {
         // an arm without extent
@@ -99,24 +95,17 @@ pub(crate) fn picture(
 
 /// The row whose readings are nearest to the middle ones of all joints.
 fn typical_row(recording: &Recording) -> usize {
-    let middles: Vec<f64> = recording
-        .joint
-        .iter()
-        .map(|readings| {
-            let mut sorted: Vec<f64> = readings
-                .iter()
-                .copied()
-                .filter(|own| own.is_finite())
-                .collect();
-            sorted.sort_by(f64::total_cmp);
-            sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
-        })
-        .collect();
+    let middle = |readings: &Vec<f64>| {
+        let mut sorted = readings.clone();
+        sorted.retain(|own| own.is_finite());
+        sorted.sort_by(f64::total_cmp);
+        sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+    };
+    let middles: Vec<f64> = recording.joint.iter().map(middle).collect();
     let distance = |row: usize| -> f64 {
         let joints = recording.joint.iter().zip(&middles);
-        joints
-            .map(|(readings, middle)| (readings[row] - middle).abs())
-            .sum()
+        let distances = joints.map(|(readings, middle)| (readings[row] - middle).abs());
+        distances.sum()
     };
     let rows = 0..recording.len();
     rows.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))

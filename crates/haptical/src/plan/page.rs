@@ -2,14 +2,12 @@
 
 use haptical_design::{NextPoses, ParameterStatus};
 use haptical_identification::Status;
-use haptical_report::{
-    BarRow, BarRows, Block, Cell, Document, HeatCell, HeatMap, Section, Series, Table, Tone,
-};
+use haptical_report::{BarRow, BarRows, Block, Cell, HeatCell, HeatMap, Series, Table, Tone};
 
 use super::{Planned, text};
 use crate::error::Error;
 use crate::files::DEVICE_FLAGS;
-use crate::page::{FIGURE_PX, next};
+use crate::page::{FIGURE_PX, Page, next};
 
 /// Widest picture.
 const WIDEST_PX: u32 = 4000;
@@ -23,11 +21,8 @@ pub(super) fn picture(plan: &Planned) -> Result<String, Error> {
             shade: shade(entry),
             text: text::word(entry),
         };
-        let cells = plan
-            .rigs()
-            .iter()
-            .map(|rig| text::find(rig, &name).map(cell));
-        let cells = cells.collect();
+        let rigs = plan.rigs().iter();
+        let cells = rigs.map(|rig| text::find(rig, &name).map(cell)).collect();
         let unit = match unit.as_str() {
             "1" => String::new(),
             unit => format!(" [{unit}]"),
@@ -59,25 +54,16 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
         caption: caption.to_owned(),
         svg: picture.to_owned(),
     };
-    let mut blocks = vec![Block::Notice {
-        tone: Tone::Good,
-        label: "Before anything is measured:".to_owned(),
-        text: plan.answer.clone(),
-    }];
-    blocks.push(told(plan)?);
-    let (words, commands) = after(plan);
-    blocks.extend(next(words, commands));
-    let mut sections = vec![Section::new("", blocks)];
-    let mut fold = |heading: String, blocks: Vec<Block>| {
-        sections.push(Section::new(heading, blocks).folded());
-    };
-    let heading = "Which rig tells which parameters";
-    fold(heading.to_owned(), vec![picture]);
+    let answer = Block::notice(Tone::Good, "Before anything is measured:", &plan.answer);
+    let mut blocks = vec![answer, told(plan)?];
+    blocks.extend(after(plan));
+    let mut page = Page::new(blocks);
+    page.fold("Which rig tells which parameters", vec![picture]);
     if let Some(chosen) = plan.next_poses() {
         let said = text::said(chosen, plan.plan.measured_poses);
         let lines = said.lines().map(|line| line.trim().to_owned()).collect();
         let blocks = vec![Block::List(lines), predicted(chosen)?.into()];
-        fold("Next poses".to_owned(), blocks);
+        page.fold("Next poses", blocks);
     }
     for rig in plan.rigs() {
         let mut lines = text::lines(rig).into_iter();
@@ -87,26 +73,22 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
             true => Block::Paragraph("Every parameter is identified.".to_owned()),
             false => Block::List(open),
         });
-        fold(format!("Rig {}", rig.measure), blocks);
+        page.fold(format!("Rig {}", rig.measure), blocks);
     }
-    let record = vec![plan.provenance.table()?.into()];
-    fold("How this came about".to_owned(), record);
-    Ok(Document::new(format!("Plan for {}", plan.device), "", sections).to_html())
+    page.fold("How this came about", vec![plan.provenance.table()?.into()]);
+    Ok(page.to_html(format!("Plan for {}", plan.device)))
 }
 
 /// How many parameters each rig tells.
 fn told(plan: &Planned) -> Result<Block, Error> {
     let mut bars = BarRows::new("What each rig tells", "parameters");
-    let rigs = plan.rigs().iter();
-    bars.rows = rigs
-        .map(|rig| BarRow {
-            name: rig.measure.clone(),
-            from: 0.0,
-            to: rig.rank as f64,
-            colour: Series::AFTER,
-            value: format!("{} of {}", rig.rank, rig.parameters.len()),
-        })
-        .collect();
+    bars.rows.extend(plan.rigs().iter().map(|rig| BarRow {
+        name: rig.measure.clone(),
+        from: 0.0,
+        to: rig.rank as f64,
+        colour: Series::AFTER,
+        value: format!("{} of {}", rig.rank, rig.parameters.len()),
+    }));
     Ok(Block::Svg {
         caption: "Parameters that poses with the rig would identify; below, which, and how well."
             .to_owned(),
@@ -115,28 +97,25 @@ fn told(plan: &Planned) -> Result<Block, Error> {
 }
 
 /// What to do next: choose poses, or drive to those that were chosen.
-fn after(plan: &Planned) -> (&'static str, Vec<(String, String)>) {
+fn after(plan: &Planned) -> Vec<Block> {
     let record = &plan.provenance;
     let device = record.typed(&DEVICE_FLAGS);
-    match plan.next_poses() {
+    let (words, purpose, command) = match plan.next_poses() {
         None => {
             let measure = record.typed(&["--measure"]);
-            let command = format!("haptical plan{device}{measure} --poses 50 --out plan");
-            let purpose = "Poses for the first rig:".to_owned();
             (
                 "choose the rig, then let the poses be chosen",
-                vec![(purpose, command)],
+                "Poses for the first rig:",
+                format!("haptical plan{device}{measure} --poses 50 --out plan"),
             )
         }
-        Some(_) => {
-            let command = format!("haptical identify{device} --log measured.csv --out result");
-            let purpose = "From the log of what was measured there:".to_owned();
-            (
-                "drive to the poses of poses.csv, which is in this folder, and measure at each",
-                vec![(purpose, command)],
-            )
-        }
-    }
+        Some(_) => (
+            "drive to the poses of poses.csv, which is in this folder, and measure at each",
+            "From the log of what was measured there:",
+            format!("haptical identify{device} --log measured.csv --out result"),
+        ),
+    };
+    next(words, vec![(purpose.to_owned(), command)])
 }
 
 fn predicted(next: &NextPoses) -> Result<Table, Error> {

@@ -1,10 +1,10 @@
 //! A plan as text for a terminal.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use haptical_design::{
-    Criterion, NextPoses, ParameterStatus, Plan, RigIdentifiability, Suggestion,
+    Criterion, NextPoses, ParameterStatus, Plan, Remedy, RigIdentifiability, Suggestion,
 };
 use haptical_identification::Status;
 use haptical_report::{Cell, Column, Table};
@@ -27,12 +27,10 @@ pub(super) fn write(text: &mut impl std::fmt::Write, plan: &Planned) -> std::fmt
     for rig in plan.rigs() {
         for (index, line) in brief(rig).iter().enumerate() {
             let label = if index == 0 { "" } else { "  " };
-            write!(text, "{}", labelled(label, line, label.len()))?;
+            text.write_str(&labelled(label, line, label.len()))?;
         }
     }
-    if !plan.named_rows.is_empty() {
-        write!(text, "{}", labelled("", &plan.named_rows, 0))?;
-    }
+    text.write_str(&labelled("", &plan.named_rows, 0))?;
     // a table of this many columns in each row is never refused
     let table = table(plan).map_err(|_| std::fmt::Error)?;
     writeln!(
@@ -50,10 +48,8 @@ pub(super) fn answer(plan: &Plan) -> String {
         format!("{measure} tells {} of {count} parameters", rig.rank)
     });
     let poses = plan.next_poses.iter().map(|next| {
-        format!(
-            "{} poses are chosen of {} for {}",
-            next.count, next.candidates, next.measure
-        )
+        let (count, candidates, measure) = (next.count, next.candidates, &next.measure);
+        format!("{count} poses are chosen of {candidates} for {measure}")
     });
     let parts: Vec<String> = rigs.chain(poses).collect();
     parts.join("; ") + "."
@@ -66,19 +62,17 @@ fn table(plan: &Planned) -> Result<Table, Error> {
     let rows = parameters(plan).into_iter().map(|(name, unit)| {
         let word = |rig| find(rig, &name).map_or_else(|| "not there".to_owned(), word);
         let words = plan.rigs().iter().map(word).map(Cell::from);
-        [Cell::from(&name), unit.into()]
-            .into_iter()
-            .chain(words)
-            .collect()
+        let head = [Cell::from(&name), unit.into()];
+        head.into_iter().chain(words).collect()
     });
     Ok(Table::new("", columns).with_rows(rows)?)
 }
 
 /// Names and units of all rigs' parameters, in the order in which they come.
 pub(super) fn parameters(plan: &Planned) -> Vec<(String, String)> {
-    let mut seen = BTreeMap::new();
+    let mut seen = BTreeSet::new();
     let entries = plan.rigs().iter().flat_map(|rig| &rig.parameters);
-    let new = entries.filter(|entry| seen.insert(entry.name.clone(), ()).is_none());
+    let new = entries.filter(|entry| seen.insert(entry.name.clone()));
     new.map(|entry| (entry.name.clone(), entry.unit.clone()))
         .collect()
 }
@@ -121,10 +115,7 @@ fn brief(rig: &RigIdentifiability) -> Vec<String> {
             rest.push(&suggestion.parameter);
             continue;
         };
-        let measure = match &best.instead_of {
-            Some(own) => format!("{} instead of {own}", best.measure),
-            None => best.measure.clone(),
-        };
+        let measure = measured(best);
         let (sd, unit) = (best.standard_deviation, &suggestion.unit);
         let parameter = format!("{} (sd {sd:.1e} {unit})", suggestion.parameter);
         match told.iter_mut().find(|(own, _)| *own == measure) {
@@ -132,10 +123,9 @@ fn brief(rig: &RigIdentifiability) -> Vec<String> {
             None => told.push((measure, vec![parameter])),
         }
     }
-    let told = told.into_iter();
-    lines.extend(
-        told.map(|(measure, parameters)| format!("{measure} would tell {}", parameters.join(", "))),
-    );
+    for (measure, parameters) in told {
+        lines.push(format!("{measure} would tell {}", parameters.join(", ")));
+    }
     if !rest.is_empty() {
         lines.push(format!(
             "nothing that was tried tells {}: they act like others or not at all, and keep their values (--out writes \
@@ -149,17 +139,21 @@ fn brief(rig: &RigIdentifiability) -> Vec<String> {
 /// The parameters that a rig does not identify, each with its reason, and measurements that would.
 pub(super) fn lines(rig: &RigIdentifiability) -> Vec<String> {
     let mut lines = heading(rig);
-    let suggestions = rig.suggestions.iter();
-    lines.extend(suggestions.map(suggested));
+    lines.extend(rig.suggestions.iter().map(suggested));
     lines
+}
+
+/// A measurement, and the one in whose place it is.
+fn measured(remedy: &Remedy) -> String {
+    let instead = remedy.instead_of.as_ref();
+    let instead = instead.map(|own| format!(" instead of {own}"));
+    format!("{}{}", remedy.measure, instead.unwrap_or_default())
 }
 
 fn suggested(suggestion: &Suggestion) -> String {
     let remedies = suggestion.remedies.iter().take(REMEDIES).map(|remedy| {
-        let (measure, sd) = (&remedy.measure, remedy.standard_deviation);
-        let instead = remedy.instead_of.as_ref();
-        let instead = instead.map_or_else(String::new, |own| format!(" instead of {own}"));
-        format!("{measure}{instead} (sd {sd:.2e} {})", suggestion.unit)
+        let (measure, sd) = (measured(remedy), remedy.standard_deviation);
+        format!("{measure} (sd {sd:.2e} {})", suggestion.unit)
     });
     let remedies: Vec<String> = remedies.collect();
     let own = &suggestion.parameter;
@@ -191,10 +185,8 @@ pub(super) fn said(next: &NextPoses, measured: usize) -> String {
         next.exchanges
     );
     let mut compare = |what: &str, own: f64, random: Option<f64>| {
-        let random = random.map_or_else(String::new, |random| {
-            format!(" (as many at random: {random:.4e})")
-        });
-        let _ = writeln!(text, "  {what}: {own:.4e}{random}");
+        let random = random.map(|random| format!(" (as many at random: {random:.4e})"));
+        let _ = writeln!(text, "  {what}: {own:.4e}{}", random.unwrap_or_default());
     };
     let (own, random) = (&next.figures, next.random.as_ref());
     let what = "geometric mean of sd over plausible size";
@@ -202,20 +194,17 @@ pub(super) fn said(next: &NextPoses, measured: usize) -> String {
     compare(what, own.geometric_mean_sd, of_random);
     compare("observability O1", own.o1, random.map(|random| random.o1));
     if let Some(value) = own.root_mean_square {
-        let (what, is_task) = match next.criterion {
-            Criterion::TaskPosition => (
-                "handle position error in the region by noise, rms [m]",
-                true,
-            ),
-            Criterion::TaskForce => (
-                "force direction error in the region by noise, rms [rad]",
-                true,
-            ),
-            _ => ("root mean square of sd over plausible size", false),
+        let task = match next.criterion {
+            Criterion::TaskPosition => {
+                Some("handle position error in the region by noise, rms [m]")
+            }
+            Criterion::TaskForce => Some("force direction error in the region by noise, rms [rad]"),
+            _ => None,
         };
+        let what = task.unwrap_or("root mean square of sd over plausible size");
         let of_random = random.and_then(|random| random.root_mean_square);
         compare(what, value, of_random);
-        if is_task {
+        if task.is_some() {
             text += "  Errors of numbers that this rig does not tell, listed above, come on top of it.\n";
         }
     }

@@ -83,9 +83,8 @@ pub fn identify_dynamics_as(
     let bare = without_friction(&device.model);
     let place = (device.source().path.as_path(), log.source().path.as_path());
     let recording = without_effects(&bare, &log.recording, place)?;
-    let second = validate
-        .map(|own| without_effects(&bare, &own.recording, place))
-        .transpose()?;
+    let second = validate.map(|own| without_effects(&bare, &own.recording, place));
+    let second = second.transpose()?;
     let found = haptical_motion::identify_dynamics(&bare, &recording, second.as_deref(), band_hz);
     let dynamics = found.map_err(|error| refused(&error, place.1))?;
     let model = with_dynamics(&bare, &dynamics)
@@ -179,13 +178,11 @@ pub(crate) fn without_effects<'r>(
     let own = with.to_mut();
     for added in std::mem::take(&mut own.added) {
         let joints = model.joints.iter().enumerate();
-        let of_torque = |(joint, of): &(usize, &haptical_model::Joint)| {
-            of.torque_column(joint + 1) == added.channel
-        };
-        let Some((joint, _)) = joints.clone().find(of_torque) else {
-            continue;
-        };
-        for torque in own.torque_nm.iter_mut().skip(joint).take(1).flatten() {
+        let joints = joints.zip(&mut own.torque_nm);
+        let of_torque =
+            joints.filter(|((joint, of), _)| of.torque_column(joint + 1) == added.channel);
+        let first = of_torque.take(1).filter_map(|(_, torque)| torque.as_mut());
+        for torque in first {
             for (value, added) in torque.iter_mut().zip(&added.readings) {
                 *value -= added;
             }

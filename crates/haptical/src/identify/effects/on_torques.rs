@@ -34,10 +34,8 @@ pub(super) fn fit(
 
 fn entry(asked: &DeviceEffect, answer: &AskedOfTorques) -> EffectEntry {
     // noise closes as often more of an unseen gap as less
-    let closed_percent = answer
-        .held_out
-        .as_ref()
-        .and_then(|own| own.reduction_percent);
+    let held_out = answer.held_out.as_ref();
+    let closed_percent = held_out.and_then(|own| own.reduction_percent);
     let is_by_chance = answer.p_value.is_none_or(|p| p >= SHOWN);
     let shown = !is_by_chance && closed_percent.is_none_or(|percent| percent > 0.0);
     EffectEntry {

@@ -5,7 +5,7 @@ use haptical_model::Recording;
 use haptical_report::{Block, Figure, Mark, Series};
 
 use crate::error::Error;
-use crate::page::{FIGURE_PX, MOST_POINTS, thinned};
+use crate::page::{MOST_POINTS, drawn, thinned};
 use crate::units::Shown;
 
 /// The horizontal axis of a figure, and the place of each row on it.
@@ -54,48 +54,27 @@ fn figure(calibration: &Calibration, name: &str, axis: &Axis<'_>) -> Result<Opti
     let all = fit.into_iter().chain(held_out_once);
     let mut before = thinned(all.flat_map(|own| points(own, &own.before, axis, per_si)));
     before.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let after = |report: Option<&ChannelReport>| {
-        report.map_or_else(Vec::new, |report| {
-            thinned(points(report, &report.after, axis, per_si))
-        })
+    let after = |label: &str, mark, report: Option<&ChannelReport>| {
+        let points = report.map(|own| thinned(points(own, &own.after, axis, per_si)));
+        Series::new(label, mark, Series::AFTER, points.unwrap_or_default())
     };
-    let series = [
-        ("before", Mark::Points, Series::BEFORE, before),
-        (
-            "after, rows of the fit",
-            Mark::Rings,
-            Series::AFTER,
-            after(fit_once),
-        ),
-        (
-            "after, rows not seen by the fit",
-            Mark::Points,
-            Series::AFTER,
-            after(held_out),
-        ),
-    ];
-    let series =
-        series.map(|(label, mark, colour, points)| Series::new(label, mark, colour, points));
-    let mut series = series.to_vec();
-    series.retain(|series| !series.points.is_empty());
-    if series.is_empty() {
-        return Ok(None);
-    }
     let title = format!("{name}: residual {}", axis.title);
     let mut figure = Figure::new(&title, &axis.label, format!("residual [{}]", shown.name));
-    figure.series = series;
+    figure.series = vec![
+        Series::new("before", Mark::Points, Series::BEFORE, before),
+        after("after, rows of the fit", Mark::Rings, fit_once),
+        after("after, rows not seen by the fit", Mark::Points, held_out),
+    ];
+    figure.series.retain(|series| !series.points.is_empty());
+    if figure.series.is_empty() {
+        return Ok(None);
+    }
     let sizes = held_out.or(fit).map(|report| {
-        format!(
-            "Root mean square {} before and {} after, noise floor {}.",
-            shown.text(report.rms_before),
-            shown.text(report.rms_after),
-            shown.text(report.noise_floor)
-        )
+        let sizes = [report.rms_before, report.rms_after, report.noise_floor];
+        let [before, after, floor] = sizes.map(|size| shown.text(size));
+        format!("Root mean square {before} before and {after} after, noise floor {floor}.")
     });
-    Ok(Some(Block::Svg {
-        caption: sizes.unwrap_or_default(),
-        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
-    }))
+    drawn(&figure, sizes.unwrap_or_default()).map(Some)
 }
 
 /// Whether rows that were held out were fitted too, in other folds.
@@ -110,22 +89,19 @@ fn points<'p>(
     residuals: &'p [f64],
     axis: &'p Axis<'_>,
     per_si: f64,
-) -> impl Iterator<Item = (f64, f64)> + Clone + 'p {
+) -> impl Iterator<Item = (f64, f64)> + 'p {
     // A position has three residuals a row, one per axis.
     let width = (residuals.len() / report.rows.len().max(1)).max(1);
-    residuals
-        .iter()
-        .enumerate()
-        .map(move |(index, residual)| ((axis.at)(report.rows[index / width]), residual * per_si))
-        .filter(|(x, _)| x.is_finite())
+    let at = move |index: usize| (axis.at)(report.rows[index / width]);
+    let points = residuals.iter().enumerate();
+    let points = points.map(move |(index, residual)| (at(index), residual * per_si));
+    points.filter(|(x, _)| x.is_finite())
 }
 
 /// Over time, or over the row where there is no time or where it starts again with each run.
 fn over_time(recording: &Recording) -> Axis<'_> {
-    let one_run = recording
-        .run
-        .as_ref()
-        .is_none_or(|run| run.windows(2).all(|pair| pair[0] == pair[1]));
+    let mut pairs = recording.run.iter().flat_map(|run| run.windows(2));
+    let one_run = pairs.all(|pair| pair[0] == pair[1]);
     match &recording.time_s {
         Some(times) if one_run && times.iter().all(|time| time.is_finite()) => Axis {
             label: "time [s]".to_owned(),

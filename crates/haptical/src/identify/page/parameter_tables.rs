@@ -49,10 +49,8 @@ pub(super) fn combinations(result: &Identified) -> Result<Option<Block>, Error> 
     if result.combinations.is_empty() {
         return Ok(None);
     }
-    let rows = result
-        .combinations
-        .iter()
-        .map(|sum| vec![in_words(sum).into()]);
+    let sums = result.combinations.iter();
+    let rows = sums.map(|sum| vec![in_words(sum).into()]);
     let table = Table::with_heads("Fixed only in a combination", "combination").with_rows(rows)?;
     let table = table.with_note(
         "Half widths of 95 % intervals by the noise. The interval of a single parameter of these counts the plausible \

@@ -7,7 +7,7 @@ use haptical_report::{Block, Cell, Figure, Mark, Series, Table};
 use crate::error::Error;
 use crate::identify::result::Identified;
 use crate::identify::transmissions::{TransmissionEntry, form_in_words};
-use crate::page::{FIGURE_PX, thinned};
+use crate::page::{drawn, thinned};
 use crate::units::Shown;
 
 /// Points of a model's curve.
@@ -38,33 +38,27 @@ fn figure(
     let shown = Shown::fine(joint.unit());
     let measured = measured_error(recording, entry.joint - 1, shown.per_si);
     let [low, high] = entry.range_rad;
-    let model: Vec<(f64, f64)> = (0..=CURVE_POINTS)
-        .map(|step| low + (high - low) * step as f64 / CURVE_POINTS as f64)
-        .filter_map(|reading| Some((reading, joint.error_rad(reading).ok()? * shown.per_si)))
-        .collect();
-    let title = format!(
-        "Transmission of joint {}: {}",
-        entry.joint,
-        form_in_words(entry.terms)
-    );
+    let readings =
+        (0..=CURVE_POINTS).map(|step| low + (high - low) * step as f64 / CURVE_POINTS as f64);
+    let error = |reading| Some((reading, joint.error_rad(reading).ok()? * shown.per_si));
+    let model: Vec<(f64, f64)> = readings.filter_map(error).collect();
+    let (number, form) = (entry.joint, form_in_words(entry.terms));
     let mut figure = Figure::new(
-        &title,
-        format!("theta{} [{}]", entry.joint, joint.unit()),
-        format!("out{0} - theta{0} [{1}]", entry.joint, shown.name),
+        format!("Transmission of joint {number}: {form}"),
+        format!("theta{number} [{}]", joint.unit()),
+        format!("out{number} - theta{number} [{}]", shown.name),
     );
     figure.series = vec![
         Series::new("measured", Mark::Points, Series::BEFORE, thinned(measured)),
         Series::new("identified", Mark::Line, Series::AFTER, model),
     ];
     figure.series.retain(|series| !series.points.is_empty());
-    Ok(Block::Svg {
-        caption: format!(
-            "External minus motor-side encoder, and the identified error over the readings of the \
-             fit, {low:.3} to {high:.3} {}.",
-            joint.unit()
-        ),
-        svg: figure.to_svg(FIGURE_PX.0, FIGURE_PX.1)?,
-    })
+    let caption = format!(
+        "External minus motor-side encoder, and the identified error over the readings of the \
+         fit, {low:.3} to {high:.3} {}.",
+        joint.unit()
+    );
+    drawn(&figure, caption)
 }
 
 /// Output minus reading over the reading, rows without an output left out (joint from 0).
@@ -72,13 +66,11 @@ fn measured_error(
     recording: &Recording,
     joint: usize,
     per_si: f64,
-) -> impl Iterator<Item = (f64, f64)> + Clone {
+) -> impl Iterator<Item = (f64, f64)> {
     let outputs = recording.output[joint].iter().flatten();
-    recording.joint[joint]
-        .iter()
-        .zip(outputs)
-        .map(move |(reading, output)| (*reading, (output - reading) * per_si))
-        .filter(|(_, error)| error.is_finite())
+    let pairs = recording.joint[joint].iter().zip(outputs);
+    let errors = pairs.map(move |(reading, output)| (*reading, (output - reading) * per_si));
+    errors.filter(|(_, error)| error.is_finite())
 }
 
 fn evidence(entry: &TransmissionEntry) -> Result<Table, Error> {

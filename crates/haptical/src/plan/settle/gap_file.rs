@@ -62,12 +62,12 @@ impl GapFile {
         let text = source.read_text()?;
         let refuse =
             |name, what: String, next: &str| Error::in_file(name, what, &source.path, next);
-        let again = "give the gap.json that `haptical diagnose --out` writes, or its --json";
         let written: Written = serde_json::from_str(&text).map_err(|error| {
+            let next = "give the gap.json that `haptical diagnose --out` writes, or its --json";
             refuse(
                 "not-a-diagnosis",
                 format!("it is no gap.json: {error}"),
-                again,
+                next,
             )
         })?;
         let verdict = written.verdict;
@@ -139,11 +139,8 @@ impl GapFile {
             return Ok(());
         }
         let names: Vec<&str> = self.logs.iter().map(|file| file.file.as_str()).collect();
-        Err(Error::in_file(
-            "other-logs",
-            "it was made from other logs than those of --log",
-            &self.source.path,
-            format!("give the logs that it was made from: {}", names.join(", ")),
-        ))
+        let what = "it was made from other logs than those of --log";
+        let next = format!("give the logs that it was made from: {}", names.join(", "));
+        Err(Error::in_file("other-logs", what, &self.source.path, next))
     }
 }

@@ -143,14 +143,10 @@ pub fn choose_next(
     };
     let model = &device.model;
     let drawn = pieces(model, &request.limits, &motions).map_err(refuse)?;
-    let mut there = Vec::with_capacity(drawn.len());
-    for piece in drawn {
-        // a piece along which a transmission has no value is none
-        if let Ok(recording) = piece.recording(model, recording) {
-            there.push((piece, recording));
-        }
-    }
-    let (drawn, recordings): (Vec<Motion>, Vec<Recording>) = there.into_iter().unzip();
+    // a piece along which a transmission has no value is none
+    let recorded = |piece: Motion| Some((piece.recording(model, recording).ok()?, piece));
+    let (recordings, drawn): (Vec<Recording>, Vec<Motion>) =
+        drawn.into_iter().filter_map(recorded).unzip();
     let settler = Settler::new(model, recording, question).map_err(refused)?;
     let ranges: Vec<f64> = (model.joints.iter())
         .map(|joint| (joint.upper_rad - joint.lower_rad).clamp(1e-9, std::f64::consts::TAU))
@@ -192,11 +188,7 @@ pub fn choose_next(
         rows = (rows + recording.len().max(1)).min(most_rows);
         found = of_rows(rows)?;
     }
-    let Found {
-        best,
-        at_random,
-        inseparable,
-    } = found;
+    let (best, at_random) = (found.best, found.at_random);
     Ok(Chosen {
         pieces: (best.pieces.iter())
             .map(|piece| drawn[*piece].words.clone())
@@ -206,7 +198,7 @@ pub fn choose_next(
         start_degc: last_degc(recording),
         question: settler.question().clone(),
         motion: best.motion,
-        inseparable,
+        inseparable: found.inseparable,
     })
 }
 

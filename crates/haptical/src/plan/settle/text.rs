@@ -23,30 +23,29 @@ pub(super) fn odds(odds: f64) -> String {
 
 /// What to record and what it settles.
 pub(super) fn answer(settled: &Settled) -> String {
-    let how_long = settled
-        .duration_s
-        .map_or_else(String::new, |duration_s| format!(" ({duration_s:.0} s)"));
     let named = settled.candidates.join(", ");
-    match settled.least_odds {
-        Some(least) => format!(
-            "Record {} rows{how_long}. {} {} for whichever is true of {named} over each other one{}.",
-            settled.rows,
-            match least {
-                _ if least > SURE => "Then expect",
-                _ if least > 1.0 => "Then expect at least",
-                _ => "That is not enough: expect",
-            },
-            odds(least),
-            match settled.inseparable.is_empty() {
-                true => "",
-                false => ", but for the pairs below that no motion is expected to tell apart",
-            }
-        ),
-        None => format!(
+    let Some(least) = settled.least_odds else {
+        return format!(
             "No motion of those tried is expected to tell {named} apart with these sensors: another sensor may, or a look at the \
              parts that they name."
-        ),
-    }
+        );
+    };
+    let how_long = settled.duration_s.map(|own| format!(" ({own:.0} s)"));
+    let expect = match least {
+        _ if least > SURE => "Then expect",
+        _ if least > 1.0 => "Then expect at least",
+        _ => "That is not enough: expect",
+    };
+    let pairs = match settled.inseparable.is_empty() {
+        true => "",
+        false => ", but for the pairs below that no motion is expected to tell apart",
+    };
+    format!(
+        "Record {} rows{}. {expect} {} for whichever is true of {named} over each other one{pairs}.",
+        settled.rows,
+        how_long.unwrap_or_default(),
+        odds(least)
+    )
 }
 
 /// Answer, odds pair by pair, pieces, what no motion is expected to tell apart, what to do then.
@@ -56,18 +55,13 @@ pub(super) fn write(text: &mut impl std::fmt::Write, settled: &Settled) -> std::
     pairs.sort_by(|a, b| a.after.total_cmp(&b.after));
     let names = pairs.iter().map(|pair| pair.if_true.chars().count());
     let width = names.max().unwrap_or(0).max("if it is".len());
-    writeln!(
-        text,
-        "{:<width$}  {:<16}{:<16}over",
-        "if it is", "odds now", "then expect"
-    )?;
+    let mut line = |name: &str, before: &str, after: &str, over: &str| {
+        writeln!(text, "{name:<width$}  {before:<16}{after:<16}{over}")
+    };
+    line("if it is", "odds now", "then expect", "over")?;
     for pair in pairs.iter().take(LISTED) {
         let (before, after) = (odds(pair.before), odds(pair.after));
-        writeln!(
-            text,
-            "{:<width$}  {before:<16}{after:<16}{}",
-            pair.if_true, pair.over
-        )?;
+        line(&pair.if_true, &before, &after, &pair.over)?;
     }
     if let Some(random) = settled.least_odds_at_random {
         writeln!(text, "as many motions at random: {} at least", odds(random))?;

@@ -25,11 +25,8 @@ pub(super) fn wholes(
     all.push(chosen);
     for lasting in lasting {
         let mut order: Vec<usize> = (0..drawn).collect();
-        order.sort_by(|a, b| {
-            lasting[*b]
-                .partial_cmp(&lasting[*a])
-                .unwrap_or(Ordering::Equal)
-        });
+        let falling = |a: &usize, b: &usize| lasting[*b].partial_cmp(&lasting[*a]);
+        order.sort_by(|a, b| falling(a, b).unwrap_or(Ordering::Equal));
         let ends = order.first().zip(order.last());
         // what grows with time alone leaves as much behind along every piece
         let is_told = ends.is_some_and(|(most, least)| {
