@@ -327,11 +327,8 @@ pub(crate) fn number(text: &str, is_allowed: fn(f64) -> bool, wanted: &str) -> R
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    number(
-        text,
-        |share| (0.0..=0.5).contains(&share),
-        "a share from 0 to 0.5",
-    )
+    let is_share = |share| (0.0..=0.5).contains(&share);
+    number(text, is_share, "a share from 0 to 0.5")
 }
 
 fn is_positive(number: f64) -> bool {
@@ -400,11 +397,8 @@ pub(crate) fn failure_of(error: &clap::Error) -> Failure {
     let (tips, details): (Vec<&str>, Vec<&str>) = details
         .iter()
         .partition(|line| line.starts_with("tip:") || line.starts_with("For more information"));
-    let mut what = first.trim_start_matches("error: ").to_owned();
-    for detail in details {
-        what.push(' ');
-        what.push_str(detail);
-    }
+    let first = [first.trim_start_matches("error: ")];
+    let mut what = [&first, &*details].concat().join(" ");
     let tips = tips.iter().filter_map(|tip| tip.strip_prefix("tip: "));
     let next = tips.chain(usage.first().copied());
     let mut next: Vec<String> = next.map(str::to_owned).collect();

@@ -31,20 +31,16 @@ struct Number {
 
 /// Prints the catalogue.
 pub(crate) fn print(json: bool) -> Result<(), Failure> {
-    if json {
-        let all: Vec<Listed> = entries().into_iter().map(listed).collect();
-        return terminal::write_json(&all);
-    }
-    terminal::write_output(format!("{}\n", table()?.to_terminal()).as_bytes())
+    let all: Vec<Listed> = entries().into_iter().map(listed).collect();
+    terminal::tell(json, &all, format!("{}\n", table()?.to_terminal()))
 }
 
 fn listed(entry: Entry) -> Listed {
+    let known = |end| (end < f64::MAX).then_some(end);
     let number = |parameter: &Parameter| Number {
         name: parameter.name,
         unit: parameter.unit.symbol(),
-        plausible: parameter
-            .plausible
-            .map(|end| (end < f64::MAX).then_some(end)),
+        plausible: parameter.plausible.map(known),
     };
     Listed {
         name: entry.name,

@@ -77,13 +77,10 @@ impl ResultCommand for DiagnoseArguments {
             ..Diagnose::default()
         };
         let gap = diagnose_as(version, &device, &log, &request)?;
-        Ok(MadeResult {
-            files: gap.files()?,
-            warnings: gap.warnings().to_vec(),
-            summary: match terminal::is_one() {
-                true => gap.brief(),
-                false => gap.to_string(),
-            },
-        })
+        let summary = match terminal::is_one() {
+            true => gap.brief(),
+            false => gap.to_string(),
+        };
+        Ok(MadeResult::of(gap.files()?, gap.warnings(), summary))
     }
 }

@@ -60,21 +60,13 @@ impl ResultCommand for IdentifyArguments {
             let validate = inputs.optional_log("validate", &device)?;
             let found =
                 identify_dynamics_as(version, &device, &log, validate.as_ref(), self.band_hz)?;
-            return Ok(MadeResult {
-                files: found.files()?,
-                warnings: found.warnings().to_vec(),
-                summary: found.to_string(),
-            });
+            return Ok(MadeResult::of(found.files()?, found.warnings(), &found));
         }
         progress.say(format!("calibrating {joints} joints from {rows} rows"));
         let mut request = self.request();
         request.with_causes = inputs.optional("with").cloned();
         let found = identify_as(version, &device, &log, &request)?;
-        Ok(MadeResult {
-            files: found.files()?,
-            warnings: found.warnings().to_vec(),
-            summary: found.to_string(),
-        })
+        Ok(MadeResult::of(found.files()?, found.warnings(), &found))
     }
 }
 
@@ -104,21 +96,18 @@ impl IdentifyArguments {
 
     /// Whether the dynamics alone are asked for.
     fn is_of_dynamics(&self) -> Result<bool, Failure> {
-        let refuse = |what: &str, next: &str| Err(Failure::command_line("arguments", what, next));
         let is_asked = self.with.iter().any(|word| word == DYNAMICS);
         if is_asked && self.with.len() > 1 {
-            return refuse(
-                "--with dynamics is given with other effects",
-                "give `--with dynamics` alone; `haptical diagnose` names effects beside the dynamics",
-            );
+            let said = "--with dynamics is given with other effects; give `--with dynamics` alone; `haptical diagnose` names effects \
+                        beside the dynamics";
+            return Err(Failure::arguments(said));
         }
         let is_extra = self.validate.is_some() || self.band_hz.is_some();
         if is_extra && !is_asked {
-            return refuse(
-                "--validate and --band-hz belong to `--with dynamics`",
-                "leave them out: --held-out and --folds keep rows of the log out of other fits; another recording is held against a result by \
-                 haptical diagnose --device DEVICE --model OUT/identified.toml --log SECOND",
-            );
+            let said = "--validate and --band-hz belong to `--with dynamics`; leave them out: --held-out and --folds keep rows of the log \
+                        out of other fits; another recording is held against a result by \
+                        haptical diagnose --device DEVICE --model OUT/identified.toml --log SECOND";
+            return Err(Failure::arguments(said));
         }
         Ok(is_asked)
     }

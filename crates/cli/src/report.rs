@@ -83,19 +83,13 @@ pub(crate) fn run(arguments: &ReportArguments) -> Result<(), Failure> {
     let rule = arguments.overwrite.rule(COMMAND);
     rule.check(&Budget::FILES.map(|name| arguments.out.join(name)))?;
     let progress = Progress::start("reading");
-    let text = std::fs::read_to_string(&arguments.budget).map_err(|error| {
-        Failure::unreadable(
-            &error,
-            &arguments.budget,
-            "check the path and its permissions",
-        )
-    })?;
-    let instruments = Instruments::from_toml(&text, &arguments.budget)?;
+    let (file, next) = (&arguments.budget, "check the path and its permissions");
+    let text = std::fs::read_to_string(file);
+    let text = text.map_err(|error| Failure::unreadable(&error, file, next))?;
+    let instruments = Instruments::from_toml(&text, file)?;
     let (device, log, request) = inputs(arguments)?;
-    let poses = arguments.poses.as_deref();
-    let poses = poses
-        .map(|path| Log::open(&Source::given(path), &device))
-        .transpose()?;
+    let open = |path| Log::open(&Source::given(path), &device);
+    let poses = arguments.poses.as_deref().map(open).transpose()?;
     let fits = instruments.instrument.len() + 1;
     progress.say(format!("identifying {fits} times"));
     let options = BudgetOptions {
@@ -132,10 +126,10 @@ fn region(ends: &[f64]) -> Result<Option<[f64; 6]>, Failure> {
     let ends: Option<[f64; 6]> = ends.try_into().ok();
     let is_region = |ends: &[f64; 6]| ends.chunks_exact(2).all(|pair| pair[0] <= pair[1]);
     ends.filter(is_region).map(Some).ok_or_else(|| {
-        let what = "--region has not the six ends of a box";
-        let next =
-            "give least and largest x, least and largest y, least and largest z in m, with commas";
-        Failure::command_line("arguments", what, next)
+        Failure::arguments(
+            "--region has not the six ends of a box; give least and largest x, least and largest y, least and largest z in m, \
+             with commas",
+        )
     })
 }
 
@@ -175,8 +169,7 @@ fn inputs(
         return Ok((device, log, request));
     }
     Err(refused.unwrap_or_else(|| {
-        let what = "there is no identified.json of a calibration";
-        let next = "give the folder that `haptical identify` wrote";
-        Failure::in_file("no-result", what, &arguments.result, next)
+        let said = "there is no identified.json of a calibration; give the folder that `haptical identify` wrote";
+        Failure::of_file("no-result", said, &arguments.result)
     }))
 }

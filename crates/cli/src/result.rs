@@ -44,35 +44,46 @@ pub(crate) struct MadeResult {
     pub(crate) summary: String,
 }
 
+impl MadeResult {
+    /// The files of a result, what is odd about it, and its summary.
+    pub(crate) fn of(
+        files: Vec<NewFile<'static>>,
+        warnings: &[String],
+        summary: impl ToString,
+    ) -> Self {
+        Self {
+            files,
+            warnings: warnings.to_vec(),
+            summary: summary.to_string(),
+        }
+    }
+}
+
 /// The places of the files to read, by flag.
 pub(crate) struct Inputs(pub(crate) Vec<(&'static str, Source)>);
 
 impl Inputs {
-    fn find(&self, flag: &str) -> Option<&Source> {
+    /// The file of a flag, where it is given.
+    pub(crate) fn optional(&self, flag: &str) -> Option<&Source> {
         let mut all = self.0.iter();
         all.find(|(own, _)| *own == flag).map(|(_, source)| source)
     }
 
-    /// The file of a flag, where it is given.
-    pub(crate) fn optional(&self, flag: &str) -> Option<&Source> {
-        self.find(flag)
-    }
-
     fn required(&self, flag: &str) -> Result<&Source, Failure> {
         let missing = || Failure::internal(format!("--{flag} is not among the inputs"));
-        self.find(flag).ok_or_else(missing)
+        self.optional(flag).ok_or_else(missing)
     }
 
     /// The device, with the rig file in it.
     pub(crate) fn device(&self, equipment: Equipment) -> Result<Device, Failure> {
-        let rig = self.find("rig").cloned();
+        let rig = self.optional("rig").cloned();
         Device::open(self.required("device")?, &Equipment { rig, ..equipment })
     }
 
     /// The model of the device identified earlier.
     pub(crate) fn model(&self, device: &Device) -> Result<Option<Device>, Failure> {
         let open = |source| device.open_model(source);
-        self.find("model").map(open).transpose()
+        self.optional("model").map(open).transpose()
     }
 
     /// The log, where there must be one.
@@ -89,7 +100,7 @@ impl Inputs {
     /// The log of a flag, where it is given.
     pub(crate) fn optional_log(&self, flag: &str, device: &Device) -> Result<Option<Log>, Failure> {
         let open = |source| Log::open(source, device);
-        self.find(flag).map(open).transpose()
+        self.optional(flag).map(open).transpose()
     }
 }
 

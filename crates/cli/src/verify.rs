@@ -91,11 +91,7 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     }
     let verification = Verification::new(findings, indexes(&held)?);
     drop(progress);
-    if arguments.json {
-        terminal::write_json(&verification)?;
-    } else {
-        terminal::write_output(verification.text().as_bytes())?;
-    }
+    terminal::tell(arguments.json, &verification, verification.text())?;
     Ok(match verification.verdict {
         Agreement::Differs => ExitCode::from(STATUS_DIFFERS),
         Agreement::Undecided => ExitCode::from(STATUS_BAD_INPUT),
@@ -123,11 +119,8 @@ impl VerifyArguments {
 
 /// A flag for an input that no result had is a mistake.
 fn refuse_needless(arguments: &VerifyArguments, results: &[Candidate]) -> Result<(), Failure> {
-    let read = || {
-        results
-            .iter()
-            .filter_map(|(_, result)| result.as_ref().ok())
-    };
+    let all = results.iter();
+    let read = || all.clone().filter_map(|(_, result)| result.as_ref().ok());
     if read().next().is_none() {
         return Ok(());
     }
@@ -136,20 +129,17 @@ fn refuse_needless(arguments: &VerifyArguments, results: &[Candidate]) -> Result
         inputs.any(|input| input.flag == flag)
     };
     let is_needless = |flag: &&&str| arguments.given(flag, 0).is_some() && !is_input(flag);
-    match ["rig", "model", "validate", "settle", "with"]
-        .iter()
-        .find(is_needless)
-    {
-        None => Ok(()),
-        Some(flag) => Err(Failure::command_line(
-            "arguments",
-            match *flag {
-                "with" => "the result was made without the gap.json of --with".to_owned(),
-                flag => format!("the result was made without --{flag}"),
-            },
-            format!("leave --{flag} out"),
-        )),
-    }
+    let mut flags = ["rig", "model", "validate", "settle", "with"].iter();
+    let Some(flag) = flags.find(is_needless) else {
+        return Ok(());
+    };
+    let gap = if *flag == "with" {
+        "the gap.json of "
+    } else {
+        ""
+    };
+    let said = format!("the result was made without {gap}--{flag}; leave --{flag} out");
+    Err(Failure::arguments(said))
 }
 
 /// Makes a result again, under the names and the version that it recorded, and compares its files.

@@ -184,9 +184,8 @@ fn check_outputs(arguments: &WatchArguments, options: &WatchOptions) -> Result<(
     let place = |path: &Path| path.canonicalize().ok();
     let out = arguments.out.as_deref().and_then(place);
     if out.is_some() && arguments.log.is_dir() && out == place(&arguments.log) {
-        let what = "--out is the folder that is watched: the rows of an alarm would be read as a log of it";
-        let next = "give another --out";
-        return Err(Failure::in_file("unwritable", what, &arguments.log, next));
+        let said = "--out is the folder that is watched: the rows of an alarm would be read as a log of it; give another --out";
+        return Err(Failure::of_file("unwritable", said, &arguments.log));
     }
     Ok(())
 }
@@ -209,11 +208,29 @@ impl Output<'_> {
             let is_said_later = self.is_brief && !matches!(event, WatchEvent::Note { .. });
             match self.lines {
                 Lines::Text if is_said_later => {}
-                Lines::Text => terminal::write_output(format!("{}\n", event.line()).as_bytes())?,
-                Lines::Json => json_line(event)?,
+                _ => self.say(event.line() + "\n", event)?,
             }
         }
         Ok(())
+    }
+
+    /// A text for people, or a value in a line for programs.
+    fn say(&self, text: String, value: &impl Serialize) -> Result<(), Failure> {
+        let json = || serde_json::to_string(value).map_err(Failure::internal);
+        let said = match self.lines {
+            Lines::Text => text,
+            Lines::Json => json()? + "\n",
+        };
+        terminal::write_output(said.as_bytes())
+    }
+
+    fn say_state(
+        &self,
+        text: String,
+        event: &'static str,
+        state: &WatchState,
+    ) -> Result<(), Failure> {
+        self.say(text, &Stated { event, state })
     }
 
     /// The line and the page of a state, where it is time for them.
@@ -224,13 +241,7 @@ impl Output<'_> {
         }
         let state = watch.state();
         if is_due && self.last.replace(Instant::now()).is_some() {
-            match self.lines {
-                Lines::Text => terminal::write_output(format!("{}\n", state.line()).as_bytes())?,
-                Lines::Json => json_line(&Stated {
-                    event: "state",
-                    state: &state,
-                })?,
-            }
+            self.say_state(state.line() + "\n", "state", &state)?;
         }
         let refresh_s = self.every.as_secs_f64().clamp(1.0, 3600.0) as u32;
         self.write_page(&state, refresh_s)
@@ -238,13 +249,7 @@ impl Output<'_> {
 
     fn end(&self, watch: &Watch) -> Result<(), Failure> {
         let state = watch.state();
-        match self.lines {
-            Lines::Text => terminal::write_output(state.summary().as_bytes())?,
-            Lines::Json => json_line(&Stated {
-                event: "end",
-                state: &state,
-            })?,
-        }
+        self.say_state(state.summary(), "end", &state)?;
         // nothing more comes
         self.write_page(&state, 0)
     }
@@ -257,9 +262,4 @@ impl Output<'_> {
         }
         Ok(())
     }
-}
-
-fn json_line(value: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string(value).map_err(Failure::internal)?;
-    terminal::write_output(format!("{json}\n").as_bytes())
 }

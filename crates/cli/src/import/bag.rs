@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use haptical_data::{BagOptions, LogShape, read_bag, write_log_to};
+use haptical_data::{BagOptions, LogShape, read_bag};
 
 use super::{Imported, Target};
 use crate::failure::Failure;
@@ -55,15 +55,7 @@ pub(super) fn run(arguments: &BagArguments) -> Result<(), Failure> {
         is_growing: false,
     };
     let read = read_bag(&arguments.recording, &options, &shape)?;
-    let mut log = Vec::new();
-    write_log_to(&mut log, &read.recording, &shape)?;
     let mut warnings = device.warnings;
     warnings.extend(read.warnings);
-    target.write(Imported {
-        log,
-        rows: read.recording.len(),
-        joints: shape.joints.len(),
-        beside: None,
-        warnings,
-    })
+    target.write(Imported::of(&read.recording, &shape, warnings)?)
 }

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use haptical_data::{JointShape, LogShape, read_parquet_columns, write_log_to};
+use haptical_data::read_parquet_columns;
 use haptical_model::{Device, JointType, Recording};
 use serde_json::Value;
 
-use super::{Imported, Target};
+use super::{Imported, Target, shape_without_limits};
 use crate::failure::Failure;
 use crate::flags::DeviceOptions;
 
@@ -66,18 +66,11 @@ pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
     let device = device.map(|path| arguments.device_options.read_by_path(path));
     let device = device.transpose()?;
     let units = units(arguments, &table)?;
-    let scales = scales(
-        arguments,
-        units,
-        &names,
-        device.as_ref().map(|device| &device.model),
-    )?;
+    let model = device.as_ref().map(|device| &device.model);
+    let scales = scales(arguments, units, &names, model)?;
     let scaled = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        let pairs = columns.iter().zip(&scales);
-        pairs
-            .map(|(column, (factor, zero))| {
-                column.iter().map(|value| value * factor + zero).collect()
-            })
+        let all = columns.iter().zip(&scales);
+        all.map(|(column, (factor, zero))| column.iter().map(|own| own * factor + zero).collect())
             .collect()
     };
     let command = scaled(&table.action).into_iter().enumerate();
@@ -94,56 +87,36 @@ pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
             .collect(),
         ..Recording::default()
     };
-    let shape = LogShape {
-        joints: names
-            .iter()
-            .map(|name| JointShape {
-                name: name.clone(),
-                prismatic: false,
-                lower: f64::NEG_INFINITY,
-                upper: f64::INFINITY,
-            })
-            .collect(),
-        cable_count: 0,
-        hands: Vec::new(),
-    };
-    let mut log = Vec::new();
-    write_log_to(&mut log, &recording, &shape)?;
+    let mut shape = shape_without_limits(&vec![false; joints], 0);
+    for (joint, name) in shape.joints.iter_mut().zip(&names) {
+        joint.name.clone_from(name);
+    }
     let mut warnings = device.map_or_else(Vec::new, |device| device.warnings);
     let listed = names.iter().enumerate();
     let listed: Vec<String> = listed
         .map(|(joint, name)| format!("theta{} is {name}", joint + 1))
         .collect();
-    warnings.push(format!(
-        "the joints by their columns: {}",
-        listed.join(", ")
-    ));
-    arguments.target.write(Imported {
-        log,
-        rows,
-        joints,
-        beside: None,
-        warnings,
-    })
+    let listed = listed.join(", ");
+    warnings.push(format!("the joints by their columns: {listed}"));
+    let imported = Imported::of(&recording, &shape, warnings)?;
+    arguments.target.write(imported)
 }
 
 /// The description of a data set; none of a single file without one above it.
 fn info(dataset: &Path) -> Result<Option<Value>, Failure> {
     let folders = dataset.ancestors().take(4);
-    let Some(path) = folders
-        .map(|folder| folder.join("meta/info.json"))
-        .find(|path| path.is_file())
-    else {
-        if dataset.is_dir() {
-            let what = "the folder has no meta/info.json, so it is no LeRobot data set";
-            let next = "give the folder that holds meta/ and data/, or a Parquet file";
-            return Err(Failure::in_file("no-data-set", what, dataset, next));
-        }
-        return Ok(None);
+    let mut paths = folders.map(|folder| folder.join("meta/info.json"));
+    let Some(path) = paths.find(|path| path.is_file()) else {
+        let said = "the folder has no meta/info.json, so it is no LeRobot data set; give the folder that holds meta/ and data/, or a \
+                    Parquet file";
+        return match dataset.is_dir() {
+            true => Err(Failure::of_file("no-data-set", said, dataset)),
+            false => Ok(None),
+        };
     };
     let next = "give the data set as LeRobot wrote it";
-    let text =
-        std::fs::read_to_string(&path).map_err(|error| Failure::unreadable(&error, &path, next))?;
+    let unreadable = |error| Failure::unreadable(&error, &path, next);
+    let text = std::fs::read_to_string(&path).map_err(unreadable)?;
     let value = serde_json::from_str(&text).map_err(|error| {
         Failure::in_file("no-json", format!("it is no JSON: {error}"), &path, next)
     });
@@ -189,9 +162,8 @@ impl Table {
             }
         }
         all.ok_or_else(|| {
-            let what = "the data set has no Parquet file in data/";
-            let next = "give a data set that was recorded, with its data";
-            Failure::in_file("no-data-set", what, dataset, next)
+            let said = "the data set has no Parquet file in data/; give a data set that was recorded, with its data";
+            Failure::of_file("no-data-set", said, dataset)
         })
     }
 
@@ -202,10 +174,8 @@ impl Table {
             Failure::in_file("no-data-set", what, path, next)
         };
         let mut lists = read.lists.into_iter();
-        let (action, state) = (
-            lists.next().unwrap_or_default(),
-            lists.next().unwrap_or_default(),
-        );
+        let mut list = || lists.next().unwrap_or_default();
+        let (action, state) = (list(), list());
         if action.len() != state.len() || state.is_empty() {
             let (actions, states) = (action.len(), state.len());
             let what = format!("it has {actions} actions and {states} states in a row");
@@ -230,13 +200,11 @@ impl Table {
 
     fn extend(&mut self, other: Self, path: &Path) -> Result<(), Failure> {
         if other.state.len() != self.state.len() {
-            let what = format!(
-                "it has {} joints, the files before it {}",
-                other.state.len(),
-                self.state.len()
+            let (own, before) = (other.state.len(), self.state.len());
+            let said = format!(
+                "it has {own} joints, the files before it {before}; give the files of one robot"
             );
-            let next = "give the files of one robot";
-            return Err(Failure::in_file("no-data-set", what, path, next));
+            return Err(Failure::of_file("no-data-set", said, path));
         }
         let pairs = (self.action.iter_mut().zip(other.action))
             .chain(self.state.iter_mut().zip(other.state));
@@ -284,12 +252,10 @@ fn units(arguments: &LerobotArguments, table: &Table) -> Result<Units, Failure> 
     if largest > MOST_PERCENT {
         return Ok(Units::Degrees);
     }
-    let what = format!(
-        "the data set does not say its units: its largest number is {largest:.1}, which may be degrees, percent or radians"
-    );
-    let next =
-        "say --units degrees, percent or radians, as the robot was configured when it was recorded";
-    Err(Failure::command_line("arguments", what, next))
+    Err(Failure::arguments(format!(
+        "the data set does not say its units: its largest number is {largest:.1}, which may be degrees, percent or radians; say --units \
+         degrees, percent or radians, as the robot was configured when it was recorded"
+    )))
 }
 
 /// Factor and zero of each joint.
@@ -305,24 +271,22 @@ fn scales(
         Units::Percent => {}
     }
     let Some(device) = device else {
-        let what = "percent are of a joint's range, which the data set does not say";
-        let next = "give --device with the limits that the servos were calibrated to";
-        return Err(Failure::command_line("arguments", what, next));
+        let said = "percent are of a joint's range, which the data set does not say; give --device with the limits that the servos \
+                    were calibrated to";
+        return Err(Failure::arguments(said));
     };
     let path = arguments.device.as_deref().unwrap_or(&arguments.dataset);
     if device.joints.len() != names.len() {
         let (own, wanted) = (device.joints.len(), names.len());
-        let what = format!("the device has {own} joints, the data set {wanted}");
-        let next = "give the device that was recorded";
-        return Err(Failure::in_file("other-device", what, path, next));
+        let said = format!(
+            "the device has {own} joints, the data set {wanted}; give the device that was recorded"
+        );
+        return Err(Failure::of_file("other-device", said, path));
     }
     let pairs = device.joints.iter().zip(names);
     pairs
         .map(|(joint, name)| {
-            let ends = [
-                joint.home_rad + joint.lower_rad,
-                joint.home_rad + joint.upper_rad,
-            ];
+            let ends = [joint.lower_rad, joint.upper_rad].map(|end| joint.home_rad + end);
             let range = ends[1] - ends[0];
             if !range.is_finite() || joint.joint_type == JointType::Prismatic {
                 let what = format!(

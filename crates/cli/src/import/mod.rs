@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 use haptical::files::WriteRule;
-use haptical_data::{JointShape, LogShape};
+use haptical_data::{JointShape, LogShape, write_log_to};
+use haptical_model::Recording;
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -99,6 +100,21 @@ struct Imported {
     warnings: Vec<String>,
 }
 
+impl Imported {
+    /// A recording as a log.
+    fn of(recording: &Recording, shape: &LogShape, warnings: Vec<String>) -> Result<Self, Failure> {
+        let mut log = Vec::new();
+        write_log_to(&mut log, recording, shape)?;
+        Ok(Self {
+            log,
+            rows: recording.len(),
+            joints: shape.joints.len(),
+            beside: None,
+            warnings,
+        })
+    }
+}
+
 impl Target {
     /// Folder and name of the log.
     fn place(&self) -> Result<(&Path, &str), Failure> {
@@ -136,13 +152,9 @@ impl Target {
         let (folder, name) = folder_and_name(&self.out)?;
         write_all(&self.rule(), folder, &[(name, text.into_bytes())])?;
         let written = self.out.display().to_string();
-        match self.json {
-            true => terminal::write_json(&json!({"written": [written]})),
-            false => terminal::write_output(
-                format!("Written:\n  {written}: read it, correct it, and give it as --columns\n")
-                    .as_bytes(),
-            ),
-        }
+        let text =
+            format!("Written:\n  {written}: read it, correct it, and give it as --columns\n");
+        terminal::tell(self.json, &json!({"written": [written]}), text)
     }
 
     /// Writes the log and the further file: both or none.
@@ -165,20 +177,18 @@ impl Target {
         terminal::warn(&warnings);
         let written = std::iter::once(&self.out).chain(&further);
         let written: Vec<String> = written.map(|path| path.display().to_string()).collect();
-        if self.json {
-            return terminal::write_json(&json!({
-                "written": written,
-                "rows": rows,
-                "joints": joints,
-                "warnings": warnings,
-            }));
-        }
         let log = &written[0];
         let mut text = format!("Written:\n  {log}: {rows} rows of {joints} joints\n");
         if let Some(further) = written.get(1) {
             text.push_str(&format!("  {further}: give it as --rig\n"));
         }
-        terminal::write_output(text.as_bytes())
+        let value = json!({
+            "written": written,
+            "rows": rows,
+            "joints": joints,
+            "warnings": warnings,
+        });
+        terminal::tell(self.json, &value, text)
     }
 }
 

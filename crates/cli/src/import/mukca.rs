@@ -5,7 +5,6 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical_data::write_log_to;
 use haptical_model::Recording;
 
 use super::sockets::read_angles;
@@ -65,11 +64,10 @@ pub(super) fn run(arguments: &MukcaArguments) -> Result<(), Failure> {
     let n_columns = common_columns(&sockets, &arguments.folder)?;
     let n_joints = arguments.joints.map_or(n_columns, NonZeroUsize::get);
     if n_joints > n_columns {
-        return Err(Failure::command_line(
-            "arguments",
-            format!("--joints is {n_joints}, and the files have {n_columns} columns"),
-            "give the number of the robot's joints",
-        ));
+        let said = format!(
+            "--joints is {n_joints}, and the files have {n_columns} columns; give the number of the robot's joints"
+        );
+        return Err(Failure::arguments(said));
     }
     if n_joints < n_columns {
         let columns = match n_joints + 1 {
@@ -92,16 +90,11 @@ pub(super) fn run(arguments: &MukcaArguments) -> Result<(), Failure> {
         contact: Some(rows().map(|(socket, _)| socket.contact.clone()).collect()),
         ..Recording::default()
     };
-    let mut log = Vec::new();
     let shape = shape_without_limits(&vec![false; n_joints], 0);
-    write_log_to(&mut log, &recording, &shape)?;
     let rig = rig_text(&pairs, arguments);
     arguments.target.write(Imported {
-        log,
-        rows: recording.len(),
-        joints: n_joints,
         beside: Some((RIG, rig.into_bytes())),
-        warnings,
+        ..Imported::of(&recording, &shape, warnings)?
     })
 }
 

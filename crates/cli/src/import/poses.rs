@@ -46,49 +46,37 @@ pub(super) fn run(arguments: &PosesArguments) -> Result<(), Failure> {
         let next = "name each column of the log once in --map";
         return Err(Failure::command_line("arguments", what, next));
     }
-    let names: Vec<&str> = arguments
-        .map
-        .iter()
-        .map(|own| own.target.as_str())
-        .collect();
+    let names = arguments.map.iter().map(|own| own.target.as_str());
+    let names: Vec<&str> = names.collect();
     let (slides, cables) = joints_and_cables(&names);
     if slides.is_empty() {
-        return Err(Failure::command_line(
-            "arguments",
-            "--map names no theta1_rad (or theta1_m), the first joint's readings",
-            "name a column for each joint, as theta1_rad=q1",
-        ));
+        let said = "--map names no theta1_rad (or theta1_m), the first joint's readings; name a column for each joint, as \
+                    theta1_rad=q1";
+        return Err(Failure::arguments(said));
     }
     // a target that no log has is a mistyped one
-    if let Some(name) = names
-        .iter()
-        .find(|name| is_covariate(name, &slides, cables))
-    {
-        return Err(Failure::command_line(
-            "arguments",
-            format!(
-                "--map names `{name}`, which is no column of a log, or of a joint that is not mapped"
-            ),
-            "see the names in `haptical import poses --help`",
-        ));
+    let is_mistyped = |name: &&&str| is_covariate(name, &slides, cables);
+    if let Some(name) = names.iter().find(is_mistyped) {
+        let what = format!(
+            "--map names `{name}`, which is no column of a log, or of a joint that is not mapped"
+        );
+        let next = "see the names in `haptical import poses --help`";
+        return Err(Failure::command_line("arguments", what, next));
     }
     let mapping = Mapping {
         table: Reading {
             header: Some(!arguments.no_header),
             ..Reading::default()
         },
-        column: arguments
-            .map
-            .iter()
+        column: (arguments.map.iter())
             .map(|own| rule(own, &arguments.scale))
             .collect(),
         ..Mapping::default()
     };
     let table = read_table(&arguments.table, &mapping.table).map_err(refused)?;
     let log = apply(&[table], &mapping).map_err(refused)?;
-    arguments
-        .target
-        .write(imported(log, None, &arguments.table)?)
+    let imported = imported(log, None, &arguments.table)?;
+    arguments.target.write(imported)
 }
 
 fn rule(own: &Renaming, scalings: &[Scaling]) -> ColumnRule {

@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use haptical_data::{Cells, LogShape, log_from_columns, write_log_to};
+use haptical_data::{Cells, LogShape, log_from_columns};
 use haptical_model::Recording;
-use haptical_tables::{Applied, Mapping, TEXTS, Table, TableError, apply, guess, read_table};
+use haptical_tables::{
+    Applied, Mapping, Reading, TEXTS, Table, TableError, apply, guess, read_table,
+};
 
 use super::{Imported, Target, shape_without_limits};
 use crate::failure::Failure;
@@ -44,25 +46,21 @@ pub(super) struct TableArguments {
 /// Runs the command.
 pub(super) fn run(arguments: &TableArguments) -> Result<(), Failure> {
     if arguments.files.is_empty() {
-        let what = "no files to import";
-        let next = "haptical import --guess FILE... > columns.toml; see `haptical import --help` for other origins";
-        return Err(Failure::command_line("arguments", what, next));
+        let said = "no files to import; haptical import --guess FILE... > columns.toml; see `haptical import --help` for other \
+                    origins";
+        return Err(Failure::arguments(said));
     }
     if arguments.guess {
         return propose(arguments);
     }
     let Some(columns) = &arguments.columns else {
-        let what = "it is not said which columns of the files are which of a log";
-        let next = "give --columns columns.toml, which `haptical import --guess FILE...` proposes";
-        return Err(Failure::command_line("arguments", what, next));
+        let said = "it is not said which columns of the files are which of a log; give --columns columns.toml, which \
+                    `haptical import --guess FILE...` proposes";
+        return Err(Failure::arguments(said));
     };
     let Some(out) = &arguments.out else {
-        let next = "give --out log.csv";
-        return Err(Failure::command_line(
-            "arguments",
-            "no place for the log",
-            next,
-        ));
+        let said = "no place for the log; give --out log.csv";
+        return Err(Failure::arguments(said));
     };
     let target = target(arguments, out);
     target.check(None)?;
@@ -71,14 +69,16 @@ pub(super) fn run(arguments: &TableArguments) -> Result<(), Failure> {
         Failure::unreadable(&error, columns, next)
     })?;
     let mapping = Mapping::from_toml(&text, &columns.display().to_string()).map_err(refused)?;
-    let tables = arguments
-        .files
-        .iter()
-        .map(|file| read_table(file, &mapping.table));
-    let tables: Vec<Table> = tables.collect::<Result<_, _>>().map_err(refused)?;
+    let tables = tables(arguments, &mapping.table)?;
     let shape = shape_of_device(arguments)?;
     let log = apply(&tables, &mapping).map_err(refused)?;
     target.write(imported(log, shape, &arguments.files[0])?)
+}
+
+fn tables(arguments: &TableArguments, reading: &Reading) -> Result<Vec<Table>, Failure> {
+    let tables = arguments.files.iter();
+    let tables = tables.map(|file| read_table(file, reading).map_err(refused));
+    tables.collect()
 }
 
 /// Prints or writes a mapping file.
@@ -87,20 +87,14 @@ fn propose(arguments: &TableArguments) -> Result<(), Failure> {
         let rule = target(arguments, out).rule();
         rule.check_inputs(std::slice::from_ref(out))?;
     }
-    let tables = arguments.files.iter();
-    let tables = tables.map(|file| read_table(file, &Default::default()));
-    let tables: Vec<Table> = tables.collect::<Result<_, _>>().map_err(refused)?;
+    let tables = tables(arguments, &Reading::default())?;
     let joints = shape_of_device(arguments)?.map_or_else(Vec::new, |shape| shape.joints);
-    let joints: Vec<(String, bool)> = joints
-        .into_iter()
-        .map(|joint| (joint.name, joint.prismatic))
-        .collect();
+    let joints = joints.into_iter();
+    let joints: Vec<_> = joints.map(|own| (own.name, own.prismatic)).collect();
     let text = guess(&tables, &joints);
     let Some(out) = &arguments.out else {
-        return match arguments.json {
-            true => terminal::write_json(&serde_json::json!({ "mapping": text })),
-            false => terminal::write_output(text.as_bytes()),
-        };
+        let value = serde_json::json!({ "mapping": text });
+        return terminal::tell(arguments.json, &value, text);
     };
     target(arguments, out).write_text(text)
 }
@@ -124,15 +118,12 @@ fn shape_of_device(arguments: &TableArguments) -> Result<Option<LogShape>, Failu
 /// A refusal of the tables' crate as one of the command.
 pub(super) fn refused(error: TableError) -> Failure {
     let file = Path::new(&error.file);
+    let TableError {
+        kind, what, next, ..
+    } = error;
     match error.line {
-        Some(line) => Failure::placed(
-            error.kind,
-            error.what,
-            file,
-            (line, error.column.unwrap_or(0)),
-            error.next,
-        ),
-        None => Failure::in_file(error.kind, error.what, file, error.next),
+        Some(line) => Failure::placed(kind, what, file, (line, error.column.unwrap_or(0)), next),
+        None => Failure::in_file(kind, what, file, next),
     }
 }
 
@@ -142,53 +133,35 @@ pub(super) fn imported(
     shape: Option<LogShape>,
     file: &Path,
 ) -> Result<Imported, Failure> {
-    let names: Vec<&str> = applied
-        .columns
-        .iter()
-        .map(|(name, _)| name.as_str())
-        .collect();
+    let names = applied.columns.iter().map(|(name, _)| name.as_str());
+    let names: Vec<&str> = names.collect();
     let shape = match shape {
         Some(shape) => shape,
         None => named_shape(&applied, &names)?,
     };
-    let whole: Vec<Vec<i64>> = applied
-        .columns
-        .iter()
-        .map(|(name, cells)| match cells {
-            haptical_tables::Cells::Numbers(numbers) if name == "run" => {
-                numbers.iter().map(|run| *run as i64).collect()
-            }
-            _ => Vec::new(),
-        })
-        .collect();
-    let columns = applied
-        .columns
-        .iter()
-        .zip(&whole)
-        .map(|((name, cells), runs)| {
-            let cells = match cells {
-                haptical_tables::Cells::Numbers(_) if name == "run" => Cells::Integers(runs),
-                haptical_tables::Cells::Numbers(numbers) => Cells::Numbers(numbers),
-                haptical_tables::Cells::Texts(texts) => Cells::Texts(texts),
-            };
-            (name.as_str(), cells)
-        });
+    let runs = applied.columns.iter().find(|(name, _)| name == "run");
+    let runs: Vec<i64> = match runs {
+        Some((_, haptical_tables::Cells::Numbers(runs))) => {
+            runs.iter().map(|run| *run as i64).collect()
+        }
+        _ => Vec::new(),
+    };
+    let columns = applied.columns.iter().map(|(name, cells)| {
+        let cells = match cells {
+            haptical_tables::Cells::Numbers(_) if name == "run" => Cells::Integers(&runs),
+            haptical_tables::Cells::Numbers(numbers) => Cells::Numbers(numbers),
+            haptical_tables::Cells::Texts(texts) => Cells::Texts(texts),
+        };
+        (name.as_str(), cells)
+    });
     let columns: Vec<(&str, Cells<'_>)> = columns.collect();
     // its lines are the log's
     let name = format!("{}, as a log", file.display());
     let read = log_from_columns(&columns, &name, &shape)?;
-    let mut log = Vec::new();
-    write_log_to(&mut log, &read.recording, &shape)?;
     let mut warnings = applied.warnings;
     warnings.extend(read.warnings);
     warnings.extend(of_joints_alone(&read.recording));
-    Ok(Imported {
-        log,
-        rows: read.recording.len(),
-        joints: shape.joints.len(),
-        beside: None,
-        warnings,
-    })
+    Imported::of(&read.recording, &shape, warnings)
 }
 
 /// A log that nothing can be calibrated with.
@@ -214,11 +187,9 @@ fn of_joints_alone(recording: &Recording) -> Option<String> {
 fn named_shape(applied: &Applied, names: &[&str]) -> Result<LogShape, Failure> {
     let (slides, cables) = joints_and_cables(names);
     if slides.is_empty() {
-        return Err(Failure::command_line(
-            "arguments",
-            "no column is theta1_rad (or theta1_m), the first joint's readings",
-            "name a column for each joint, as log = \"theta1_rad\" in the mapping file",
-        ));
+        let said = "no column is theta1_rad (or theta1_m), the first joint's readings; name a column for each joint, as \
+                    log = \"theta1_rad\" in the mapping file";
+        return Err(Failure::arguments(said));
     }
     let mut shape = shape_without_limits(&slides, cables);
     let hand = applied.columns.iter().find(|(name, _)| name == "hand");
@@ -252,22 +223,8 @@ pub(super) fn joints_and_cables(names: &[&str]) -> (Vec<bool>, usize) {
 
 /// Columns of the log that no log has by this name, or of joints that have no readings: covariates, if they are meant so.
 pub(super) fn is_covariate(name: &str, slides: &[bool], cables: usize) -> bool {
-    const PLAIN: [&str; 13] = [
-        "t_s",
-        "run",
-        "temp_degc",
-        "x_m",
-        "y_m",
-        "z_m",
-        "qw",
-        "qx",
-        "qy",
-        "qz",
-        "fx_n",
-        "fy_n",
-        "fz_n",
-    ];
-    if PLAIN.contains(&name) || TEXTS.contains(&name) {
+    const PLAIN: &str = "t_s run temp_degc x_m y_m z_m qw qx qy qz fx_n fy_n fz_n";
+    if PLAIN.split(' ').any(|own| own == name) || TEXTS.contains(&name) {
         return false;
     }
     if name == "cable_m" || (2..=cables).any(|cable| name == format!("cable{cable}_m")) {

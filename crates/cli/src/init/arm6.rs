@@ -2,10 +2,10 @@
 
 use haptical::files::Source;
 use haptical::{Device, Equipment, Log, Truth, simulate_postures};
-use haptical_data::{LogShape, read_log_from, write_log_to};
+use haptical_data::{LogShape, read_log_from};
 use haptical_design::Rig;
 
-use super::{Contents, LOG_FILE, command};
+use super::{Contents, LOG_FILE, command, log};
 use crate::failure::Failure;
 
 /// The description: no arm that is sold.
@@ -50,17 +50,12 @@ fn made(
     let device = Device::open(&source, &Equipment::default())?;
     let shape = LogShape::from(&device.model);
     let read = read_log_from(postures.as_bytes(), "postures.csv", &shape);
-    let postures = Log::from_recording(
-        read.map_err(Failure::internal)?.recording,
-        "postures.csv",
-        &device,
-    )?;
+    let read = read.map_err(Failure::internal)?.recording;
+    let postures = Log::from_recording(read, "postures.csv", &device)?;
     let rig = Rig::parse(rig).map_err(Failure::internal)?;
     let truth = Truth::Drawn(DEVIATION);
     let made = simulate_postures(&device, truth, &postures, Some(&rig), SEED)?;
-    let mut log = Vec::new();
-    let shape = LogShape::from(&made.truth);
-    write_log_to(&mut log, &made.recording, &shape).map_err(Failure::internal)?;
+    let log = log(&made.recording, &made.truth)?;
     let rig = made.rig.unwrap_or_default();
     Ok(Contents {
         files: vec![

@@ -1,13 +1,12 @@
 //! Examples of the paper's device: the template with a sample log, and two recordings with a gap to find.
 
-use haptical_data::{LogShape, write_log_to};
-use haptical_model::{Device, Recording};
+use haptical_model::Device;
 use haptical_simulator::{
     CableSigma, Effects, HandMotion, MotionSettings, Settings, apply_deviations, record_motion,
     simulate,
 };
 
-use super::{Contents, DEVICE_FILE, LOG_FILE, command};
+use super::{Contents, DEVICE_FILE, LOG_FILE, command, log};
 use crate::failure::Failure;
 
 /// The template: the 7-DOF device of the paper.
@@ -122,10 +121,4 @@ fn devices() -> Result<(Device, Device), Failure> {
     let deviations: Vec<(&str, f64)> = DEVIATIONS.lines().filter_map(deviation).collect();
     let truth = apply_deviations(&device, &deviations).map_err(Failure::internal)?;
     Ok((device, truth))
-}
-
-fn log(recording: &Recording, device: &Device) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    write_log_to(&mut bytes, recording, &LogShape::from(device)).map_err(Failure::internal)?;
-    Ok(bytes)
 }

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use haptical::files::{check_folder, shell_word};
+use haptical_data::{LogShape, write_log_to};
+use haptical_model::{Device, Recording};
 
 use crate::failure::Failure;
 use crate::flags::rule;
@@ -81,6 +83,13 @@ impl Example {
     }
 }
 
+/// A recording of a device as a log.
+fn log(recording: &Recording, device: &Device) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    write_log_to(&mut bytes, recording, &LogShape::from(device)).map_err(Failure::internal)?;
+    Ok(bytes)
+}
+
 /// Runs the command.
 pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
     let folder = &arguments.dir;
@@ -94,11 +103,8 @@ pub(crate) fn run(arguments: &InitArguments) -> Result<(), Failure> {
     for words in &contents.next {
         text.push_str(&format!("  {}\n", written(words, folder)));
     }
-    let files: Vec<(&str, Vec<u8>)> = contents
-        .files
-        .into_iter()
-        .map(|(name, bytes, _)| (name, bytes))
-        .collect();
+    let files = contents.files.into_iter();
+    let files: Vec<_> = files.map(|(name, bytes, _)| (name, bytes)).collect();
     write_all(&rule("init", arguments.force), folder, &files)?;
     terminal::write_output(text.as_bytes())
 }

@@ -19,8 +19,8 @@ use crate::terminal::Progress;
 pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {
     let out = arguments.out.as_deref();
     if out.is_none() && arguments.poses.is_some() {
-        let what = "--poses without --out: the poses have no place to go";
-        return Err(Failure::command_line("arguments", what, "give --out DIR"));
+        let said = "--poses without --out: the poses have no place to go; give --out DIR";
+        return Err(Failure::arguments(said));
     }
     result::run(arguments, out, arguments.json, &|paths| {
         let lines = paths.iter().map(|path| format!("written: {path}\n"));
@@ -58,9 +58,9 @@ impl ResultCommand for PlanArguments {
             return self.settled(version, &device, gap, inputs, progress);
         }
         if self.log.len() > 1 {
-            let what = "--log is given more than once: a plan of rigs adds to one log";
-            let next = "give one log, or --settle for the logs of a diagnosis";
-            return Err(Failure::command_line("arguments", what, next));
+            let said = "--log is given more than once: a plan of rigs adds to one log; give one log, or --settle for the logs of \
+                        a diagnosis";
+            return Err(Failure::arguments(said));
         }
         let log = inputs.optional_log("log", &device)?;
         let step = |step: Step<'_>| {
@@ -73,11 +73,7 @@ impl ResultCommand for PlanArguments {
         };
         let request = self.request(&device)?;
         let plan = plan_as(version, &device, &request, log.as_ref(), &step)?;
-        Ok(MadeResult {
-            files: plan.files()?,
-            warnings: plan.warnings.clone(),
-            summary: plan.to_string(),
-        })
+        Ok(MadeResult::of(plan.files()?, &plan.warnings, &plan))
     }
 }
 
@@ -101,10 +97,10 @@ impl PlanArguments {
             "telling {candidates} candidates apart by {motions} motions"
         ));
         let settled = settle_as(version, device, &logs, &gap, &request)?;
-        Ok(MadeResult {
-            files: settled.files()?,
-            warnings: settled.warnings.clone(),
-            summary: settled.to_string(),
-        })
+        Ok(MadeResult::of(
+            settled.files()?,
+            &settled.warnings,
+            &settled,
+        ))
     }
 }

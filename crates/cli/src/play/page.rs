@@ -77,10 +77,9 @@ fn lead(recorded: &Recorded, log: &str) -> String {
         1 => "all rows".to_owned(),
         every => format!("one row in {every}"),
     };
-    let arms = if recorded.calibrated {
-        "the nominal arm and the calibrated one"
-    } else {
-        "the nominal arm"
+    let arms = match recorded.calibrated {
+        true => "the nominal arm and the calibrated one",
+        false => "the nominal arm",
     };
     format!(
         "{}: {arms} at the readings of {} ({} of {} rows, {thinned}).",
@@ -171,10 +170,9 @@ fn numbers(recorded: &Recorded) -> Markup {
 
 fn controls(recorded: &Recorded) -> Markup {
     let last = recorded.len().saturating_sub(1);
-    let pace = if recorded.axis.is_time {
-        "times real time"
-    } else {
-        "times 25 rows a second"
+    let pace = match recorded.axis.is_time {
+        true => "times real time",
+        false => "times 25 rows a second",
     };
     html! {
         div.controls role="group" aria-label="Playback" {

@@ -162,15 +162,10 @@ impl Recorded {
             model.map(|model| Arm::new(model, recording, (request.model_file, request.log_file)));
         let model = model.transpose()?;
         let found = drawable_channels(&nominal.device, recording, request, warnings)?;
-        let every = match request.every {
-            Some(every) => every,
-            None => thinning(
-                &nominal.device,
-                model.is_some(),
-                recording.len(),
-                found.len(),
-            ),
-        };
+        let every = request.every.unwrap_or_else(|| {
+            let (rows, channels) = (recording.len(), found.len());
+            thinning(&nominal.device, model.is_some(), rows, channels)
+        });
         let kept: Vec<usize> = (0..recording.len()).step_by(every).collect();
         let nominal = nominal.thinned(&kept);
         let model = model.map(|model| model.thinned(&kept));
@@ -187,27 +182,24 @@ impl Recorded {
             if let (Some(calibrated), Some(deviations)) = (&calibrated, &mut deviations_um) {
                 let pairs = origins.iter().zip(&calibrated[row]);
                 let differences =
-                    pairs.map(|(from, to)| [to[0] - from[0], to[1] - from[1], to[2] - from[2]]);
+                    pairs.map(|(from, to)| [0, 1, 2].map(|axis| to[axis] - from[axis]));
                 deviations.push(flat_um(differences, at)?);
             }
         }
-        let tracked_um = if found.contains(&Channel::Position) {
-            tracked_um(&model.unwrap_or(&nominal).device, part, request.log_file)?
-        } else {
-            None
+        let last = &model.unwrap_or(&nominal).device;
+        let tracked_um = match found.contains(&Channel::Position) {
+            true => tracked_um(last, part, request.log_file)?,
+            false => None,
         };
         Ok(Self {
             device: nominal.device.name.clone(),
             calibrated: model.is_some(),
-            effects: effects(&model.unwrap_or(&nominal).device),
+            effects: effects(last),
             rows: recording.len(),
             every,
             axis: Axis::new(part, &kept),
             run_starts: run_starts(part),
-            up: nominal
-                .device
-                .gravity_mps2
-                .map_or(UP, |gravity| gravity.map(|axis| -axis)),
+            up: (nominal.device.gravity_mps2).map_or(UP, |gravity| gravity.map(|axis| -axis)),
             origins_um,
             deviations_um,
             tracked_um,
@@ -301,9 +293,7 @@ fn channel_errors(
             unit: shown.name,
             decimals: decimals as usize,
             exit_um: match channel {
-                Channel::Cable { index } => {
-                    Some(exit_um(nominal_device, index, request.device_file)?)
-                }
+                Channel::Cable { index } => exit_um(nominal_device, index, request.device_file)?,
                 _ => None,
             },
             rms_nominal: before.rms(),
@@ -346,17 +336,17 @@ fn title(device: &Device, channel: Channel) -> String {
 }
 
 /// The point at which a cable leaves its guide; a chain without cables measures from frame (-1)'s origin.
-fn exit_um(device: &Device, index: usize, file: &Path) -> Result<[i64; 3], Failure> {
+fn exit_um(device: &Device, index: usize, file: &Path) -> Result<Option<[i64; 3]>, Failure> {
     let cable = device.cables.get(index);
-    let exit = cable.map_or([0.0; 3], |cable| cable.anchor_m);
-    point_um(exit).ok_or_else(|| {
-        let what = format!(
-            "the exit of cable {} is too far away to be drawn",
-            index + 1
-        );
-        let next = format!("give coordinates below {LARGEST_M:e} m");
-        Failure::in_file("too-far", what, file, next)
-    })
+    let exit = point_um(cable.map_or([0.0; 3], |cable| cable.anchor_m));
+    let said = || {
+        let number = index + 1;
+        format!(
+            "the exit of cable {number} is too far away to be drawn; give coordinates below {LARGEST_M:e} m"
+        )
+    };
+    let exit = exit.ok_or_else(|| Failure::of_file("too-far", said(), file));
+    exit.map(Some)
 }
 
 /// The tracked handle in frame (-1); none where the tracker sees a marker at some distance from the handle.
@@ -380,10 +370,8 @@ fn tracked_um(
         if !point.iter().all(|axis| axis.is_finite()) {
             return Ok(None);
         }
-        let at = (log, part.line[row]);
-        point_um(point)
-            .map(Some)
-            .ok_or_else(|| too_far("tracked handle", at))
+        let far = || too_far("tracked handle", (log, part.line[row]));
+        point_um(point).ok_or_else(far).map(Some)
     });
     points.collect::<Result<_, _>>().map(Some)
 }

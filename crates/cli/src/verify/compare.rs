@@ -119,10 +119,9 @@ impl FileVerdict {
     /// Whether two numbers agree. A file that was changed after it was written is no other machine's.
     fn agree(&mut self, was: f64, is: f64) -> bool {
         let relative = relative_difference(was, is);
-        let tolerance = if self.changed_since_written {
-            0.0
-        } else {
-            TOLERANCE
+        let tolerance = match self.changed_since_written {
+            true => 0.0,
+            false => TOLERANCE,
         };
         if relative <= tolerance {
             let largest = self.largest_relative_difference.unwrap_or(0.0);
@@ -254,12 +253,7 @@ fn last_digit(number: &str) -> f64 {
 fn shortened(text: &str) -> String {
     let mut characters = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     let shown: String = characters.by_ref().take(SHOWN).collect();
-    let more = if characters.next().is_some() {
-        "…"
-    } else {
-        ""
-    };
-    shown + more
+    shown + characters.next().map_or("", |_| "…")
 }
 
 #[cfg(test)]

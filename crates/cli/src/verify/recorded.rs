@@ -74,10 +74,8 @@ impl Recorded {
         }
         let most = expected as u64 + MOST_FURTHER_BYTES;
         let bytes = read_bytes(&path, most, "check its permissions")?;
-        let listed = self.listed(name);
-        let is_listed =
-            |listed: &OutputFile| listed.sha256 == Fingerprint::from_bytes(&bytes).sha256;
-        let is_changed = !listed.is_some_and(is_listed);
+        let sha256 = Fingerprint::from_bytes(&bytes).sha256;
+        let is_changed = self.listed(name).is_none_or(|own| own.sha256 != sha256);
         Ok(Some(Written { bytes, is_changed }))
     }
 
@@ -161,11 +159,8 @@ fn read_one(path: &Path, is_alone: bool) -> Result<Recorded, Failure> {
     };
     let provenance: Provenance = serde_json::from_value(provenance).map_err(|error| {
         let why = error.to_string().replace("a sequence", "a list");
-        refuse(
-            "provenance",
-            format!("its provenance cannot be used: {why}"),
-            AGAIN,
-        )
+        let what = format!("its provenance cannot be used: {why}");
+        refuse("provenance", what, AGAIN)
     })?;
     let name = &provenance.command;
     if !["identify", "diagnose", "plan"].contains(&name.as_str()) {
@@ -179,9 +174,8 @@ fn read_one(path: &Path, is_alone: bool) -> Result<Recorded, Failure> {
         let what = format!("its recorded command, of version {version}, cannot be run: {what}");
         refuse("provenance", what, AGAIN)
     })?;
-    let path = path.to_owned();
     Ok(Recorded {
-        path,
+        path: path.to_owned(),
         is_alone,
         text,
         provenance,
@@ -227,10 +221,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 }
 
 fn not_json(path: &Path, error: &serde_json::Error) -> Failure {
-    let next = if path
-        .extension()
-        .is_some_and(|extension| extension == "json")
-    {
+    let next = if path.extension().is_some_and(|end| end == "json") {
         "it was cut off or changed after it was written: run the command that wrote it again"
     } else {
         "give the folder, or identified.json, gap.json or plan.json in it"

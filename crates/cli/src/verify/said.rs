@@ -7,7 +7,7 @@ use haptical::files::VERSION;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::compare::{Agreement, Difference, FileVerdict};
+use super::compare::{Agreement, FileVerdict};
 use super::sought::FoundInput;
 use crate::failure::{self, Failure};
 
@@ -134,17 +134,12 @@ impl Verification {
 impl CheckedResult {
     /// `write!` to a String cannot fail.
     fn write(&self, text: &mut String) {
-        let Self {
-            result,
-            command,
-            recorded_version,
-            ..
-        } = self;
+        let (result, command, version) = (&self.result, self.command, &self.recorded_version);
         let _ = writeln!(
             text,
-            "{result}: haptical {command}, written by version {recorded_version}"
+            "{result}: haptical {command}, written by version {version}"
         );
-        if recorded_version != VERSION {
+        if version != VERSION {
             let _ = writeln!(text, "  recomputed by another version: {VERSION}");
         }
         for input in &self.inputs {
@@ -164,12 +159,8 @@ impl FileVerdict {
     fn write(&self, text: &mut String, width: usize) {
         let name = format!("{:<width$}", self.file);
         let _ = writeln!(text, "  {name}  {}", self.sentence());
-        for Difference {
-            place,
-            recorded,
-            recomputed,
-        } in self.differences.iter().take(LISTED)
-        {
+        for own in self.differences.iter().take(LISTED) {
+            let (place, recorded, recomputed) = (&own.place, &own.recorded, &own.recomputed);
             let _ = writeln!(
                 text,
                 "    {place}: recorded {recorded}, recomputed {recomputed}"
@@ -181,10 +172,9 @@ impl FileVerdict {
     }
 
     fn sentence(&self) -> String {
-        let changed = if self.changed_since_written {
-            ", changed after it was written"
-        } else {
-            ""
+        let changed = match self.changed_since_written {
+            true => ", changed after it was written",
+            false => "",
         };
         match self.agreement {
             Agreement::SameBytes => "the same bytes".to_owned(),
@@ -193,9 +183,7 @@ impl FileVerdict {
                 self.largest_relative_difference.unwrap_or_default()
             ),
             Agreement::Differs if self.difference_count == 1 => format!("differs{changed}"),
-            Agreement::Differs => {
-                format!("differs in {} values{changed}", self.difference_count)
-            }
+            Agreement::Differs => format!("differs in {} values{changed}", self.difference_count),
             Agreement::Missing => "missing".to_owned(),
             Agreement::Undecided => "not checked".to_owned(),
             Agreement::NotKept => "not kept with this result".to_owned(),

@@ -61,34 +61,22 @@ pub(crate) fn find(
             }
         }
     }
-    let InputFile {
-        file,
-        bytes,
-        sha256,
-        ..
-    } = recorded;
+    let (file, bytes, sha256) = (&recorded.file, recorded.bytes, &recorded.sha256);
     let command = result.command.kind().command;
     Err(match other {
-        Some(path) => Failure::in_file(
-            "changed-input",
-            format!("this is not the file that the result was made from as --{flag}"),
-            path,
-            format!(
-                "give the one that was called {file} ({bytes} bytes, SHA-256 {sha256}) with --{flag}, \
-                 or run `haptical {command}` again"
-            ),
-        ),
+        Some(path) => {
+            let said = format!(
+                "this is not the file that the result was made from as --{flag}; give the one that was called {file} ({bytes} bytes, \
+                 SHA-256 {sha256}) with --{flag}, or run `haptical {command}` again"
+            );
+            Failure::of_file("changed-input", said, path)
+        }
         None => {
-            let looked: Vec<String> = places
-                .iter()
-                .map(|path| path.display().to_string())
-                .collect();
-            Failure::bad_input(
-                "missing-input",
-                format!("the file that the result was made from as --{flag} is not there"),
-                looked.join(", "),
-                format!("give its place with --{flag}; its SHA-256 is {sha256}"),
-            )
+            let looked = places.iter().map(|path| path.display().to_string());
+            let looked = looked.collect::<Vec<_>>().join(", ");
+            let what = format!("the file that the result was made from as --{flag} is not there");
+            let next = format!("give its place with --{flag}; its SHA-256 is {sha256}");
+            Failure::bad_input("missing-input", what, looked, next)
         }
     })
 }
@@ -145,12 +133,8 @@ fn hash(path: &Path) -> Result<String, Failure> {
     let next = "check the path and its permissions";
     let unreadable = |error: std::io::Error| Failure::unreadable(&error, path, next);
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
-        return Err(Failure::in_file(
-            "unreadable",
-            "it is no regular file",
-            path,
-            next,
-        ));
+        let what = "it is no regular file";
+        return Err(Failure::in_file("unreadable", what, path, next));
     }
     Ok(Fingerprint::of_file(path).map_err(unreadable)?.sha256)
 }
