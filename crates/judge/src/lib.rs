@@ -18,7 +18,7 @@ pub use needless::{Kept, without_needless};
 pub use question::{
     Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without,
 };
-pub use rivals::{Rival, Rivals, probability, rivals};
+pub use rivals::{Rival, Rivals, nearest, probability, rivals};
 pub use select::select;
 pub use thresholds::NAMED_PROBABILITY;
 pub use verdict::{Evidence, Verdict, verdict};

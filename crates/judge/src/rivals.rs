@@ -29,13 +29,27 @@ pub fn rivals<Q: InPlace>(
     without: &Without<Q::State>,
     misfit: f64,
 ) -> Result<Rivals<Q>, Q::Error> {
-    let mut found: Rivals<Q> = Vec::new();
-    for other in question.in_place(&without.state, whole, effect)? {
-        let rival = Rival {
-            name: other.name,
-            behind: (without.worth - other.merit) / misfit,
-            fit: other.fit,
-        };
+    let others = question.in_place(&without.state, whole, effect)?;
+    Ok(nearest(others.into_iter().map(|other| Rival {
+        name: other.name,
+        behind: (without.worth - other.merit) / misfit,
+        fit: other.fit,
+    })))
+}
+
+/// Rivals, the nearest first: each name at a place once, by its nearest.
+///
+/// ```
+/// use haptical_judge::{Rival, nearest};
+///
+/// let all = [("lag", 4.0), ("play", 3.0), ("lag", 2.0)];
+/// let all = all.map(|(name, behind)| Rival { name, behind, fit: () });
+/// let found: Vec<_> = nearest(all).iter().map(|rival| (rival.name, rival.behind)).collect();
+/// assert_eq!(found, [("lag", 2.0), ("play", 3.0)]);
+/// ```
+pub fn nearest<N: PartialEq, F>(rivals: impl IntoIterator<Item = Rival<N, F>>) -> Vec<Rival<N, F>> {
+    let mut found: Vec<Rival<N, F>> = Vec::new();
+    for rival in rivals {
         match found.iter_mut().find(|known| known.name == rival.name) {
             Some(known) if known.behind <= rival.behind => {}
             Some(known) => *known = rival,
@@ -43,7 +57,7 @@ pub fn rivals<Q: InPlace>(
         }
     }
     found.sort_by(|a, b| a.behind.total_cmp(&b.behind));
-    Ok(found)
+    found
 }
 
 /// Probability of an effect among its rivals, all as likely beforehand, by how many nats each of these is behind it.

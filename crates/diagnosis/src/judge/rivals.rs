@@ -56,15 +56,7 @@ pub(crate) fn rivals(
     let without = search.without(&whole, cause)?;
     let found = haptical_judge::rivals(&mut search, &whole, cause, &without, 1.0)?;
     let effect = selection.selector.effects[whole.model.causes[cause].effect].as_ref();
-    let own = Rival {
-        cause: None,
-        has_converged: true,
-        name: effect.name(),
-        joint: effect.joint(),
-        share: 1.0,
-        nats_behind: 0.0,
-        probability: 0.0,
-    };
+    let own = Rival::new(effect, 1.0, 0.0);
     let others = found.into_iter().map(|rival| Rival {
         cause: rival.fit.cause,
         has_converged: rival.fit.has_converged,

@@ -1,5 +1,7 @@
 //! An effect that competes with a named cause.
 
+use haptical_effects::Effect;
+
 use crate::engine::model::Cause;
 
 /// An effect in a cause's place.
@@ -16,4 +18,19 @@ pub(crate) struct Rival {
     /// Nats behind the best, misfit allowed for.
     pub(crate) nats_behind: f64,
     pub(crate) probability: f64,
+}
+
+impl Rival {
+    /// An effect that was not refitted; its probability is that of nothing yet.
+    pub(crate) fn new(effect: &dyn Effect, share: f64, nats_behind: f64) -> Self {
+        Self {
+            cause: None,
+            has_converged: true,
+            name: effect.name(),
+            joint: effect.joint(),
+            share,
+            nats_behind,
+            probability: 0.0,
+        }
+    }
 }

@@ -2,6 +2,7 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::{Effect, Family, Shape};
+use haptical_judge::{Backward, Needless, Without};
 use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
@@ -110,36 +111,27 @@ impl Selector<'_> {
         system: &System,
         segments: &Segments,
     ) -> Option<Hypothesis> {
-        let mut members = distinct(members, system)?;
-        let products = Products::new(&members, system);
-        let mut causes = self.settled(&mut members, &products, system)?;
-        let alone = Beside::nothing(system, segments);
-        let mut unseen = alone.with(&members).unseen(segments);
-        while members.len() > 1 {
-            // those before the one that is left out are taken once for all that follow
-            let mut before = alone.clone();
-            let gains = (0..members.len()).map(|index| {
-                let without = before.with(&members[index + 1..]).unseen(segments);
-                before.take(&members[index]);
-                (index, unseen.gain_on(&without).deviations())
-            });
-            let (weakest, _) = gains
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-                .filter(|(_, deviations)| *deviations < LEAST_MEMBER_GAIN_SD)
-                .unzip();
-            let Some(weakest) = weakest else { break };
-            members.remove(weakest);
-            causes = self.settled(&mut members, &products, system)?;
-            unseen = alone.with(&members).unseen(segments);
-        }
+        let members = distinct(members, system)?;
+        let mut group = Group {
+            selector: self,
+            members: &members,
+            products: Products::new(&members, system),
+            alone: Added::nothing(system, segments),
+            before: Added::nothing(system, segments),
+            system,
+            segments,
+        };
+        let start = group.allowed(group.members.iter().collect()).ok()?;
+        let kept = haptical_judge::without_needless(&mut group, start, 1).ok()?;
+        let Allowed { causes, unseen, .. } = kept.state;
         Some(Hypothesis { causes, unseen })
     }
 
     /// Takes out members that nature does not allow, or that chance or the misfit explain, until none is left of these; the
     /// sizes of the others, the surest first.
-    fn settled(
+    fn sized(
         &self,
-        members: &mut Vec<Member<'_>>,
+        members: &mut Vec<&Member<'_>>,
         products: &Products,
         system: &System,
     ) -> Option<Vec<Cause>> {
@@ -180,6 +172,87 @@ impl Selector<'_> {
     fn may_be(&self, cause: &Cause) -> bool {
         let effect = self.effects[cause.effect].as_ref();
         effect.is_possible(&self.engine.context, &cause.amplitudes)
+    }
+}
+
+/// Members that nature allows, with their sizes and what they leave of unseen rows.
+struct Allowed<'g> {
+    members: Vec<&'g Member<'g>>,
+    /// Unknown until the members are allowed.
+    causes: Vec<Cause>,
+    unseen: Unseen,
+}
+
+/// No member of a group is allowed.
+struct NoneAllowed;
+
+/// Members of a hypothesis, of which those are taken out that gain nothing on unseen rows.
+struct Group<'g> {
+    selector: &'g Selector<'g>,
+    members: &'g [Member<'g>],
+    products: Products,
+    system: &'g System,
+    segments: &'g Segments,
+    alone: Added,
+    /// With the members before the one that is left out, which are taken once for all that follow.
+    before: Added,
+}
+
+impl<'g> Group<'g> {
+    fn allowed(&self, mut members: Vec<&'g Member<'g>>) -> Result<Allowed<'g>, NoneAllowed> {
+        let causes = (self.selector)
+            .sized(&mut members, &self.products, self.system)
+            .ok_or(NoneAllowed)?;
+        Ok(Allowed {
+            unseen: self.alone.with(&members).unseen(self.segments),
+            causes,
+            members,
+        })
+    }
+}
+
+impl<'g> Backward for Group<'g> {
+    type State = Allowed<'g>;
+    type Error = NoneAllowed;
+
+    fn effects(&self, allowed: &Allowed<'g>) -> usize {
+        allowed.members.len()
+    }
+
+    fn without(
+        &mut self,
+        allowed: &Allowed<'g>,
+        index: usize,
+    ) -> Result<Without<Allowed<'g>>, NoneAllowed> {
+        if index == 0 {
+            self.before = self.alone.clone();
+        }
+        let mut members = allowed.members.clone();
+        let member = members.remove(index);
+        let unseen = self.before.with(&members[index..]).unseen(self.segments);
+        self.before.take(member);
+        let worth = allowed.unseen.gain_on(&unseen).deviations();
+        let state = Allowed {
+            members,
+            causes: Vec::new(),
+            unseen,
+        };
+        Ok(Without { state, worth })
+    }
+}
+
+impl<'g> Needless for Group<'g> {
+    fn is_needless(
+        &mut self,
+        _: &Allowed<'g>,
+        index: usize,
+        all: &[Without<Allowed<'g>>],
+    ) -> Result<bool, NoneAllowed> {
+        Ok(all[index].worth < LEAST_MEMBER_GAIN_SD)
+    }
+
+    fn refitted(&mut self, state: Allowed<'g>) -> Result<Allowed<'g>, NoneAllowed> {
+        self.allowed(state.members)
     }
 }
 
@@ -272,7 +345,7 @@ impl Products {
 
     /// Members with the sizes that fit best together, and how far each is from nothing, in standard deviations of what
     /// all leave; none where they cannot be told apart.
-    fn sized(&self, members: &[Member<'_>], system: &System) -> Option<(Vec<Cause>, Vec<f64>)> {
+    fn sized(&self, members: &[&Member<'_>], system: &System) -> Option<(Vec<Cause>, Vec<f64>)> {
         let own = members.iter();
         let own = own.flat_map(|member| member.first..member.first + member.across.len());
         let own: Vec<usize> = own.collect();
@@ -327,14 +400,14 @@ fn lower_inverse(lower: &DMatrix<f64>) -> DMatrix<f64> {
 
 /// A system with members in it: what they leave, and the directions beside the base model's.
 #[derive(Clone)]
-struct Beside {
+struct Added {
     residual: Vec<f64>,
     added: Vec<Direction>,
     /// The first of them that is a member's: the members' columns are across those before it.
     first: usize,
 }
 
-impl Beside {
+impl Added {
     fn nothing(system: &System, segments: &Segments) -> Self {
         let added = segments.added(system).to_vec();
         Self {
@@ -344,7 +417,7 @@ impl Beside {
         }
     }
 
-    fn with(&self, members: &[Member<'_>]) -> Self {
+    fn with(&self, members: &[&Member<'_>]) -> Self {
         let mut own = self.clone();
         members.iter().for_each(|member| own.take(member));
         own

@@ -1,6 +1,7 @@
 //! Hypotheses that could be in another one's place.
 
 use haptical_effects::{Effect, Family};
+use haptical_judge::nearest;
 
 use crate::engine::segments::Unseen;
 use crate::judge::rivals::with_probabilities;
@@ -19,40 +20,28 @@ impl Selector<'_> {
         before: &Unseen,
     ) -> Vec<Vec<Rival>> {
         let gained = best.unseen.gain_on(before).sum;
-        let rival = |hypothesis: &Hypothesis, effect: usize, nats_behind: f64| {
-            let effect = self.effects[effect].as_ref();
-            Rival {
-                has_converged: true,
-                cause: None,
-                name: effect.name(),
-                joint: effect.joint(),
-                share: hypothesis.unseen.gain_on(before).sum / gained,
-                nats_behind,
-                probability: 0.0,
-            }
-        };
+        let share = |hypothesis: &Hypothesis| hypothesis.unseen.gain_on(before).sum / gained;
         let others = found
             .iter()
             .filter(|other| !other.is_part_of(best) && !best.is_part_of(other));
-        let mut others: Vec<Rival> = others
-            .filter_map(|other| {
-                let lead = best
-                    .unseen
-                    .gain_on(&other.unseen)
-                    .deviations_by_sign()
-                    .max(0.0);
-                let first = other.causes.first()?;
-                let more = other.numbers() as f64 - best.numbers() as f64;
-                let nats_behind = LEAD_NATS * (lead * lead + more * (SEGMENTS as f64).ln());
-                Some(rival(other, first.effect, nats_behind.max(0.0)))
-            })
-            .collect();
-        others.extend(self.loops_between_postures(best));
-        others.sort_by(|a, b| a.nats_behind.total_cmp(&b.nats_behind));
-        merge_names(&mut others);
+        let others = others.filter_map(|other| {
+            let lead = best.unseen.gain_on(&other.unseen).deviations_by_sign();
+            let first = other.causes.first()?;
+            let more = other.numbers() as f64 - best.numbers() as f64;
+            let nats_behind = LEAD_NATS * (lead.max(0.0).powi(2) + more * (SEGMENTS as f64).ln());
+            let effect = self.effects[first.effect].as_ref();
+            Some(Rival::new(effect, share(other), nats_behind.max(0.0)))
+        });
+        let others = others.chain(self.loops_between_postures(best));
+        let others = nearest(others.map(|rival| haptical_judge::Rival {
+            name: rival.name,
+            behind: rival.nats_behind,
+            fit: rival,
+        }));
         let lists = best.causes.iter().map(|cause| {
-            let mut list = vec![rival(best, cause.effect, 0.0)];
-            list.extend_from_slice(&others);
+            let effect = self.effects[cause.effect].as_ref();
+            let mut list = vec![Rival::new(effect, share(best), 0.0)];
+            list.extend(others.iter().map(|other| other.fit.clone()));
             with_probabilities(&mut list);
             list
         });
@@ -83,28 +72,7 @@ impl Selector<'_> {
                 && spec.name != own.name
         });
         twins
-            .map(|other| {
-                let nats_behind = (cost(other) - cost(effect)).max(0.0);
-                Rival {
-                    has_converged: true,
-                    cause: None,
-                    name: other.name(),
-                    joint: other.joint(),
-                    share: 1.0,
-                    nats_behind,
-                    probability: 0.0,
-                }
-            })
+            .map(|other| Rival::new(other, 1.0, (cost(other) - cost(effect)).max(0.0)))
             .collect()
     }
-}
-
-/// Leaves the nearest of each name.
-fn merge_names(rivals: &mut Vec<Rival>) {
-    let mut names: Vec<&str> = Vec::new();
-    rivals.retain(|rival| {
-        let is_new = !names.contains(&rival.name);
-        names.push(rival.name);
-        is_new
-    });
 }

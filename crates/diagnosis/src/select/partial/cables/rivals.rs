@@ -1,5 +1,7 @@
 //! Names that could be in the place of one that a joint's cables have.
 
+use haptical_judge::nearest;
+
 use crate::engine::segments::Unseen;
 use crate::judge::rivals::with_probabilities;
 use crate::select::partial::cables::{Cable, Drive};
@@ -9,28 +11,27 @@ use crate::thresholds::partial::LEAD_NATS;
 impl Drive<'_> {
     /// Each effect with its own name, and what else of its kind could be in its place.
     pub(super) fn rivals(&self, chosen: &[Cable], all: &[Cable]) -> Vec<Vec<Rival>> {
-        let own = self.unseen_with(&chosen.iter().collect::<Vec<_>>());
+        let whole = self.unseen_with(&chosen.iter().collect::<Vec<_>>());
         let of_place = |place: usize| -> Vec<Rival> {
             let cable = &chosen[place];
-            let name = self.effect(cable.effect).name();
-            let mut others: Vec<Rival> = Vec::new();
-            for other in all {
-                let effect = self.effect(other.effect);
-                if !other.is_instead_of(cable) || effect.name() == name {
-                    continue;
-                }
+            let effect = self.effect(cable.effect);
+            let is_other = |other: &&Cable| {
+                other.is_instead_of(cable) && self.effect(other.effect).name() != effect.name()
+            };
+            let others = all.iter().filter(is_other).map(|other| {
                 let mut members: Vec<&Cable> = chosen.iter().collect();
                 members[place] = other;
-                let lead = own.gain_on(&self.unseen_with(&members)).deviations();
-                let lead = lead.max(0.0);
-                let nats_behind = LEAD_NATS * lead * lead;
-                match others.iter_mut().find(|rival| rival.name == effect.name()) {
-                    Some(rival) => rival.nats_behind = rival.nats_behind.min(nats_behind),
-                    None => others.push(self.rival(other.effect, nats_behind)),
+                let lead = whole.gain_on(&self.unseen_with(&members)).deviations();
+                let other = self.effect(other.effect);
+                haptical_judge::Rival {
+                    name: other.name(),
+                    behind: LEAD_NATS * lead.max(0.0).powi(2),
+                    fit: other,
                 }
-            }
-            let mut list = vec![self.rival(cable.effect, 0.0)];
-            list.extend(others);
+            });
+            let others = nearest(others).into_iter();
+            let mut list = vec![Rival::new(effect, 1.0, 0.0)];
+            list.extend(others.map(|other| Rival::new(other.fit, 1.0, other.behind)));
             with_probabilities(&mut list);
             list
         };
@@ -43,18 +44,5 @@ impl Drive<'_> {
             system.take(member.column.clone());
         }
         self.segments.unseen(&system)
-    }
-
-    fn rival(&self, effect: usize, nats_behind: f64) -> Rival {
-        let effect = self.effect(effect);
-        Rival {
-            has_converged: true,
-            cause: None,
-            name: effect.name(),
-            joint: effect.joint(),
-            share: 1.0,
-            nats_behind,
-            probability: 0.0,
-        }
     }
 }
