@@ -64,6 +64,8 @@ pub(crate) struct Made {
     pub(crate) identify: Identified,
     /// Whether links are where the motors say: encoders on links would read as those do.
     pub(crate) links_follow: bool,
+    /// Whether its device file has the true geometry.
+    pub(crate) is_of_true_geometry: bool,
 }
 
 impl DeviceFile {
@@ -117,6 +119,7 @@ impl Made {
             joint_compliance: false,
             identify: Identified::Geometry(Box::default()),
             links_follow: false,
+            is_of_true_geometry: false,
         }
     }
 

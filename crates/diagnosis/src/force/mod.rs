@@ -34,7 +34,7 @@ use self::changes::carried::Carried;
 use self::changes::second::Model;
 pub(crate) use self::changes::second::{OnSecond, not_predicted};
 use self::effects::Effects;
-use self::recorded::{Besides, Recorded};
+use self::recorded::{Besides, Recorded, may_be_held};
 use self::rows::fast;
 use crate::DiagnosisError;
 
@@ -50,7 +50,8 @@ pub(crate) fn examine(
     Ok(examine_both(context, None, without)?.0)
 }
 
-/// The same, with what the model of the torques leaves of a second recording.
+/// The same, with what the model of the torques leaves of a second recording. A hand on the handle that nobody measures leaves its
+/// forces in the torques: where these are explained without one, nobody held the arm (docs/assumptions.md, A305).
 ///
 /// # Errors
 /// As [`examine`]; a row of the second recording at which the device has no value.
@@ -58,11 +59,26 @@ pub(crate) fn examine_both(
     context: &Context<'_>,
     second: Option<&Recording>,
     without: &[String],
-) -> Result<(ForceAnswer, Option<OnSecond>), DiagnosisError> {
+) -> Result<Examined, DiagnosisError> {
+    let free = examined(Recorded::held_by_nobody(context), context, (second, without))?;
+    match may_be_held(context) && !free.0.is_explained() {
+        true => examined(Recorded::new(context), context, (second, without)),
+        false => Ok(free),
+    }
+}
+
+/// What the torques say, and what is left of those of a second recording.
+type Examined = (ForceAnswer, Option<OnSecond>);
+
+fn examined<'a>(
+    recorded: Result<Recorded<'a>, String>,
+    context: &'a Context<'a>,
+    (second, without): (Option<&Recording>, &[String]),
+) -> Result<Examined, DiagnosisError> {
     let none = |answer: ForceAnswer| Ok((answer, None));
     let has_torques =
         (0..context.device.joints.len()).any(|joint| context.torque_stream(joint).is_some());
-    let recorded = match Recorded::new(context) {
+    let recorded = match recorded {
         Ok(recorded) => recorded,
         Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
     };

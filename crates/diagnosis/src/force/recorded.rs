@@ -25,6 +25,12 @@ fn hand_force(recording: &Recording) -> Option<Vec<Vector3<f64>>> {
     (!is_zero).then(|| (0..recording.len()).map(at).collect())
 }
 
+/// Whether a hand that nobody measures may hold the handle: where one may, it also moves the handle against a gauge, which is a cable, a
+/// tracker or a touched place.
+pub(super) fn may_be_held(context: &Context<'_>) -> bool {
+    context.recording.force_n.is_none() && context.streams.iter().any(Stream::shows_handle)
+}
+
 /// What may act on the chain in addition to what was recorded, changing as it likes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Besides {
@@ -76,6 +82,15 @@ pub(super) struct Recorded<'a> {
 impl<'a> Recorded<'a> {
     /// Gathers the channels, or says what is missing.
     pub(super) fn new(context: &'a Context<'a>) -> Result<Self, String> {
+        Self::gathered(context, may_be_held(context))
+    }
+
+    /// The same where nobody holds the handle.
+    pub(super) fn held_by_nobody(context: &'a Context<'a>) -> Result<Self, String> {
+        Self::gathered(context, false)
+    }
+
+    fn gathered(context: &'a Context<'a>, is_held: bool) -> Result<Self, String> {
         let device = context.device;
         let recording = context.recording;
         needed(context)?;
@@ -95,9 +110,6 @@ impl<'a> Recorded<'a> {
         }
         let bodies = RigidBodies::plausible(device).map_err(|error| error.to_string())?;
         let force_n = hand_force(recording);
-        // where a hand may hold the handle, it also moves it against a gauge: a cable, a tracker, a touched place
-        let is_held =
-            recording.force_n.is_none() && context.streams.iter().any(Stream::shows_handle);
         if is_held && channels.len() < 5 {
             return Err(
                 "no columns fx_n, fy_n, fz_n, and too few torques to do without".to_owned(),

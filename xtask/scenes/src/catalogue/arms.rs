@@ -100,6 +100,7 @@ fn mjcf() -> Result<Made> {
     Ok(Made {
         identify: Identified::Dynamics,
         links_follow: true,
+        is_of_true_geometry: true,
         ..Made::new(device, log)
     })
 }
@@ -121,6 +122,7 @@ fn payload() -> Result<Made> {
     let log = Table::read(root("fixtures/payload/log.csv.gz"))?;
     Ok(Made {
         links_follow: true,
+        is_of_true_geometry: true,
         ..Made::new(device, log)
     })
 }

@@ -251,6 +251,7 @@ fn made(truth: &Truth) -> Result<Made> {
     Ok(Made {
         identify: Identified::Dynamics,
         links_follow: truth.late_s == 0.0 && !truth.has_outputs(),
+        is_of_true_geometry: truth.late_s == 0.0,
         ..Made::new(device, log(truth, 1)?)
     })
 }

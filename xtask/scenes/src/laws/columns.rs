@@ -1,6 +1,7 @@
 //! Laws that add a truthful column to a log.
 
 use anyhow::Result;
+use haptical::model::DeviceChain;
 
 use crate::noise::Noise;
 use crate::scene::Made;
@@ -16,6 +17,9 @@ const OUTPUT_SD: f64 = 2e-5;
 const CONSTANT_NM_PER_A: f64 = 3.0;
 const CURRENT_SD_A: f64 = 1e-3;
 const SUPPLY_V: f64 = 48.0;
+/// Noise of a tracker \[m\], and the tracker as a sensor of the device.
+const TRACKER_SD_M: f64 = 1e-4;
+const TRACKER: &str = "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-4\n";
 /// A room \[degC\].
 const ROOM_DEGC: f64 = 21.5;
 
@@ -62,6 +66,37 @@ pub(super) fn outputs(made: &Made) -> Result<Option<Made>> {
         }
         Ok(true)
     })
+}
+
+/// A tracker that sees the handle of an arm whose geometry is the file's, where the encoders on its links say, or its motors.
+pub(super) fn tracker(made: &Made) -> Result<Option<Made>> {
+    let device = made.device.open()?.model;
+    let is_on_links = made.log.has("out1_rad");
+    let is_seen = ["x_m", "cable_m", "contact"].map(|name| made.log.has(name));
+    if is_seen.contains(&true) || !made.is_of_true_geometry || made.device.rig.is_some() {
+        return Ok(None);
+    }
+    let chain = DeviceChain::new(&device);
+    let changed = to_each(made, |log, noise| {
+        let prefix = if is_on_links { "out" } else { "theta" };
+        let angles = numbered(log, prefix);
+        let mut columns = [const { Vec::new() }; 3];
+        for row in 0..log.rows() {
+            let at: Vec<f64> = angles.iter().map(|(.., cells)| cells[row]).collect();
+            let position_m = chain.pose(&at)?.position_m;
+            for (column, along_m) in columns.iter_mut().zip(position_m.iter()) {
+                column.push(along_m + noise.normal(TRACKER_SD_M));
+            }
+        }
+        for (name, column) in ["x_m", "y_m", "z_m"].into_iter().zip(columns) {
+            log.push(name, column);
+        }
+        Ok(true)
+    })?;
+    Ok(changed.map(|mut changed| {
+        changed.device = changed.device.rigged(TRACKER);
+        changed
+    }))
 }
 
 /// Commands of drives that meet them at once.
@@ -138,8 +173,13 @@ pub(super) fn currents(made: &Made) -> Result<Option<Made>> {
 
 /// Number, unit and readings of each motor encoder.
 fn joints(log: &Table) -> Vec<(String, String, Vec<f64>)> {
+    numbered(log, "theta")
+}
+
+/// The same of each column that is a joint's, by how their names begin.
+fn numbered(log: &Table, prefix: &str) -> Vec<(String, String, Vec<f64>)> {
     let read = |(name, column): &(String, Column)| {
-        let (joint, unit) = name.strip_prefix("theta")?.split_once('_')?;
+        let (joint, unit) = name.strip_prefix(prefix)?.split_once('_')?;
         match column {
             Column::Numbers(cells) => Some((joint.to_owned(), unit.to_owned(), cells.clone())),
             _ => None,

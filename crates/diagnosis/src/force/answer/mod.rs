@@ -94,6 +94,13 @@ impl ForceAnswer {
         self
     }
 
+    /// Whether torques were tested and the findings, if any, leave nothing of their gap.
+    pub(crate) fn is_explained(&self) -> bool {
+        let is_tested = self.not_tested.is_none() && !self.channels.is_empty();
+        let is_whole = self.unexplained_share <= UNEXPLAINED_SHARE;
+        is_tested && is_whole && self.closed_unseen_share.is_none() && self.unexplained().is_none()
+    }
+
     /// The torques with the largest gap, where they show one that no finding explains.
     pub(crate) fn unexplained(&self) -> Option<&ChannelGap> {
         let is_open = self.significant && self.findings.is_empty();
