@@ -3,7 +3,6 @@
 #![doc = include_str!("../README.md")]
 
 mod gain;
-mod needless;
 mod question;
 mod rivals;
 mod select;
@@ -14,12 +13,11 @@ mod verdict;
 mod tests;
 
 pub use gain::{Closed, Gain, closed_share};
-pub use needless::{Kept, without_needless};
 pub use question::{
     Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without,
 };
 pub use rivals::{Rival, Rivals, nearest, probability, rivals};
-pub use select::select;
+pub use select::{Kept, select, without_needless};
 pub use thresholds::NAMED_PROBABILITY;
 pub use verdict::{Evidence, Verdict, verdict};
 

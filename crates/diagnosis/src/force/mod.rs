@@ -60,7 +60,11 @@ pub(crate) fn examine_both(
     second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, DiagnosisError> {
-    let free = examined(Recorded::held_by_nobody(context), context, (second, without))?;
+    let free = examined(
+        Recorded::held_by_nobody(context),
+        context,
+        (second, without),
+    )?;
     match may_be_held(context) && !free.0.is_explained() {
         true => examined(Recorded::new(context), context, (second, without)),
         false => Ok(free),

@@ -6,7 +6,7 @@ use std::ops::Range;
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
 use haptical_model::{Recording, RigidBodies};
-use haptical_motion::torque_nm_without_effects;
+use haptical_motion::{MotionError, torque_nm_without_effects};
 use nalgebra::{DMatrix, Vector3};
 
 use super::rows::harmonics::{harmonics, without_harmonics};
@@ -23,6 +23,14 @@ fn hand_force(recording: &Recording) -> Option<Vec<Vector3<f64>>> {
     let at = |row: usize| Vector3::new(axes[0][row], axes[1][row], axes[2][row]);
     let is_zero = axes.iter().flatten().all(|force| *force == 0.0);
     (!is_zero).then(|| (0..recording.len()).map(at).collect())
+}
+
+/// Whether a column has more than one value: nothing was measured where it has not.
+fn varies(values: &[f64]) -> bool {
+    let mut known = values.iter().filter(|value| value.is_finite());
+    known
+        .next()
+        .is_some_and(|first| known.any(|value| value != first))
 }
 
 /// Whether a hand that nobody measures may hold the handle: where one may, it also moves the handle against a gauge, which is a cable, a
@@ -104,6 +112,12 @@ impl<'a> Recorded<'a> {
             .collect();
         if channels.is_empty() {
             return Err("no column torque1_nm, torque2_nm, ...".to_owned());
+        }
+        let channels: Vec<usize> = (channels.into_iter())
+            .filter(|&joint| context.recorded_torque_nm(joint).is_some_and(varies))
+            .collect();
+        if channels.is_empty() {
+            return Err(MotionError::Constant.to_string());
         }
         if device.gravity_mps2.is_none() {
             return Err("no [gravity] in the device file".to_owned());

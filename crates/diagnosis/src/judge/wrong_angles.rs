@@ -19,6 +19,8 @@ pub(crate) fn torque_nm(selection: &Selection<'_>) -> f64 {
     let causes = selection.causes().iter();
     let causes = causes.map(|cause| cause_rad(selection, cause));
     let own = context.recording.added.iter();
+    // what an effect adds to torques moves no angle
+    let own = own.filter(|added| !added.channel.starts_with("torque"));
     let own = own.map(|added| rms(&added.readings) / arm_m(context, &added.channel));
     torque_nm * gaps.chain(causes).chain(own).fold(0.0, f64::max)
 }

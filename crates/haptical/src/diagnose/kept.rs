@@ -7,11 +7,21 @@ use crate::units::Shown;
 /// Share of a second recording's gap that has to close for the causes to be those of both \[%\].
 const CLOSED_IN_BOTH_PERCENT: f64 = 50.0;
 
-/// Channels of a second recording of whose gap the causes close less than that, and what they leave.
+/// What the causes leave of a second recording is a gap of its own where it is this many times what they leave of the log, or noise.
+const BEYOND_THE_LOG: f64 = 2.0;
+
+/// Channels of a second recording of whose gap the causes close less than that, or leave far more than of the log, and what they leave.
 pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
     if !diagnosis.held_out.starts_with(SECOND_RECORDING) {
         return Vec::new();
     }
+    let leaves_more = |name: &str| {
+        let second = diagnosis.second.iter().flat_map(|own| &own.channels);
+        let mut beyond = second.filter(|own| {
+            own.has_gap && own.rms > BEYOND_THE_LOG * own.rms_of_log.max(own.noise_floor)
+        });
+        beyond.any(|own| own.channel == name)
+    };
     let channels = diagnosis.gap.channels.iter();
     let kept = channels.filter(|gap| {
         // where nothing says how large the noise is, nothing says that a gap is left
@@ -19,6 +29,7 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
             Some(closed) => closed < CLOSED_IN_BOTH_PERCENT,
             None => gap.no_reduction == Some(NoReduction::NoGap),
         };
+        let is_open = is_open || leaves_more(&gap.channel);
         gap.held_out && gap.rms_after > gap.noise_floor_ci95[1] && is_open
     });
     let said = kept.map(|gap| left(&gap.channel, &gap.unit, [gap.rms_after, gap.noise_floor]));

@@ -238,10 +238,15 @@ impl Watch {
         if blocks < wanted {
             let rows = judging.rows() - judging.reference_rows();
             let length = judging.reference().map_or(0, |own| own.block_rows) as u64;
-            return Some(format!(
-                "nothing was judged: {rows} rows behind the reference are too few, {} are needed",
-                wanted * length
-            ));
+            let needed = wanted * length;
+            return Some(match rows < needed {
+                true => format!(
+                    "nothing was judged: {rows} rows behind the reference are too few, {needed} are needed"
+                ),
+                false => format!(
+                    "nothing was judged: the arm moved in too few of the {rows} rows behind the reference; a rest says as much as one row"
+                ),
+            });
         }
         if self.lacks_rows() {
             let (left_out, count) = (&self.intake.left_out, self.intake.left_out.count());

@@ -355,7 +355,8 @@ impl Monitor {
             self.judged[index] = standard;
             *sums = Sums::default();
         }
-        self.blocks_judged += 1;
+        // of a block without a reading nothing is judged
+        self.blocks_judged += u64::from(self.judged.iter().any(Option::is_some));
         if self.alarmed {
             return Some(Event::Block);
         }

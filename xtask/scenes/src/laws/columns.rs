@@ -1,7 +1,7 @@
 //! Laws that add a truthful column to a log.
 
 use anyhow::Result;
-use haptical::model::DeviceChain;
+use haptical::model::{DeviceChain, Statics};
 
 use crate::noise::Noise;
 use crate::scene::Made;
@@ -13,6 +13,8 @@ const SEED: u64 = 5;
 const FORCE_SD_N: f64 = 0.1;
 /// Noise of an encoder on a link \[rad\], \[m\].
 const OUTPUT_SD: f64 = 2e-5;
+/// Noise of a torque \[N m\].
+const TORQUE_SD_NM: f64 = 0.01;
 /// A motor \[N m/A\], noise of its current's sensor \[A\], and its supply \[V\].
 const CONSTANT_NM_PER_A: f64 = 3.0;
 const CURRENT_SD_A: f64 = 1e-3;
@@ -26,7 +28,7 @@ const ROOM_DEGC: f64 = 21.5;
 /// Adds columns to each log of a scene; none where `add` adds none to the first.
 fn to_each(
     made: &Made,
-    add: impl Fn(&mut Table, &mut Noise) -> Result<bool>,
+    mut add: impl FnMut(&mut Table, &mut Noise) -> Result<bool>,
 ) -> Result<Option<Made>> {
     let mut changed = made.clone();
     let mut noise = Noise::new(SEED);
@@ -97,6 +99,38 @@ pub(super) fn tracker(made: &Made) -> Result<Option<Made>> {
         changed.device = changed.device.rigged(TRACKER);
         changed
     }))
+}
+
+/// Torques of an arm that holds itself up at single postures.
+pub(super) fn torques(made: &Made) -> Result<Option<Made>> {
+    let device = made.device.open()?.model;
+    let mut statics = Statics::new(&device);
+    if !made.is_of_postures() || !statics.has_weights() || device.has_hands() {
+        return Ok(None);
+    }
+    let mut held = move |log: &mut Table, noise: &mut Noise| {
+        let angles = joints(log);
+        if log
+            .columns
+            .iter()
+            .any(|(name, _)| name.starts_with("torque"))
+        {
+            return Ok(false);
+        }
+        let mut columns = vec![Vec::new(); angles.len()];
+        for row in 0..log.rows() {
+            let at: Vec<f64> = angles.iter().map(|(.., cells)| cells[row]).collect();
+            let load = statics.load(&at, |_| None)?;
+            for (column, torque_nm) in columns.iter_mut().zip(load.torques_nm) {
+                column.push(torque_nm + noise.normal(TORQUE_SD_NM));
+            }
+        }
+        for (joint, column) in (device.joints.iter().zip(1..)).zip(columns) {
+            log.push(joint.0.torque_column(joint.1), column);
+        }
+        Ok(true)
+    };
+    to_each(made, &mut held)
 }
 
 /// Commands of drives that meet them at once.

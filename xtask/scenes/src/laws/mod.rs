@@ -39,10 +39,11 @@ pub(super) enum Allows {
 }
 
 /// All laws.
-pub(super) static LAWS: [Law; 15] = [
+pub(super) static LAWS: [Law; 16] = [
     law("forces-of-nearly-zero", columns::forces, Allows::Same),
     law("encoders-on-links", columns::outputs, Allows::Same),
     law("tracker-on-handle", columns::tracker, Allows::Same),
+    law("torques-of-weights", columns::torques, Allows::Same),
     law("commands-that-are-met", columns::commands, Allows::Same),
     law("constant-temperature", columns::temperature, Allows::Same),
     law("velocities", columns::velocities, Allows::Same),

@@ -85,9 +85,16 @@ impl ForceAnswer {
             .map(|gap| gap.rms_before.powi(2) - gap.noise_floor.powi(2));
         let found = squares.map(|square| square.max(0.0)).sum::<f64>().sqrt();
         if found < BEYOND_WRONG_ANGLES * torque_nm {
+            let has_gap = self.significant || !self.findings.is_empty();
             self.findings.clear();
             self.warnings.clear();
             self.significant = false;
+            self.warnings.extend(has_gap.then(|| {
+                format!(
+                    "the torques' gap of {found:.3} N m was not judged: angles that the positions show to be wrong may cause \
+                     {torque_nm:.3} N m of it"
+                )
+            }));
             let channels = self.channels.into_iter();
             self.channels = channels.map(ChannelGap::without_gap).collect();
         }

@@ -78,10 +78,20 @@ pub(super) fn untestable(
     if let Some(why) = &carried.changes.not_tested {
         because(PAYLOAD.name, why);
     }
-    let missing: Vec<String> = (0..context.device.joints.len())
-        .filter(|&joint| context.recorded_torque_nm(joint).is_none())
-        .map(|joint| recorded.column(joint))
-        .collect();
+    let columns = |is_wanted: &dyn Fn(usize) -> bool| -> Vec<String> {
+        let joints = (0..context.device.joints.len()).filter(|&joint| is_wanted(joint));
+        joints.map(|joint| recorded.column(joint)).collect()
+    };
+    let missing = columns(&|joint| context.recorded_torque_nm(joint).is_none());
+    let constant = columns(&|joint| {
+        context.recorded_torque_nm(joint).is_some() && recorded.channel(joint).is_none()
+    });
+    if let Some(first) = constant.first() {
+        let why = format!("{first} has one value throughout: nothing was measured there");
+        for effect in (effects.all.iter()).filter(|own| own.joint().is_some()) {
+            because(effect.name(), &why);
+        }
+    }
     if !missing.is_empty() {
         let columns = if missing.len() == 1 {
             "column"

@@ -5,7 +5,7 @@ use haptical_model::Recording;
 use nalgebra::Vector3;
 
 use super::arm::{Scene, arm, other_arm};
-use super::examined;
+use super::{examined, examined_held};
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::along::Along;
 use crate::force::answer::ForceAnswer;
@@ -82,6 +82,23 @@ fn a_payload_on_another_trajectory_is_found_with_its_size() {
         let [low, high] = found[0].parameters["mass_kg"].ci95;
         assert!(high - low < 0.1, "{seed}: [{low}, {high}]");
     }
+}
+
+#[test]
+fn a_gauge_of_the_handle_takes_no_payload_away_unless_a_hand_moves_the_arm() {
+    let mut scene = Scene::alone(71, 2 * RUN);
+    scene.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+    let recording = recorded(scene, 2);
+    let seen = examined_held(&recording);
+    assert_eq!(payloads(&seen).len(), 1, "{seen:?}");
+    assert_eq!(seen, examined(&recording));
+
+    let mut guided = Scene::new(71, 2 * RUN);
+    guided.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
+    let seen = examined_held(&recorded(guided, 2));
+    assert!(payloads(&seen).is_empty(), "{seen:?}");
+    let why = seen.untestable.iter().find(|(name, _)| *name == "payload");
+    assert!(why.is_some_and(|(_, why)| why.contains("no columns fx_n, fy_n, fz_n")));
 }
 
 #[test]
