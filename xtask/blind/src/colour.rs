@@ -29,18 +29,12 @@ pub(crate) fn order(index: u64, random: &mut Random) -> Result<Order, BlindError
             label: Some(format!("coloured-clean-{}", kind.0)),
             ..of_device(random)?.0
         },
-        3 => Order {
-            no_gap_is_right: true,
-            ..one_of(&named(&DRIFTS), round, SLIGHT, Joints::Seen, random)?
-        },
+        3 => one_of(&named(&DRIFTS), round, SLIGHT, Joints::Seen, random)?.or_no_gap(),
         4..=6 => {
             let kinds = of_group(Group::Single);
             one_of(&kinds, 3 * round + member - 4, 1.0, Joints::All, random)?
         }
-        _ => Order {
-            withhold: true,
-            ..one_of(&visible(), 5 * round, 1.0, Joints::Seen, random)?
-        },
+        _ => one_of(&visible(), 5 * round, 1.0, Joints::Seen, random)?.withheld(),
     };
     colour(&mut order.noise, kind, random);
     Ok(order)

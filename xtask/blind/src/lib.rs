@@ -2,6 +2,19 @@
 //!
 #![doc = include_str!("../README.md")]
 
+/// An array of structs, a row each.
+///
+/// ```
+/// struct Planet { name: &'static str, moons: u32 }
+/// const NEAR: [Planet; 2] = xtask_blind::rows! { Planet {name moons} "Venus", 0; "Earth", 1; };
+/// assert_eq!((NEAR[1].name, NEAR[1].moons), ("Earth", 1));
+/// ```
+#[macro_export]
+macro_rules! rows {
+    (@ $type:ident {$($field:ident)+} $($value:expr),+) => { $type { $($field: $value),+ } };
+    ($type:ident $fields:tt $($($value:expr),+;)+) => { [$($crate::rows!(@ $type $fields $($value),+)),+] };
+}
+
 mod again;
 mod arms;
 mod colour;

@@ -4,19 +4,14 @@ use crate::effects::{Group, Kind};
 use crate::error::BlindError;
 use crate::random::Random;
 use crate::suites::{clean, of_group};
-use crate::trial::{Asked, Trial};
+use crate::trial::{Asked, Trial, TrialId};
 
 /// What happens at an instant has no form to be fitted before the instant is known: parts of names.
 const EVENTS: [&str; 2] = ["count-loss", "slip"];
 
 /// A clean recording, with an effect that it could show.
-pub(crate) fn absent(
-    suite: &str,
-    index: u64,
-    batch_seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let mut trial = clean(index, random)?.make(suite, index, batch_seed, random)?;
+pub(crate) fn absent(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let (mut trial, _) = clean(id.index, random)?.make(id, random)?;
     let mut kinds = of_group(Group::Single);
     let is_event = |kind: &Kind| EVENTS.iter().any(|part| kind.name.contains(part));
     kinds.retain(|kind| !is_event(kind) && !kind.needs_two_runs());

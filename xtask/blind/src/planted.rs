@@ -4,10 +4,11 @@
 use std::collections::BTreeMap;
 
 use crate::gap::ChannelGapTruth;
-use crate::truth::{EffectTruth, Truth};
+use crate::trial::TrialId;
+use crate::truth::{EffectTruth, Event, Truth};
 
 /// One effect of a recording.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Planted {
     /// Name in the catalogue, or one of its own.
     pub(crate) name: &'static str,
@@ -17,8 +18,30 @@ pub(crate) struct Planted {
     pub(crate) right: Vec<&'static str>,
     /// Names that may be answered besides, without being put in.
     pub(crate) acceptable: Vec<&'static str>,
+    /// Size relative to the strong one.
+    pub(crate) size: f64,
+    /// Parameters with the catalogue's names.
+    pub(crate) parameters: BTreeMap<String, f64>,
     /// Numbers of its law, for readers.
     pub(crate) law: BTreeMap<String, f64>,
+    /// Sudden events of each recording.
+    pub(crate) events: Vec<Vec<Event>>,
+}
+
+impl Default for Planted {
+    /// A strong effect without a name.
+    fn default() -> Self {
+        Self {
+            name: "",
+            joint: None,
+            right: Vec::new(),
+            acceptable: Vec::new(),
+            size: 1.0,
+            parameters: BTreeMap::new(),
+            law: BTreeMap::new(),
+            events: Vec::new(),
+        }
+    }
 }
 
 /// What one trial is about.
@@ -40,13 +63,7 @@ pub(crate) struct Story {
 impl Story {
     /// The truth of the trial at `index` of a suite. A group of right names that is withheld is no group any more; where
     /// none is left, `unknown` is right, and the other names that were put in may be answered.
-    pub(crate) fn truth(
-        &self,
-        suite: &str,
-        index: u64,
-        batch_seed: u64,
-        gap: BTreeMap<String, ChannelGapTruth>,
-    ) -> Truth {
+    pub(crate) fn truth(self, id: TrialId, gap: BTreeMap<String, ChannelGapTruth>) -> Truth {
         let owned = |names: &[&str]| -> Vec<String> {
             names.iter().map(|name| (*name).to_owned()).collect()
         };
@@ -77,27 +94,27 @@ impl Story {
                 .into_iter()
                 .collect();
         }
-        let effects = self.planted.iter().map(|planted| EffectTruth {
+        let effects = self.planted.into_iter().map(|planted| EffectTruth {
             effect: planted.name.to_owned(),
             joint: planted.joint.map(|joint| joint + 1),
-            size: 1.0,
-            parameters: BTreeMap::new(),
-            law: planted.law.clone(),
-            events: Vec::new(),
+            size: planted.size,
+            parameters: planted.parameters,
+            law: planted.law,
+            events: planted.events,
         });
         Truth {
-            suite: suite.to_owned(),
-            index,
-            batch_seed,
-            device: self.device.clone(),
-            name: self.label.clone(),
+            suite: id.suite.to_owned(),
+            index: id.index,
+            batch_seed: id.seed,
+            device: self.device,
+            name: self.label,
             effects: effects.collect(),
             right,
             joint: joints.first().copied().flatten(),
             joints,
             without: owned(&self.without),
             acceptable,
-            depends_on: self.depends_on.clone(),
+            depends_on: self.depends_on,
             gap,
             no_gap_is_right: false,
             implausible: false,

@@ -10,11 +10,11 @@ use crate::payload_suites;
 use crate::random::Random;
 use crate::rig::devices::{NOMINALS, Nominal};
 use crate::rig::motion::MotionPlan;
-use crate::trial::{Order, Trial};
+use crate::trial::{Order, Trial, TrialId};
 use crate::{arms, colour, moving, wrist};
 
-/// A trial by the suite's name, its number, the batch's seed and random numbers.
-type Draws = fn(&str, u64, u64, &mut Random) -> Result<Trial, BlindError>;
+/// A trial by which one it is and random numbers.
+type Draws = fn(TrialId, &mut Random) -> Result<Trial, BlindError>;
 
 /// One row per suite: its name, the number of its streams, its place among the salts, its trials in a scored batch and in a
 /// quick one, what it holds. A suite keeps its numbers when others are added.
@@ -133,6 +133,15 @@ impl Suite {
         Random::new(batch_seed, SUITE_STREAM * self.numbers()[0] + index)
     }
 
+    /// Which trial it is.
+    pub(crate) const fn id(self, index: u64, seed: u64) -> TrialId {
+        TrialId {
+            suite: self.name(),
+            index,
+            seed,
+        }
+    }
+
     /// The suite of that name.
     ///
     /// # Errors
@@ -151,13 +160,10 @@ impl Suite {
     /// # Errors
     /// [`BlindError`] where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
-        let mut random = self.random(index, batch_seed);
+        let (id, mut random) = (self.id(index, batch_seed), self.random(index, batch_seed));
         match self.draws() {
-            Some(draw) => draw(self.name(), index, batch_seed, &mut random),
-            None => {
-                let order = self.order(index, &mut random)?;
-                order.make(self.name(), index, batch_seed, &mut random)
-            }
+            Some(draw) => draw(id, &mut random),
+            None => Ok(self.order(index, &mut random)?.make(id, &mut random)?.0),
         }
     }
 
@@ -190,49 +196,32 @@ impl Suite {
         }
         let mut random = self.random(index, batch_seed);
         let order = self.order(index, &mut random)?;
-        let made = order.make_again(self.name(), index, batch_seed, &mut random);
-        made.map(Some)
+        order
+            .make(self.id(index, batch_seed), &mut random)
+            .map(Some)
     }
 
     fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
         match self {
             Self::Singles | Self::Loop => single(index, random),
             Self::NearSingles => near(index, random),
-            Self::Withheld => Ok(Order {
-                withhold: true,
-                ..single(index, random)?
-            }),
-            Self::Unknown => one_of(&of_group(Group::Unknown), index, 1.0, Joints::All, random),
+            Self::Withheld => single(index, random).map(Order::withheld),
+            Self::Unknown => strong(Group::Unknown, index, random),
             Self::Pairs | Self::LoopPairs => pair(index, random),
             Self::Ladder => ladder(index, random),
             Self::Twins => one_of(&named(&TWINS), index, 1.0, Joints::All, random),
-            Self::Noise => Ok(Order {
-                no_gap_is_right: true,
-                ..one_of(&of_group(Group::Noise), index, 1.0, Joints::All, random)?
-            }),
+            Self::Noise => strong(Group::Noise, index, random).map(Order::or_no_gap),
             Self::Ablation => ablation(index, random),
-            Self::Force => one_of(&of_group(Group::Force), index, 1.0, Joints::All, random),
+            Self::Force => strong(Group::Force, index, random),
             Self::ForceWithheld => {
                 let mut kinds = of_group(Group::Force);
                 kinds.retain(|kind| kind.name != TAKEN_UP);
-                Ok(Order {
-                    withhold: true,
-                    ..one_of(&kinds, index, 1.0, Joints::All, random)?
-                })
+                one_of(&kinds, index, 1.0, Joints::All, random).map(Order::withheld)
             }
-            Self::ForceUnknown => one_of(
-                &of_group(Group::ForceUnknown),
-                index,
-                1.0,
-                Joints::All,
-                random,
-            ),
+            Self::ForceUnknown => strong(Group::ForceUnknown, index, random),
             Self::Wrong => beyond(index, random),
             Self::Payload => payload_suites::changed(index, random),
-            Self::PayloadWithheld => Ok(Order {
-                withhold: true,
-                ..payload_suites::changed(index, random)?
-            }),
+            Self::PayloadWithheld => payload_suites::changed(index, random).map(Order::withheld),
             Self::PayloadSame => payload_suites::unchanged(index, random),
             Self::Coloured => colour::order(index, random),
             // those that are drawn without an order too
@@ -389,8 +378,13 @@ pub(crate) fn one_of(
     })
 }
 
+/// One strong effect of a group.
+fn strong(group: Group, index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    one_of(&of_group(group), index, 1.0, Joints::All, random)
+}
+
 fn single(index: u64, random: &mut Random) -> Result<Order, BlindError> {
-    one_of(&of_group(Group::Single), index, 1.0, Joints::All, random)
+    strong(Group::Single, index, random)
 }
 
 /// Single effects that are not mostly absorbed.

@@ -8,6 +8,7 @@ use crate::again::Again;
 use crate::effects::{Draw, Effect, Facts, Kind};
 use crate::error::BlindError;
 use crate::gap::true_gap;
+use crate::planted::{Planted, Story};
 use crate::random::Random;
 use crate::rig::devices::{Nominal, perturbed, torque_scales};
 use crate::rig::motion::MotionPlan;
@@ -36,6 +37,38 @@ pub struct Trial {
     pub asked: Option<Asked>,
     /// What is hidden.
     pub truth: Truth,
+}
+
+/// Which trial it is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TrialId {
+    pub(crate) suite: &'static str,
+    /// In the batch.
+    pub(crate) index: u64,
+    /// Of the batch.
+    pub(crate) seed: u64,
+}
+
+impl Trial {
+    /// A trial of a device of which no more is known than its file says.
+    pub(crate) fn of(
+        device_toml: String,
+        [log, log2]: [Recording; 2],
+        clean2: CleanChannels,
+        truth: Truth,
+    ) -> Result<Self, BlindError> {
+        Ok(Self {
+            device: Device::from_toml(&device_toml, &truth.device)?.device,
+            device_toml,
+            model_toml: None,
+            log,
+            log2,
+            clean2,
+            without: truth.without.clone(),
+            asked: None,
+            truth,
+        })
+    }
 }
 
 /// An effect that is asked for.
@@ -82,23 +115,22 @@ impl Order {
         }
     }
 
-    /// Makes the recordings.
-    pub(crate) fn make(
-        self,
-        suite: &str,
-        index: u64,
-        batch_seed: u64,
-        random: &mut Random,
-    ) -> Result<Trial, BlindError> {
-        Ok(self.make_again(suite, index, batch_seed, random)?.0)
+    /// With the names of its effects withheld.
+    pub(crate) fn withheld(mut self) -> Self {
+        self.withhold = true;
+        self
+    }
+
+    /// Where no gap is as right as a name.
+    pub(crate) fn or_no_gap(mut self) -> Self {
+        self.no_gap_is_right = true;
+        self
     }
 
     /// Makes the recordings, and keeps the device for further ones.
-    pub(crate) fn make_again(
+    pub(crate) fn make(
         self,
-        suite: &str,
-        index: u64,
-        batch_seed: u64,
+        id: TrialId,
         random: &mut Random,
     ) -> Result<(Trial, Again), BlindError> {
         let nominal = self.nominal.device()?;
@@ -138,14 +170,15 @@ impl Order {
             .as_ref()
             .map(|model| model.to_toml(self.nominal.toml, self.nominal.name))
             .transpose()?;
-        let mut truth = self.truth(&effects, &facts);
-        truth.gap = true_gap(model.as_ref().unwrap_or(&device), &first)?;
+        let gap = true_gap(model.as_ref().unwrap_or(&device), &first)?;
+        let mut truth = self.story(&effects, &facts).truth(id, gap);
+        truth.no_gap_is_right = self.no_gap_is_right;
+        truth.implausible = self.implausible;
         if self.is_ablation {
             truth.effects = base_errors(&device);
+            truth.joints.fill(None);
+            truth.joint = None;
         }
-        truth.suite = suite.to_owned();
-        truth.index = index;
-        truth.batch_seed = batch_seed;
         let trial = Trial {
             device: nominal,
             device_toml: self.nominal.toml.to_owned(),
@@ -167,75 +200,38 @@ impl Order {
         Ok((trial, again))
     }
 
-    fn truth(&self, effects: &[Effect], facts: &[Vec<Facts>]) -> Truth {
-        let owned = |names: &[&str]| -> Vec<String> {
-            names.iter().map(|name| (*name).to_owned()).collect()
-        };
-        let infos: Vec<_> = effects.iter().map(|effect| &effect.info).collect();
-        let groups: Vec<_> = infos.iter().filter(|info| !info.right.is_empty()).collect();
-        let mut right: Vec<Vec<String>> = groups.iter().map(|info| owned(&info.right)).collect();
-        let joints: Vec<Option<usize>> = groups
-            .iter()
-            .map(|info| info.joint.map(|joint| joint + 1))
-            .collect();
-        let joints = if self.is_ablation {
-            vec![None; right.len()]
-        } else {
-            joints
-        };
-        let mut without = Vec::new();
-        if self.withhold {
-            without = right.iter().flatten().cloned().collect();
-            right = vec![vec!["unknown".to_owned()]];
-        }
-        let joined: Vec<&str> = infos.iter().map(|info| info.name).collect();
-        let effects = infos
-            .iter()
-            .enumerate()
-            .map(|(index, info)| {
-                let of_first = facts.first().map(|facts| &facts[index]);
-                let numbers = |pick: fn(&Facts) -> &BTreeMap<&'static str, f64>| {
-                    of_first
-                        .into_iter()
-                        .flat_map(pick)
-                        .map(|(name, value)| ((*name).to_owned(), *value))
-                        .collect()
-                };
-                EffectTruth {
-                    effect: info.name.to_owned(),
-                    joint: info.joint.map(|joint| joint + 1),
-                    size: info.size,
-                    parameters: numbers(|facts| &facts.parameters),
-                    law: numbers(|facts| &facts.law),
-                    events: facts
-                        .iter()
-                        .map(|facts| facts[index].events.clone())
-                        .collect(),
-                }
-            })
-            .collect();
-        Truth {
+    /// The effects as they were put in; their numbers are those of the first recording, their events of each.
+    fn story(&self, effects: &[Effect], facts: &[Vec<Facts>]) -> Story {
+        let infos = effects.iter().map(|effect| &effect.info);
+        let joined: Vec<&str> = infos.clone().map(|info| info.name).collect();
+        let planted = infos.clone().enumerate().map(|(index, info)| {
+            let numbers = |pick: fn(&Facts) -> &BTreeMap<&'static str, f64>| {
+                let of_first = facts.first().into_iter();
+                let numbers = of_first.flat_map(|facts| pick(&facts[index]));
+                numbers
+                    .map(|(name, value)| ((*name).to_owned(), *value))
+                    .collect()
+            };
+            let events = facts.iter().map(|facts| facts[index].events.clone());
+            Planted {
+                name: info.name,
+                joint: info.joint,
+                size: info.size,
+                right: info.right.clone(),
+                acceptable: info.acceptable.clone(),
+                parameters: numbers(|facts| &facts.parameters),
+                law: numbers(|facts| &facts.law),
+                events: events.collect(),
+            }
+        });
+        let named = infos.clone().flat_map(|info| info.right.clone());
+        Story {
+            label: self.label.clone().unwrap_or_else(|| joined.join("+")),
             device: self.nominal.name.to_owned(),
-            name: self.label.clone().unwrap_or_else(|| joined.join("+")),
-            joint: joints.first().copied().flatten(),
-            joints,
-            acceptable: infos
-                .iter()
-                .flat_map(|info| owned(&info.acceptable))
-                .collect(),
-            effects,
-            right,
-            depends_on: infos
-                .iter()
-                .flat_map(|info| info.depends_on.clone())
-                .collect(),
-            gap: BTreeMap::new(),
-            without,
-            no_gap_is_right: self.no_gap_is_right,
-            implausible: self.implausible,
-            suite: String::new(),
-            index: 0,
-            batch_seed: 0,
+            planted: planted.collect(),
+            without: named.filter(|_| self.withhold).collect(),
+            depends_on: infos.flat_map(|info| info.depends_on.clone()).collect(),
+            is_unknown: false,
         }
     }
 }

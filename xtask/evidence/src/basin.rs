@@ -10,7 +10,6 @@ use haptical_model::{Device, Parameter, ParameterId};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::{Settings, simulate, true_poses};
 use rand::RngExt;
-use rayon::prelude::*;
 use xtask_output::{Output, Progress};
 use xtask_paper::Paper;
 
@@ -89,21 +88,12 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         let progress = Progress::new(&format!("starts, {name}"), devices * SIZES.len());
         let (mut one, mut many) = (Vec::new(), Vec::new());
         for size in SIZES {
-            let outcomes = (0..devices as u64)
-                .into_par_iter()
-                .map(|seed| {
-                    let outcome = device(&nominal, &paper, (away, size), seed);
-                    progress.step();
-                    outcome
-                })
-                .collect::<Result<Vec<Outcome>>>()?;
-            let share = |of: &dyn Fn(&Outcome) -> bool| {
-                100.0 * outcomes.iter().filter(|outcome| of(outcome)).count() as f64
-                    / devices as f64
-            };
-            let count = |of: &dyn Fn(&Outcome) -> bool| {
-                outcomes.iter().filter(|outcome| of(outcome)).count()
-            };
+            let of_seed = |seed| device(&nominal, &paper, (away, size), seed);
+            let outcomes = progress.over(devices, of_seed).into_iter();
+            let outcomes = outcomes.collect::<Result<Vec<Outcome>>>()?;
+            let count =
+                |of: &dyn Fn(&Outcome) -> bool| outcomes.iter().filter(|own| of(own)).count();
+            let share = |of: &dyn Fn(&Outcome) -> bool| 100.0 * count(of) as f64 / devices as f64;
             silent += count(&|o| o.tried == Ended::Silent);
             lost += count(&|o| o.plain == Ended::Found && o.tried != Ended::Found);
             gained += count(&|o| o.plain != Ended::Found && o.tried == Ended::Found && o.replaced);
@@ -169,12 +159,7 @@ fn figure(curves: &[Curves]) -> Figure {
             index,
             one.clone(),
         ));
-        figure.series.push(Series::new(
-            label("random places"),
-            Mark::Line,
-            index,
-            many.clone(),
-        ));
+        figure.line(label("random places"), index, many.clone());
     }
     figure
 }

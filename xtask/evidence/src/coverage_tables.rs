@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::{binomial_two_sided_p, holm_adjusted, wilson_interval};
-use haptical_report::{Cell, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Series, Table};
 use xtask_output::{Output, or_none};
 
 use super::intervals::{LEVEL, POSTURES, Quantity, TRIALS};
@@ -153,12 +153,7 @@ fn figure(quantities: &[Quantity]) -> Result<Figure> {
                     100.0 * quantity.held as f64 / quantity.devices as f64,
                 )
             });
-        figure.series.push(Series::new(
-            trial.name,
-            Mark::Points,
-            index,
-            points.collect(),
-        ));
+        figure.points(trial.name, index, points.collect());
     }
     if let Some(most) = quantities.iter().map(|quantity| quantity.devices).max() {
         let held = (LEVEL * most as f64).round() as usize;

@@ -1,6 +1,7 @@
 //! The committed evidence: a page of tables for each part of the job, and one page of claims made from them.
 
 use anyhow::{Result, bail};
+use xtask_paper::rows;
 
 /// The page of claims, from the root of the repository.
 pub(super) const CLAIMS: &str = "docs/evidence.md";
@@ -19,31 +20,22 @@ pub(super) struct Part {
 }
 
 /// All parts, in the order of the page of claims.
-pub(super) const PARTS: [Part; 13] = [
-    part(
-        "solver",
-        &[
-            "Solver against certified problems",
-            "Moré, Garbow & Hillstrom's problems",
-        ],
-    ),
-    part("intervals", &["Intervals"]),
-    part("noise-memory", &["Noise with memory"]),
-    part("effects", &["Effects"]),
-    part("basin", &["Convergence basin"]),
-    part("parallel-joints", &["Parallel joints"]),
-    part("poses", &["Chosen poses"]),
-    part("watch", &["Watch"]),
-    part("formats", &["Parquet and bags of ROS 2"]),
-    part("fuzz", &["Fuzzing"]),
-    part("python", &["Python package"]),
-    part("licences", &["Licences"]),
-    part("coverage", &["Line coverage"]),
-];
-
-const fn part(name: &'static str, sections: &'static [&'static str]) -> Part {
-    Part { name, sections }
-}
+pub(super) const PARTS: [Part; 13] = rows! {
+    Part {name sections}
+    "solver", &["Solver against certified problems", "Moré, Garbow & Hillstrom's problems"];
+    "intervals", &["Intervals"];
+    "noise-memory", &["Noise with memory"];
+    "effects", &["Effects"];
+    "basin", &["Convergence basin"];
+    "parallel-joints", &["Parallel joints"];
+    "poses", &["Chosen poses"];
+    "watch", &["Watch"];
+    "formats", &["Parquet and bags of ROS 2"];
+    "fuzz", &["Fuzzing"];
+    "python", &["Python package"];
+    "licences", &["Licences"];
+    "coverage", &["Line coverage"];
+};
 
 impl Part {
     /// Its page, from the root of the repository.
@@ -157,7 +149,10 @@ pub(super) fn without_figures(text: &str) -> String {
 mod tests {
     use super::*;
 
-    const TWO: Part = part("two", &["A", "B"]);
+    const TWO: Part = Part {
+        name: "two",
+        sections: &["A", "B"],
+    };
     const RUN: &str = "# E\n\nlead\n\n## A\n\n1 2\n\n## B\n\n- **yes**: all | found\n";
 
     #[test]

@@ -1,5 +1,7 @@
 //! Coverage of the intervals of effects that are fitted with geometry and drives, and what is said of effects that are not there.
 
+use std::process::Command;
+
 use anyhow::{Context, Result};
 use haptical::effects::device::add_effects;
 use haptical::{Device, EffectEntry, Identify, Log, identify};
@@ -7,15 +9,14 @@ use haptical_calibration::HeldOut;
 use haptical_model::{Device as Model, DeviceEffect};
 use haptical_report::{Cell, Table};
 use haptical_simulator::{
-    CableSigma, Effects, Encoders, HandMotion, MotionSettings, Noise, Settings, record_motion,
-    simulated_effects,
+    Effects, Encoders, HandMotion, MotionSettings, Noise, record_motion, simulated_effects,
 };
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, said};
+use xtask_paper::rows;
 
-use super::rigs::{Errors, Rig, generator, nominal, true_device};
+use super::rigs::{Errors, Rig, generator, nominal, true_device, with_noise};
 
 /// An effect with the sizes that are drawn, from smallest to largest, equally likely by their logarithm.
 struct Kind {
@@ -26,51 +27,18 @@ struct Kind {
     numbers: &'static [(&'static str, [f64; 2])],
 }
 
-const KINDS: [Kind; 8] = [
-    kind(
-        "capstan-compliance",
-        Some(2),
-        &[("stiffness_nm_per_rad", [150.0, 1500.0])],
-    ),
-    kind(
-        "joint-compliance",
-        Some(2),
-        &[("stiffness_nm_per_rad", [150.0, 1500.0])],
-    ),
-    kind("backlash", Some(3), &[("width_rad", [2e-4, 3e-3])]),
-    kind(
-        "hysteresis",
-        Some(1),
-        &[
-            ("amplitude_rad", [2e-4, 2e-3]),
-            ("transition_rad", [0.02, 0.1]),
-        ],
-    ),
-    kind("viscous-lag", Some(2), &[("delay_s", [5e-4, 5e-3])]),
-    kind(
-        "input-drum-harmonic",
-        Some(1),
-        &[
-            ("amplitude_rad", [1e-4, 1e-3]),
-            ("phase_rad", [0.5, 2.5]),
-            ("order", [2.0, 2.0]),
-        ],
-    ),
-    kind("joint-drift", Some(3), &[("rad_per_s", [3e-6, 3e-5])]),
-    kind("cable-latency", None, &[("delay_s", [5e-4, 5e-3])]),
-];
-
-const fn kind(
-    name: &'static str,
-    joint: Option<usize>,
-    numbers: &'static [(&'static str, [f64; 2])],
-) -> Kind {
-    Kind {
-        name,
-        joint,
-        numbers,
-    }
-}
+const KINDS: [Kind; 8] = rows! {
+    Kind {name joint numbers}
+    "capstan-compliance", Some(2), &[("stiffness_nm_per_rad", [150.0, 1500.0])];
+    "joint-compliance", Some(2), &[("stiffness_nm_per_rad", [150.0, 1500.0])];
+    "backlash", Some(3), &[("width_rad", [2e-4, 3e-3])];
+    "hysteresis", Some(1), &[("amplitude_rad", [2e-4, 2e-3]), ("transition_rad", [0.02, 0.1])];
+    "viscous-lag", Some(2), &[("delay_s", [5e-4, 5e-3])];
+    "input-drum-harmonic", Some(1),
+        &[("amplitude_rad", [1e-4, 1e-3]), ("phase_rad", [0.5, 2.5]), ("order", [2.0, 2.0])];
+    "joint-drift", Some(3), &[("rad_per_s", [3e-6, 3e-5])];
+    "cable-latency", None, &[("delay_s", [5e-4, 5e-3])];
+};
 
 /// Length and rate of a recording.
 const SECONDS: f64 = 40.0;
@@ -166,12 +134,7 @@ pub(super) fn section(
 
 /// Short name of the commit whose code runs; with a plus where the tree is changed.
 fn commit() -> String {
-    let git = |words: &[&str]| {
-        let output = std::process::Command::new("git").args(words).output();
-        output.map_or(String::new(), |output| {
-            String::from_utf8_lossy(&output.stdout).trim().to_owned()
-        })
-    };
+    let git = |words: &[&str]| said(Command::new("git").args(words)).unwrap_or_default();
     let changed = git(&["status", "--porcelain", "--", "crates", "xtask"]);
     git(&["rev-parse", "--short=7", "HEAD"]) + if changed.is_empty() { "" } else { "+" }
 }
@@ -199,14 +162,7 @@ impl Kind {
     fn counted(&self, devices: usize) -> Result<[f64; 6]> {
         let progress = Progress::new(self.name, devices);
         let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
-        let seeds = (0..devices as u64).into_par_iter();
-        let outcomes: Vec<Result<Outcome>> = seeds
-            .map(|seed| {
-                let outcome = self.device(&nominal, seed);
-                progress.step();
-                outcome
-            })
-            .collect();
+        let outcomes = progress.over(devices, |seed| self.device(&nominal, seed));
         drop(progress);
         if let Some(Err(error)) = outcomes.iter().find(|outcome| outcome.is_err()) {
             eprintln!("{}: {error:#}", self.name);
@@ -288,13 +244,7 @@ impl Kind {
                 ..HandMotion::default()
             },
             // counts of a device at rest err by the same again and again
-            encoders: Encoders::Same(Settings {
-                output_noise: Noise::Gaussian,
-                cable_noise: Noise::Gaussian,
-                motor_counts: false,
-                cable_sigma: CableSigma::Stated,
-                ..Settings::paper()
-            }),
+            encoders: Encoders::Same(with_noise(Noise::Gaussian)),
             ..MotionSettings::default()
         };
         let mut rigid = truth.clone();

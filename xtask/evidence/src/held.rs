@@ -3,6 +3,7 @@
 use anyhow::Result;
 use haptical_calibration::ParameterFit;
 use haptical_model::{Device, TransmissionError};
+use xtask_paper::chebyshev;
 
 /// What an interval is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,6 +44,29 @@ impl Interval {
             Kind::Member => format!("{} in a combination", self.name),
             Kind::Combination => format!("combination of {}", self.name),
         }
+    }
+}
+
+/// How many intervals of one quantity hold the truth.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Held {
+    pub(super) held: usize,
+    pub(super) all: usize,
+}
+
+impl Held {
+    pub(super) fn count(&mut self, held: bool) {
+        self.held += usize::from(held);
+        self.all += 1;
+    }
+
+    pub(super) fn percent(self) -> f64 {
+        100.0 * self.held as f64 / self.all as f64
+    }
+
+    /// Whether as many devices as a fifth have it: a quantity of a handful proves nothing either way.
+    pub(super) fn is_often(self, devices: usize) -> bool {
+        5 * self.all >= devices
     }
 }
 
@@ -90,33 +114,13 @@ fn in_the_form_of(truth: &Device, fitted: &Device) -> Result<Device> {
         else {
             continue;
         };
-        let count = coefficients.len();
-        let (middle, half) = (
-            (range_rad[0] + range_rad[1]) / 2.0,
-            (range_rad[1] - range_rad[0]) / 2.0,
-        );
-        let angle = |k: usize| std::f64::consts::PI * (k as f64 + 0.5) / count as f64;
-        let mut at_nodes = Vec::with_capacity(count);
-        for k in 0..count {
-            let reading = middle + half * angle(k).cos();
-            let count = truth.joints[joint].error_parameter_count();
-            at_nodes.push(
-                truth.joints[joint]
-                    .evaluate_error(reading, &mut vec![0.0; count])?
-                    .0,
-            );
-        }
-        // Press et al., Numerical Recipes (2007), equation 5.8.7
-        let coefficient = |order: usize| {
-            let sum: f64 = (0..count)
-                .map(|k| at_nodes[k] * (order as f64 * angle(k)).cos())
-                .sum();
-            let share = if order == 0 { 1.0 } else { 2.0 };
-            share * sum / count as f64
-        };
+        let actual = &truth.joints[joint];
+        let count = actual.error_parameter_count();
+        let error = |reading| Ok(actual.evaluate_error(reading, &mut vec![0.0; count])?.0);
+        let coefficients = chebyshev(*range_rad, coefficients.len(), error)?;
         truth.joints[joint].transmission_error = TransmissionError::Chebyshev {
             range_rad: *range_rad,
-            coefficients: (0..count).map(coefficient).collect(),
+            coefficients,
         };
     }
     Ok(truth)

@@ -4,19 +4,19 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, HeldOut, Options, ParameterFit, Weighting, Weights,
-    channels, fit_device, fit_kinematics, force_direction, predict_distances, predict_positions,
-    with_curvature, with_step_one_noise,
+    CalibrationMethod, Channel, Options, ParameterFit, Weights, channels, fit_device,
+    fit_kinematics, force_direction, predict_distances, predict_positions, with_curvature,
+    with_step_one_noise,
 };
 use haptical_model::{Device, Recording};
 use haptical_simulator::true_poses;
-use rayon::prelude::*;
 use xtask_output::{Output, Progress};
+use xtask_paper::{rows, with_transmissions_of};
 
 use super::coverage_tables;
 use super::force_truth::true_angle_rad;
-use super::held::intervals;
-use super::rigs::{DEGREE, Errors, Rig, nominal, postures, record, true_device};
+use super::held::{Held, intervals};
+use super::rigs::{Errors, Rig, estimated, nominal, postures, record, true_device};
 
 /// What the intervals state.
 pub(super) const LEVEL: f64 = 0.95;
@@ -40,69 +40,18 @@ pub(super) struct Trial {
     pub(super) rows: usize,
 }
 
-pub(super) const TRIALS: [Trial; 9] = [
-    trial(
-        "angles known",
-        Way::AnglesKnown,
-        Rig::Cable,
-        Errors::Gaussian,
-        200,
-    ),
-    trial(
-        "two steps",
-        Way::TwoSteps,
-        Rig::Cable,
-        Errors::Gaussian,
-        200,
-    ),
-    trial("joint", Way::Joint, Rig::Cable, Errors::Gaussian, 200),
-    trial("joint, counts", Way::Joint, Rig::Cable, Errors::Counts, 200),
-    trial(
-        "joint, unequal noise",
-        Way::Joint,
-        Rig::Cable,
-        Errors::Unequal,
-        200,
-    ),
-    trial(
-        "joint, heavy tails",
-        Way::Joint,
-        Rig::Cable,
-        Errors::Tails,
-        200,
-    ),
-    trial(
-        "joint, tracker",
-        Way::Joint,
-        Rig::Tracker,
-        Errors::Gaussian,
-        200,
-    ),
-    trial(
-        "joint, tracker, unequal noise",
-        Way::Joint,
-        Rig::Tracker,
-        Errors::Unequal,
-        200,
-    ),
-    trial(
-        "angles known, 45 poses",
-        Way::AnglesKnown,
-        Rig::Cable,
-        Errors::Gaussian,
-        45,
-    ),
-];
-
-const fn trial(name: &'static str, way: Way, rig: Rig, errors: Errors, rows: usize) -> Trial {
-    Trial {
-        name,
-        way,
-        rig,
-        errors,
-        rows,
-    }
-}
+pub(super) const TRIALS: [Trial; 9] = rows! {
+    Trial {name way rig errors rows}
+    "angles known", Way::AnglesKnown, Rig::Cable, Errors::Gaussian, 200;
+    "two steps", Way::TwoSteps, Rig::Cable, Errors::Gaussian, 200;
+    "joint", Way::Joint, Rig::Cable, Errors::Gaussian, 200;
+    "joint, counts", Way::Joint, Rig::Cable, Errors::Counts, 200;
+    "joint, unequal noise", Way::Joint, Rig::Cable, Errors::Unequal, 200;
+    "joint, heavy tails", Way::Joint, Rig::Cable, Errors::Tails, 200;
+    "joint, tracker", Way::Joint, Rig::Tracker, Errors::Gaussian, 200;
+    "joint, tracker, unequal noise", Way::Joint, Rig::Tracker, Errors::Unequal, 200;
+    "angles known, 45 poses", Way::AnglesKnown, Rig::Cable, Errors::Gaussian, 45;
+};
 
 /// What became of one device: whether each interval held the truth.
 struct Outcome {
@@ -140,7 +89,7 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         let progress = Progress::new(trial.name, devices);
         let outcomes = trial.run(devices, &progress)?;
         drop(progress);
-        let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+        let mut counts: BTreeMap<&str, Held> = BTreeMap::new();
         let (mut refused, mut considered, mut failed) = (0, 0, Vec::new());
         for (seed, outcome) in outcomes.iter().enumerate() {
             match outcome {
@@ -148,9 +97,7 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
                     refused += outcome.refused;
                     considered += usize::from(outcome.considered > 0);
                     for (name, held) in &outcome.held {
-                        let count = counts.entry(name).or_default();
-                        count[0] += usize::from(*held);
-                        count[1] += 1;
+                        counts.entry(name).or_default().count(*held);
                     }
                 }
                 Err(error) => failed.push(format!("device {seed}: {error:#}")),
@@ -158,15 +105,12 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         }
         notes.push((refused, considered));
         failures.push(failed);
-        // a quantity of a handful of devices proves nothing either way
-        let often = counts
-            .into_iter()
-            .filter(|(_, [_, total])| 5 * total >= devices);
-        quantities.extend(often.map(|(name, [held, total])| Quantity {
+        let often = counts.into_iter().filter(|(_, own)| own.is_often(devices));
+        quantities.extend(often.map(|(name, own)| Quantity {
             trial: index,
             name: name.to_owned(),
-            held,
-            devices: total,
+            held: own.held,
+            devices: own.all,
         }));
     }
     coverage_tables::report(output, devices, &quantities, &failures, &notes)
@@ -176,29 +120,14 @@ impl Trial {
     fn run(&self, devices: usize, progress: &Progress) -> Result<Vec<Result<Outcome>>> {
         let nominal = nominal(self.rig, self.errors)?;
         let postures = postures(&nominal, POSTURES)?;
-        Ok((0..devices as u64)
-            .into_par_iter()
-            .map(|seed| {
-                let outcome = self.device(&nominal, &postures, seed);
-                progress.step();
-                outcome
-            })
-            .collect())
+        Ok(progress.over(devices, |seed| self.device(&nominal, &postures, seed)))
     }
 
     fn options(&self) -> Options {
-        let mut options = Options {
-            method: match self.way {
-                Way::AnglesKnown | Way::TwoSteps => CalibrationMethod::TwoStep,
-                Way::Joint => CalibrationMethod::Joint,
-            },
-            degree: Degree::Fixed(DEGREE),
-            weighting: Weighting::Estimated,
-            held_out: HeldOut::None,
-            ..Options::default()
-        };
-        options.rules.singular_values = false;
-        options
+        estimated(match self.way {
+            Way::AnglesKnown | Way::TwoSteps => CalibrationMethod::TwoStep,
+            Way::Joint => CalibrationMethod::Joint,
+        })
     }
 
     fn device(&self, nominal: &Device, postures: &Recording, seed: u64) -> Result<Outcome> {
@@ -249,10 +178,7 @@ impl Trial {
     fn fit(&self, nominal: &Device, truth: &Device, seen: &Recording) -> Result<ParameterFit> {
         let options = self.options();
         if self.way == Way::AnglesKnown {
-            let mut known = nominal.clone();
-            for (joint, actual) in known.joints.iter_mut().zip(&truth.joints) {
-                joint.transmission_error = actual.transmission_error.clone();
-            }
+            let known = with_transmissions_of(nominal, truth);
             let channels = [Channel::Cable { index: 0 }];
             let weights = Weights::stated(&known, &channels);
             let fit = fit_kinematics(&known, seen, &channels, &weights, &options)?;

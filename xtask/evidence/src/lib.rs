@@ -118,10 +118,10 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
         watch_day::day(&mut output)?;
     }
     if runs("formats") && !arguments.quick {
-        project::formats::section(&mut output, &root())?;
+        project::cargo_test::formats(&mut output, &root())?;
     }
     if runs("fuzz") && !arguments.quick {
-        project::fuzz::section(&mut output, &root(), FUZZ_SECONDS)?;
+        project::cargo_test::fuzz(&mut output, &root(), FUZZ_SECONDS)?;
     }
     if runs("python") && !arguments.quick {
         project::python::section(&mut output, &root())?;

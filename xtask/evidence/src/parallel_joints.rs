@@ -18,8 +18,8 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use xtask_output::Output;
 
-use super::held::{Interval, Kind, intervals};
-use super::rigs::{TRACKER_SD_M, generator};
+use super::held::{Held, Interval, Kind, intervals};
+use super::rigs::{TRACKER_SD_M, generator, tracked};
 
 /// Modified Denavit-Hartenberg rows 1 to 6 of an arm like the UR10, (a, alpha, theta, d) in m and rad: the axes
 /// of joints 2 and 3 are parallel, and of 4 in the real arm; here joint 4 can be turned out of their plane.
@@ -191,14 +191,7 @@ impl Trial {
                 ..Recording::default()
             };
             let poses = true_poses(&truth, &recording)?;
-            let mut axis = |axis: usize| -> Vec<f64> {
-                let readings = poses.iter().map(|pose| {
-                    let normal: f64 = StandardNormal.sample(&mut random);
-                    pose.position_m[axis] + sd_m * normal
-                });
-                readings.collect()
-            };
-            recording.position_m = Some([axis(0), axis(1), axis(2)]);
+            recording.position_m = Some(tracked(&poses, sd_m, &mut random));
             Ok(recording)
         };
         let seen = poses(POSES, TRACKER_SD_M)?;
@@ -326,34 +319,29 @@ fn coverage(output: &mut Output) -> Result<()> {
                 intervals(&trial.ours()?, &trial.truth)
             })
             .collect();
-        let mut kinds: BTreeMap<Kind, BTreeMap<String, [usize; 2]>> = BTreeMap::new();
+        let mut kinds: BTreeMap<Kind, BTreeMap<String, Held>> = BTreeMap::new();
         for found in fits {
             for own in found? {
-                let count = kinds
-                    .entry(own.kind)
-                    .or_default()
-                    .entry(own.name)
-                    .or_default();
-                count[0] += usize::from(own.error_over_half_width.abs() <= 1.0);
-                count[1] += 1;
+                let names = kinds.entry(own.kind).or_default();
+                let count = names.entry(own.name).or_default();
+                count.count(own.error_over_half_width.abs() <= 1.0);
             }
         }
         for (kind, names) in kinds {
-            let sum = |k: usize| names.values().map(|count| count[k]).sum::<usize>();
-            let share = |count: &[usize; 2]| 100.0 * count[0] as f64 / count[1] as f64;
-            let often = names
-                .iter()
-                .filter(|(_, count)| 5 * count[1] >= ARMS as usize);
-            let lowest = often.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
+            let all = Held {
+                held: names.values().map(|own| own.held).sum(),
+                all: names.values().map(|own| own.all).sum(),
+            };
+            let often = names.iter().filter(|(_, own)| own.is_often(ARMS as usize));
+            let lowest = often.min_by(|a, b| a.1.percent().total_cmp(&b.1.percent()));
             let (lowest, least) = lowest.context("no interval was given often")?;
-            let pooled = share(&[sum(0), sum(1)]);
-            is_covered &= (93.0..=98.0).contains(&pooled);
+            is_covered &= (93.0..=98.0).contains(&all.percent());
             table.push(vec![
                 Cell::number(count as f64, 0),
                 kind.name().into(),
-                Cell::number(sum(1) as f64, 0),
-                Cell::number(pooled, 2),
-                Cell::number(share(least), 1),
+                Cell::number(all.all as f64, 0),
+                Cell::number(all.percent(), 2),
+                Cell::number(least.percent(), 1),
                 lowest.as_str().into(),
             ])?;
         }

@@ -1,6 +1,8 @@
 //! Simulated devices around the paper's, and how they are recorded for the trials of intervals.
 
 use anyhow::{Context, Result, anyhow};
+use haptical_calibration::{CalibrationMethod, Degree, HeldOut, Options, Weighting};
+use haptical_model::kinematics::Pose;
 use haptical_model::{Device, Parameter, ParameterId, Recording, TransmissionError};
 use haptical_simulator::{CableSigma, Noise, Settings, simulate, true_poses};
 use rand::{RngExt, SeedableRng};
@@ -65,6 +67,30 @@ pub(super) fn nominal(rig: Rig, errors: Errors) -> Result<Device> {
     Ok(device)
 }
 
+/// Options of a fit whose weights are estimated.
+pub(super) fn estimated(method: CalibrationMethod) -> Options {
+    let mut options = Options {
+        method,
+        degree: Degree::Fixed(DEGREE),
+        weighting: Weighting::Estimated,
+        held_out: HeldOut::None,
+        ..Options::default()
+    };
+    options.rules.singular_values = false;
+    options
+}
+
+/// Settings of a simulation with this noise on external encoders and distances, of the stated sizes, and no counts of motors.
+pub(super) fn with_noise(noise: Noise) -> Settings {
+    Settings {
+        output_noise: noise,
+        cable_noise: noise,
+        motor_counts: false,
+        cable_sigma: CableSigma::Stated,
+        ..Settings::paper()
+    }
+}
+
 /// One generator for each purpose of a seed.
 pub(super) fn generator(seed: u64, purpose: u64) -> ChaCha8Rng {
     let mut generator = ChaCha8Rng::seed_from_u64(seed);
@@ -124,17 +150,14 @@ pub(super) fn record(
         cable.distance_sd_m = cable.distance_sd_m.map(|sd| sd * factor());
     }
     let tracker_sd_m = TRACKER_SD_M * factor();
-    let (noise, motor_counts) = match errors {
-        Errors::Counts => (Noise::Counts, true),
-        Errors::Gaussian | Errors::Unequal => (Noise::Gaussian, false),
-        Errors::Tails => (Noise::None, false),
+    let noise = match errors {
+        Errors::Counts => Noise::Counts,
+        Errors::Gaussian | Errors::Unequal => Noise::Gaussian,
+        Errors::Tails => Noise::None,
     };
     let settings = Settings {
-        output_noise: noise,
-        cable_noise: noise,
-        motor_counts,
-        cable_sigma: CableSigma::Stated,
-        ..Settings::paper()
+        motor_counts: errors == Errors::Counts,
+        ..with_noise(noise)
     };
     let mut seen = simulate(&noisy, &settings, rows, seed)?;
     if errors == Errors::Tails {
@@ -143,17 +166,21 @@ pub(super) fn record(
     if rig == Rig::Tracker {
         let poses = true_poses(truth, &seen)?;
         let mut normal = generator(seed, 3);
-        let mut axis = |axis: usize, sd: f64| -> Vec<f64> {
-            let error = poses.iter().map(|pose| {
-                let error: f64 = StandardNormal.sample(&mut normal);
-                pose.position_m[axis] + sd * error
-            });
-            error.collect()
-        };
-        seen.position_m = Some([0, 1, 2].map(|k| axis(k, tracker_sd_m)));
+        seen.position_m = Some(tracked(&poses, tracker_sd_m, &mut normal));
         seen.cable_m = seen.cable_m.iter().map(|_| None).collect();
     }
     Ok(seen)
+}
+
+/// Positions as a tracker with normal errors reads them, axis by axis.
+pub(super) fn tracked(poses: &[Pose], sd_m: f64, random: &mut ChaCha8Rng) -> [Vec<f64>; 3] {
+    [0, 1, 2].map(|axis| {
+        let readings = poses.iter().map(|pose| {
+            let error: f64 = StandardNormal.sample(random);
+            pose.position_m[axis] + sd_m * error
+        });
+        readings.collect()
+    })
 }
 
 /// Adds heavy-tailed errors to external encoders and cables.

@@ -6,8 +6,8 @@ use haptical_report::{Cell, Table};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
 use xtask_output::{Output, Progress};
+use xtask_paper::rows;
 
 /// Rows of a day at one a second.
 const DAY: u32 = 86_400;
@@ -16,15 +16,16 @@ const MEMORIES: [f64; 4] = [0.0, 0.5, 0.9, 0.98];
 /// False alarms an hour that are stated.
 const PER_HOUR: [f64; 3] = [0.01, 0.1, 1.0];
 /// Changes at once.
-const CHANGES: [Shifted; 7] = [
-    Shifted::everywhere(0.25),
-    Shifted::everywhere(0.5),
-    Shifted::everywhere(1.0),
-    Shifted::everywhere(2.0),
-    Shifted::by_posture(1.0),
-    Shifted::by_posture(2.0),
-    Shifted::by_posture(4.0),
-];
+const CHANGES: [Shifted; 7] = rows! {
+    Shifted {rms follows_posture}
+    0.25, false;
+    0.5, false;
+    1.0, false;
+    2.0, false;
+    1.0, true;
+    2.0, true;
+    4.0, true;
+};
 /// Two frequencies of the postures' course, in radians a row.
 const COURSE: [f64; 2] = [0.0613, 0.0177];
 /// Rate of false alarms that delays are counted at.
@@ -42,20 +43,6 @@ struct Shifted {
 }
 
 impl Shifted {
-    const fn everywhere(rms: f64) -> Self {
-        Self {
-            rms,
-            follows_posture: false,
-        }
-    }
-
-    const fn by_posture(rms: f64) -> Self {
-        Self {
-            rms,
-            follows_posture: true,
-        }
-    }
-
     fn at(self, row: u32, day: u64) -> f64 {
         if !self.follows_posture {
             return self.rms;
@@ -133,14 +120,8 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
     let (mut is_rare, mut is_placed) = (true, true);
     for memory in MEMORIES {
         let progress = Progress::new(&format!("memory {memory}"), days);
-        let all: Vec<Day> = (0..days as u64)
-            .into_par_iter()
-            .map(|seed| {
-                let day = day(seed, memory);
-                progress.step();
-                day
-            })
-            .collect::<Result<_>>()?;
+        let all = progress.over(days, |seed| day(seed, memory)).into_iter();
+        let all: Vec<Day> = all.collect::<Result<_>>()?;
         drop(progress);
         let hours = 24.0 * days as f64;
         let mut cells = vec![

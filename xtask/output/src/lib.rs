@@ -10,7 +10,7 @@ mod output;
 mod page;
 mod progress;
 
-pub use command::built_command;
+pub use command::{built_command, cargo, read_json, read_text, said};
 pub use output::{Layout, Output, or_none};
 pub use page::put_between;
 pub use progress::Progress;

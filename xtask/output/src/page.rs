@@ -5,12 +5,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 
+use crate::command::read_text;
+
 /// Puts a table between two lines of a page.
 ///
 /// # Errors
 /// A page that cannot be read or written, or without one of the lines.
 pub fn put_between(path: &Path, [begin, end]: [&str; 2], table: &str) -> Result<()> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
+    let text = read_text(path)?;
     let (before, rest) = text
         .split_once(begin)
         .context("no line where the table begins")?;

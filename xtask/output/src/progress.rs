@@ -1,6 +1,7 @@
 //! A progress bar on a terminal, silence in a pipe.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
 
 /// Progress of a job of known length.
 #[derive(Debug)]
@@ -15,6 +16,16 @@ impl Progress {
         }
         bar.set_message(what.to_owned());
         Self(bar)
+    }
+
+    /// What `job` makes of 0, 1, ..., `count` - 1, in parallel and in this order; each is a step.
+    pub fn over<T: Send>(&self, count: usize, job: impl Fn(u64) -> T + Sync) -> Vec<T> {
+        let stepped = |number| {
+            let done = job(number);
+            self.step();
+            done
+        };
+        (0..count as u64).into_par_iter().map(stepped).collect()
     }
 
     /// One more step is done.

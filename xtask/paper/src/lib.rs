@@ -17,8 +17,11 @@ mod run;
 mod scenario;
 pub mod tables;
 
-pub use monte_carlo::known_angles;
+pub use experiment::chebyshev;
+pub use monte_carlo::{known_angles, with_transmissions_of};
 pub use pose_error::PoseErrors;
 pub use published::{Paper, Published};
+pub use xtask_blind::rows;
+
 pub use run::{evaluation_readings, step_one, step_one_on, step_two_on};
 pub use scenario::{Scenario, nominal_device, true_device};

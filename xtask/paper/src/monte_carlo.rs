@@ -4,7 +4,6 @@ use anyhow::{Result, bail};
 use haptical_identification::Reduction;
 use haptical_metrics::{median, percentile_interval, rms, spearman};
 use haptical_model::Device;
-use rayon::prelude::*;
 use xtask_output::Progress;
 
 use crate::pose_error::PoseErrors;
@@ -32,13 +31,10 @@ pub(crate) struct Sample {
 /// How the errors before calibration depend on the distance from home, in one run.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FarFromHome {
-    /// Rank correlation of the position error with the norm of all joint readings.
-    pub(crate) position_all: f64,
-    /// The same with the norm of the cable-driven joints' readings.
-    pub(crate) position_driven: f64,
+    /// Rank correlations of the position error with the norm of all joint readings, and of the cable-driven joints'.
+    pub(crate) position: [f64; 2],
     /// The same of the orientation error.
-    pub(crate) orientation_all: f64,
-    pub(crate) orientation_driven: f64,
+    pub(crate) orientation: [f64; 2],
     /// Shares of poses beyond 8 mm and 0.03 rad.
     pub(crate) beyond_8_mm: f64,
     pub(crate) beyond_30_mrad: f64,
@@ -48,30 +44,26 @@ pub(crate) struct FarFromHome {
 
 impl FarFromHome {
     pub(crate) fn new(errors: &PoseErrors) -> Result<Self> {
+        let (all, driven) = (&errors.from_home_rad, &errors.driven_from_home_rad);
         let share = |values: &[f64], limit: f64| {
             values.iter().filter(|value| **value > limit).count() as f64 / values.len() as f64
         };
         let far: Vec<f64> = errors
             .position_before_m
             .iter()
-            .zip(&errors.driven_from_home_rad)
+            .zip(driven)
             .filter(|(error, _)| **error > 8e-3)
             .map(|(_, from)| {
-                let nearer = errors
-                    .driven_from_home_rad
-                    .iter()
-                    .filter(|other| *other < from);
-                nearer.count() as f64 / errors.driven_from_home_rad.len() as f64
+                let nearer = driven.iter().filter(|other| *other < from);
+                nearer.count() as f64 / driven.len() as f64
             })
             .collect();
+        let correlations = |values: &[f64]| -> Result<[f64; 2]> {
+            Ok([spearman(all, values)?, spearman(driven, values)?])
+        };
         Ok(Self {
-            position_all: spearman(&errors.from_home_rad, &errors.position_before_m)?,
-            position_driven: spearman(&errors.driven_from_home_rad, &errors.position_before_m)?,
-            orientation_all: spearman(&errors.from_home_rad, &errors.orientation_before_rad)?,
-            orientation_driven: spearman(
-                &errors.driven_from_home_rad,
-                &errors.orientation_before_rad,
-            )?,
+            position: correlations(&errors.position_before_m)?,
+            orientation: correlations(&errors.orientation_before_rad)?,
             beyond_8_mm: share(&errors.position_before_m, 8e-3),
             beyond_30_mrad: share(&errors.orientation_before_rad, 0.03),
             rank_beyond_8_mm: (!far.is_empty()).then(|| far.iter().sum::<f64>() / far.len() as f64),
@@ -79,32 +71,40 @@ impl FarFromHome {
     }
 }
 
-/// Root mean squares of one run's check.
+/// Root mean squares of one run's check: before, after, and of poses without the unobservable part.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PoseSummary {
-    pub(crate) distance_before_m: f64,
-    pub(crate) distance_after_m: f64,
-    pub(crate) position_before_m: f64,
-    pub(crate) position_after_m: f64,
-    pub(crate) position_observable_m: f64,
-    pub(crate) orientation_before_rad: f64,
-    pub(crate) orientation_after_rad: f64,
-    pub(crate) orientation_observable_rad: f64,
+    pub(crate) distance_m: [f64; 2],
+    pub(crate) position_m: [f64; 3],
+    pub(crate) orientation_rad: [f64; 3],
 }
+
+/// Places of what is after in a [`PoseSummary`].
+pub(crate) const AFTER: usize = 1;
+pub(crate) const OBSERVABLE: usize = 2;
 
 impl PoseSummary {
     pub(crate) fn new(errors: &PoseErrors) -> Result<Self> {
+        let e = errors;
+        let of = |values: [&Vec<f64>; 3]| -> Result<[f64; 3]> {
+            Ok([rms(values[0])?, rms(values[1])?, rms(values[2])?])
+        };
+        let turns = [&e.orientation_before_rad, &e.orientation_after_rad];
         Ok(Self {
-            distance_before_m: rms(&errors.distance_before_m)?,
-            distance_after_m: rms(&errors.distance_after_m)?,
-            position_before_m: rms(&errors.position_before_m)?,
-            position_after_m: rms(&errors.position_after_m)?,
-            position_observable_m: rms(&errors.position_observable_m)?,
-            orientation_before_rad: rms(&errors.orientation_before_rad)?,
-            orientation_after_rad: rms(&errors.orientation_after_rad)?,
-            orientation_observable_rad: rms(&errors.orientation_observable_rad)?,
+            distance_m: [rms(&e.distance_before_m)?, rms(&e.distance_after_m)?],
+            position_m: of([
+                &e.position_before_m,
+                &e.position_after_m,
+                &e.position_observable_m,
+            ])?,
+            orientation_rad: of([turns[0], turns[1], &e.orientation_observable_rad])?,
         })
     }
+}
+
+/// How much less an error is than before \[%\].
+pub(crate) fn gain(errors: &[f64], after: usize) -> f64 {
+    100.0 * (1.0 - errors[after] / errors[0])
 }
 
 /// All runs of one scenario.
@@ -121,6 +121,16 @@ pub(crate) struct Spread {
     pub(crate) median: f64,
     pub(crate) low: f64,
     pub(crate) high: f64,
+}
+
+/// The largest of some sizes; 0 of none.
+pub(crate) fn largest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(0.0, f64::max)
+}
+
+/// The largest magnitude of some numbers; 0 of none.
+pub(crate) fn largest_size(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| most.max(value.abs()))
 }
 
 impl Spread {
@@ -143,18 +153,10 @@ impl MonteCarlo {
         runs: usize,
         progress: &Progress,
     ) -> Result<Self> {
-        let outcomes: Vec<(u64, Result<Sample>)> = (0..runs as u64)
-            .into_par_iter()
-            .map(|index| {
-                let seed = seed.wrapping_add(index);
-                let sample = Sample::new(scenario, assigned, seed);
-                progress.step();
-                (seed, sample)
-            })
-            .collect();
-        let mut samples = Vec::with_capacity(runs);
-        let mut failures = Vec::new();
-        for (seed, outcome) in outcomes {
+        let of_seed = |index| Sample::new(scenario, assigned, seed.wrapping_add(index));
+        let (mut samples, mut failures) = (Vec::new(), Vec::new());
+        for (index, outcome) in (0..).zip(progress.over(runs, of_seed)) {
+            let seed = seed.wrapping_add(index);
             match outcome {
                 Ok(sample) => samples.push(sample),
                 Err(error) => failures.push((seed, format!("{error:#}"))),
@@ -220,11 +222,16 @@ impl Sample {
 
 /// The nominal device with the true transmissions: step 1 without any error.
 pub fn known_angles(scenario: &Scenario) -> Device {
-    let mut device = scenario.nominal.clone();
-    for (joint, truth) in device.joints.iter_mut().zip(&scenario.truth.joints) {
-        joint.transmission_error = truth.transmission_error.clone();
+    with_transmissions_of(&scenario.nominal, &scenario.truth)
+}
+
+/// A device with another one's transmissions.
+pub fn with_transmissions_of(device: &Device, other: &Device) -> Device {
+    let mut mixed = device.clone();
+    for (joint, from) in mixed.joints.iter_mut().zip(&other.joints) {
+        joint.transmission_error = from.transmission_error.clone();
     }
-    device
+    mixed
 }
 
 /// The inverse covariance of the rows of Table 3 as a small least-squares problem.

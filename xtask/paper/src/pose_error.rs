@@ -27,8 +27,6 @@ pub struct PoseErrors {
     pub(crate) driven_from_home_rad: Vec<f64>,
 }
 
-type Rows = [[f64; 3]; 3];
-
 impl PoseErrors {
     /// Errors of two devices against the true one at the joint readings of a recording.
     pub fn new(
@@ -42,34 +40,25 @@ impl PoseErrors {
         let after = true_poses(calibrated, readings)?;
         let observable = take_off_unobservable(&actual, &after)?;
         let angles = |poses: &[Pose]| -> Result<Vec<f64>> {
-            poses
-                .iter()
-                .zip(&actual)
-                .map(|(pose, actual)| {
-                    Ok(orientation_angle_rad(
-                        &rows(&pose.rotation),
-                        &rows(&actual.rotation),
-                    )?)
-                })
-                .collect()
+            let angle = |(pose, actual): (&Pose, &Pose)| {
+                let turns = [rows(&pose.rotation), rows(&actual.rotation)];
+                Ok(orientation_angle_rad(&turns[0], &turns[1])?)
+            };
+            poses.iter().zip(&actual).map(angle).collect()
         };
         let distances = |poses: &[Pose]| -> Vec<f64> {
-            poses
-                .iter()
-                .zip(&actual)
+            let pairs = poses.iter().zip(&actual);
+            pairs
                 .map(|(pose, actual)| pose.position_m.norm() - actual.position_m.norm())
                 .collect()
         };
         let norms = |joints: usize| -> Vec<f64> {
-            (0..readings.len())
-                .map(|row| {
-                    let columns = readings.joint.iter().take(joints);
-                    columns
-                        .map(|column| column[row].powi(2))
-                        .sum::<f64>()
-                        .sqrt()
-                })
-                .collect()
+            let norm = |row: usize| {
+                let columns = readings.joint.iter().take(joints);
+                let squares = columns.map(|column| column[row].powi(2));
+                squares.sum::<f64>().sqrt()
+            };
+            (0..readings.len()).map(norm).collect()
         };
         Ok(Self {
             position_before_m: position_errors_m(&points(&before), &points(&actual))?,
@@ -89,7 +78,7 @@ impl PoseErrors {
 /// The calibrated poses turned by the best rotation about frame (-1)'s origin, and about the
 /// handle's x axis by the best constant angle (docs/equations.md, "Unobservable part of the pose").
 fn take_off_unobservable(actual: &[Pose], calibrated: &[Pose]) -> Result<Vec<Pose>> {
-    let turn = matrix(&best_rotation(&points(calibrated), &points(actual))?);
+    let turn = Matrix3::from(best_rotation(&points(calibrated), &points(actual))?).transpose();
     let turned: Vec<Pose> = calibrated
         .iter()
         .map(|pose| Pose {
@@ -122,10 +111,6 @@ fn points(poses: &[Pose]) -> Vec<[f64; 3]> {
     poses.iter().map(|pose| pose.position_m.into()).collect()
 }
 
-fn rows(matrix: &Matrix3<f64>) -> Rows {
-    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
-}
-
-fn matrix(rows: &Rows) -> Matrix3<f64> {
-    Matrix3::from_fn(|row, column| rows[row][column])
+fn rows(matrix: &Matrix3<f64>) -> [[f64; 3]; 3] {
+    matrix.transpose().into()
 }

@@ -131,21 +131,26 @@ impl Paper {
     /// The tables as printed, but for the figures that are corrected.
     pub fn load() -> Result<Self> {
         let file: File = toml::from_str(TABLES).context("fixtures/paper/tables.toml")?;
-        let mut table3 = Vec::new();
-        for (symbol, first, rows) in [
-            ("alpha", 1, &file.table3.alpha1_6_mrad),
-            ("a", 0, &file.table3.a0_7_mm),
-            ("d", 1, &file.table3.d1_7_mm),
-            ("theta", 1, &file.table3.theta1_7_mrad),
-        ] {
-            for (index, &assigned) in rows.assigned.iter().enumerate() {
+        let (printed, measured) = (&file.table3, &file.table5);
+        let groups: [(&str, usize, &Rows, &[f64]); 4] = [
+            ("alpha", 1, &printed.alpha1_6_mrad, &measured.alpha1_6_mrad),
+            ("a", 0, &printed.a0_7_mm, &measured.a0_7_mm),
+            ("d", 1, &printed.d1_7_mm, &measured.d1_7_mm),
+            ("theta", 1, &printed.theta1_7_mrad, &measured.theta1_7_mrad),
+        ];
+        let (mut table3, mut table5) = (Vec::new(), Vec::new());
+        for (symbol, first, rows, deviations) in groups {
+            for (index, (&assigned, deviation)) in rows.assigned.iter().zip(deviations).enumerate()
+            {
+                let name = format!("{symbol}{}", first + index);
+                // printed in milliradians and millimetres
                 table3.push(Published {
-                    name: format!("{symbol}{}", first + index),
-                    // printed in milliradians and millimetres
+                    name: name.clone(),
                     assigned: assigned * 1e-3,
                     identified: rows.identified[index] * 1e-3,
                     improvement_percent: rows.i_percent[index],
                 });
+                table5.push((name, deviation * 1e-3));
             }
         }
         ensure!(
@@ -153,19 +158,6 @@ impl Paper {
             "Table 3 has 28 rows, the fixture {}",
             table3.len()
         );
-        let mut table5 = Vec::new();
-        let rows: [(&str, usize, &[f64]); 4] = [
-            ("alpha", 1, &file.table5.alpha1_6_mrad),
-            ("a", 0, &file.table5.a0_7_mm),
-            ("d", 1, &file.table5.d1_7_mm),
-            ("theta", 1, &file.table5.theta1_7_mrad),
-        ];
-        for (symbol, first, values) in rows {
-            for (index, value) in values.iter().enumerate() {
-                // printed in milliradians and millimetres
-                table5.push((format!("{symbol}{}", first + index), value * 1e-3));
-            }
-        }
         let mut table4 = file.table4;
         table4.k0_to_k10[10] = file.corrected.table4_k10;
         Ok(Self {

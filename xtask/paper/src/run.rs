@@ -2,11 +2,12 @@
 
 use anyhow::{Context, Result, bail};
 use haptical_calibration::{
-    Channel, Options, ParameterFit, TransmissionFit, Weights, fit_kinematics, fit_transmission,
-    rows_with_known_errors,
+    Channel, Options, ParameterFit, TransmissionFit, Weighting, Weights, fit_kinematics,
+    fit_transmission, rows_with_known_errors,
 };
 use haptical_model::{Device, Recording, TransmissionError};
-use haptical_simulator::{simulate, simulate_transmission};
+
+use xtask_blind::Random;
 
 use crate::pose_error::PoseErrors;
 use crate::scenario::Scenario;
@@ -45,13 +46,8 @@ pub fn step_one(
     scenario: &Scenario,
     seed: u64,
 ) -> Result<(Device, Vec<TransmissionFit>, Vec<Recording>)> {
-    let (truth, settings) = (&scenario.truth, &scenario.settings);
-    let samples = scenario.samples;
-    step_one_on(&scenario.nominal, &options(scenario), |joint| {
-        Ok(simulate_transmission(
-            truth, settings, joint, samples, seed,
-        )?)
-    })
+    let recorded = |joint| scenario.simulate_transmission(joint, seed);
+    step_one_on(&scenario.nominal, &options(scenario), recorded)
 }
 
 /// Step 1 for joints 1 to 4, each on a recording of its own.
@@ -84,7 +80,7 @@ pub(crate) fn step_two(
     compensated: &Device,
     seed: u64,
 ) -> Result<ParameterFit> {
-    let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+    let recording = scenario.simulate(scenario.poses, seed)?;
     step_two_on(compensated, &recording, &options(scenario))
 }
 
@@ -106,15 +102,56 @@ pub fn step_two_on(
     )?)
 }
 
+/// What both steps make of random rows of a recording, other ones for each fit.
+pub(crate) struct OnSamples {
+    /// The nominal device with the fitted transmissions.
+    pub(crate) compensated: Device,
+    pub(crate) transmissions: Vec<TransmissionFit>,
+    pub(crate) transmission_data: Vec<Recording>,
+    /// The rows of step 2.
+    pub(crate) data: Recording,
+    pub(crate) kinematics: ParameterFit,
+}
+
+/// Options of fits to recordings with roughness, which is larger than the noise that the device file states.
+pub(crate) fn rough_options(scenario: &Scenario) -> Options {
+    Options {
+        weighting: Weighting::Estimated,
+        ..scenario.options()
+    }
+}
+
+/// Random rows of a recording.
+pub(crate) fn sample(recording: &Recording, count: usize, random: &mut Random) -> Recording {
+    let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();
+    recording.select(&rows)
+}
+
+/// Both steps on random rows of a recording, as many as the scenario says.
+pub(crate) fn on_samples(
+    scenario: &Scenario,
+    recording: &Recording,
+    random: &mut Random,
+) -> Result<OnSamples> {
+    let options = rough_options(scenario);
+    let (compensated, transmissions, transmission_data) =
+        step_one_on(&scenario.nominal, &options, |_| {
+            Ok(sample(recording, scenario.samples, random))
+        })?;
+    let data = sample(recording, scenario.poses, random);
+    Ok(OnSamples {
+        kinematics: step_two_on(&compensated, &data, &options)?,
+        compensated,
+        transmissions,
+        transmission_data,
+        data,
+    })
+}
+
 /// Joint readings of the poses that a run is checked on.
 pub fn evaluation_readings(scenario: &Scenario, seed: u64) -> Result<Recording> {
     let seed = seed.wrapping_add(EVALUATION_STREAM);
-    Ok(simulate(
-        &scenario.truth,
-        &scenario.settings,
-        scenario.evaluation_poses,
-        seed,
-    )?)
+    scenario.simulate(scenario.evaluation_poses, seed)
 }
 
 /// Both steps and the check.
@@ -123,17 +160,11 @@ pub(crate) fn run(scenario: &Scenario, seed: u64) -> Result<Run> {
     let kinematics =
         step_two(scenario, &compensated, seed).with_context(|| format!("seed {seed}"))?;
     let readings = evaluation_readings(scenario, seed)?;
-    let pose = PoseErrors::new(
-        &scenario.truth,
-        &scenario.nominal,
-        &kinematics.device,
-        &readings,
-    )?;
     Ok(Run {
+        pose: scenario.pose_errors(&kinematics.device, &readings)?,
         transmissions,
         transmission_data,
         kinematics,
-        pose,
     })
 }
 

@@ -4,9 +4,10 @@ use anyhow::{Context, Result, ensure};
 use haptical_calibration::{CalibrationMethod, Degree, HeldOut, Options, Weighting};
 use haptical_identification::Settings as Search;
 use haptical_model::transmission::CapstanError;
-use haptical_model::{Device, TransmissionError, TransmissionKind};
-use haptical_simulator::{Settings, apply_deviations};
+use haptical_model::{Device, Recording, TransmissionError, TransmissionKind};
+use haptical_simulator::{Settings, apply_deviations, simulate, simulate_transmission};
 
+use crate::pose_error::PoseErrors;
 use crate::published::Paper;
 
 const NOMINAL: &str = include_str!("../../../fixtures/devices/haptic7.toml");
@@ -87,6 +88,25 @@ impl Scenario {
             degree: 10,
             search: Search::default(),
         })
+    }
+
+    /// Readings of random poses of the true device.
+    pub fn simulate(&self, poses: usize, seed: u64) -> Result<Recording> {
+        Ok(simulate(&self.truth, &self.settings, poses, seed)?)
+    }
+
+    /// Samples of one transmission of the true device.
+    pub fn simulate_transmission(&self, joint: usize, seed: u64) -> Result<Recording> {
+        let (truth, settings) = (&self.truth, &self.settings);
+        let samples = self.samples;
+        Ok(simulate_transmission(
+            truth, settings, joint, samples, seed,
+        )?)
+    }
+
+    /// Errors of the handle at some readings before a calibration and after it.
+    pub fn pose_errors(&self, calibrated: &Device, readings: &Recording) -> Result<PoseErrors> {
+        PoseErrors::new(&self.truth, &self.nominal, calibrated, readings)
     }
 
     /// Options of the two fits: the paper's choices.

@@ -83,58 +83,49 @@ pub(crate) fn exact(one: &Value, other: &Value) -> Vec<Difference> {
 
 /// `width` is that of the interval around.
 fn walk(path: &str, recorded: &Value, now: &Value, width: f64, found: &mut Vec<Difference>) {
-    let mut add = |path: String, recorded: Option<&Value>, now: Option<&Value>| {
-        found.push(Difference {
-            path,
-            recorded: recorded.cloned(),
-            now: now.cloned(),
-        });
-    };
+    let mut both =
+        |path: String, old: Option<&Value>, new: Option<&Value>, width: f64| match (old, new) {
+            (Some(old), Some(new)) => walk(&path, old, new, width, found),
+            (recorded, now) => found.push(Difference {
+                path,
+                recorded: recorded.cloned(),
+                now: now.cloned(),
+            }),
+        };
     match (recorded, now) {
         (Value::Object(old), Value::Object(new)) => {
             let width = interval(old).unwrap_or(width);
-            for (key, value) in old {
-                let path = format!("{path}/{key}");
-                match new.get(key) {
-                    Some(other) => walk(&path, value, other, width, found),
-                    None => found.push(Difference {
-                        path,
-                        recorded: Some(value.clone()),
-                        now: None,
-                    }),
-                }
-            }
-            for (key, value) in new.iter().filter(|(key, _)| !old.contains_key(*key)) {
-                found.push(Difference {
-                    path: format!("{path}/{key}"),
-                    recorded: None,
-                    now: Some(value.clone()),
-                });
+            let added = new.keys().filter(|key| !old.contains_key(*key));
+            for key in old.keys().chain(added) {
+                both(format!("{path}/{key}"), old.get(key), new.get(key), width);
             }
         }
         (Value::Array(old), Value::Array(new)) => {
             for index in 0..old.len().max(new.len()) {
-                let path = format!("{path}/{index}");
-                match (old.get(index), new.get(index)) {
-                    (Some(value), Some(other)) => walk(&path, value, other, width, found),
-                    (value, other) => found.push(Difference {
-                        path,
-                        recorded: value.cloned(),
-                        now: other.cloned(),
-                    }),
-                }
+                both(
+                    format!("{path}/{index}"),
+                    old.get(index),
+                    new.get(index),
+                    width,
+                );
             }
         }
-        (Value::Number(old), Value::Number(new)) => {
-            let (old, new) = (old.as_f64(), new.as_f64());
-            let (old, new) = (old.unwrap_or(f64::NAN), new.unwrap_or(f64::NAN));
-            if !tolerance(path).holds(old, new, width) {
-                add(path.to_owned(), Some(recorded), Some(now));
-            }
-        }
-        _ if recorded == now => {}
-        _ => add(path.to_owned(), Some(recorded), Some(now)),
+        _ if is_same(path, recorded, now, width) => {}
+        _ => found.push(Difference {
+            path: path.to_owned(),
+            recorded: Some(recorded.clone()),
+            now: Some(now.clone()),
+        }),
     }
+}
+
+/// Whether a number is near enough, or anything else the same.
+fn is_same(path: &str, recorded: &Value, now: &Value, width: f64) -> bool {
+    let (Value::Number(old), Value::Number(new)) = (recorded, now) else {
+        return recorded == now;
+    };
+    let [old, new] = [old, new].map(|own| own.as_f64().unwrap_or(f64::NAN));
+    tolerance(path).holds(old, new, width)
 }
 
 impl Tolerance {

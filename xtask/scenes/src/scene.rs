@@ -16,14 +16,13 @@ pub(crate) struct Scene {
     pub(crate) make: fn() -> Result<Made>,
 }
 
-/// A scene with what it has.
-pub(crate) const fn scene(
-    name: &'static str,
-    truth: &'static [&'static str],
-    make: fn() -> Result<Made>,
-) -> Scene {
-    Scene { name, truth, make }
+/// A list of scenes, a row each: its name, what it has, and what makes it.
+macro_rules! scenes {
+    ($($name:literal $truth:tt $made:expr;)*) => {
+        &[$(Scene { name: $name, truth: &$truth, make: || $made },)*]
+    };
 }
+pub(crate) use scenes;
 
 /// What a device is read from.
 #[derive(Debug, Clone)]
@@ -121,6 +120,19 @@ impl Made {
             links_follow: false,
             is_of_true_geometry: false,
         }
+    }
+
+    /// The same with its logs changed, the first one first.
+    pub(crate) fn with_each_log(
+        &self,
+        mut change: impl FnMut(&Table) -> Result<Table>,
+    ) -> Result<Self> {
+        Ok(Self {
+            log: change(&self.log)?,
+            also: self.also.as_ref().map(&mut change).transpose()?,
+            validate: self.validate.as_ref().map(change).transpose()?,
+            ..self.clone()
+        })
     }
 
     /// The same without `identify`.

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, ensure};
 use serde_json::Value;
 
+use xtask_output::{cargo, said};
+
 use super::fault::{Check, Target};
 
 /// What runs for longer hangs by the fault: the tests named take seconds without it.
@@ -60,27 +62,15 @@ impl Bench {
 
     /// Builds with cargo; the program that it makes.
     fn build(&self, words: &[&str]) -> Result<PathBuf> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let built = Command::new(cargo)
-            .args(words)
-            .args([
-                "--locked",
-                "--quiet",
-                "--message-format",
-                "json-render-diagnostics",
-            ])
+        let further = "--locked --quiet --message-format json-render-diagnostics";
+        let mut command = cargo();
+        command.args(words).args(further.split(' '));
+        command
             .current_dir(&self.tree)
             .env("CARGO_TARGET_DIR", &self.built)
-            .env("CARGO_PROFILE_DEV_DEBUG", "0")
-            .output()
-            .context("cargo")?;
-        let said = String::from_utf8_lossy(&built.stderr);
-        ensure!(
-            built.status.success(),
-            "NOT BUILT: cargo {}: {said}",
-            words.join(" ")
-        );
-        String::from_utf8(built.stdout)?
+            .env("CARGO_PROFILE_DEV_DEBUG", "0");
+        let built = said(&mut command).context("NOT BUILT")?;
+        built
             .lines()
             .filter_map(|line| serde_json::from_str::<Value>(line).ok())
             .filter_map(|message| message["executable"].as_str().map(PathBuf::from))

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use serde::Deserialize;
+use xtask_output::read_text;
 
 /// Where the table and the diffs are.
 const FOLDER: &str = "fixtures/mutants";
@@ -78,8 +79,8 @@ impl fmt::Display for Check {
 /// Reads the table.
 pub(super) fn read(root: &Path) -> Result<Vec<Fault>> {
     let path = root.join(FOLDER).join("faults.toml");
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let faults: Faults = toml::from_str(&text).with_context(|| path.display().to_string())?;
+    let faults: Faults =
+        toml::from_str(&read_text(&path)?).with_context(|| path.display().to_string())?;
     Ok(faults.fault)
 }
 

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context as _, Result, ensure};
+use xtask_output::said;
 
 /// The copy.
 pub(super) struct Tree {
@@ -19,13 +20,8 @@ impl Tree {
             checkout: checkout.to_owned(),
             copy: folder.join("tree"),
         };
-        let listed = Command::new("git")
-            .current_dir(checkout)
-            .args(["ls-files", "-z"])
-            .output()
-            .context("git ls-files")?;
-        ensure!(listed.status.success(), "git ls-files: {}", listed.status);
-        let listed = String::from_utf8(listed.stdout).context("names of files")?;
+        let mut git = Command::new("git");
+        let listed = said(git.current_dir(checkout).args(["ls-files", "-z"]))?;
         let tracked: BTreeSet<&str> = listed.split_terminator('\0').collect();
         for path in &tracked {
             tree.restore_one(Path::new(path))?;
@@ -91,20 +87,10 @@ fn remove(file: &Path) -> Result<()> {
 ///
 /// In a folder that a repository contains and does not track, git skips every file and says nothing: it must not look above.
 pub(super) fn apply(folder: &Path, diff: &Path, options: &[&str]) -> Result<String> {
-    let applied = Command::new("git")
-        .current_dir(folder)
+    let mut git = Command::new("git");
+    git.current_dir(folder)
         .env("GIT_CEILING_DIRECTORIES", folder.parent().unwrap_or(folder))
-        .arg("apply")
-        .args(options)
-        .arg(diff)
-        .output()
-        .context("git apply")?;
-    let said = String::from_utf8_lossy(&applied.stderr);
-    let name = diff.display();
-    ensure!(
-        applied.status.success(),
-        "{name} DOES NOT APPLY: {}",
-        said.trim()
-    );
-    Ok(String::from_utf8_lossy(&applied.stdout).into_owned())
+        .arg("apply");
+    let applied = said(git.args(options).arg(diff));
+    applied.with_context(|| format!("{} DOES NOT APPLY", diff.display()))
 }

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use serde::Deserialize;
 use serde_json::Value;
+use xtask_output::{read_json, read_text, said};
 
 use super::sets::{Folders, HERE};
 
@@ -41,8 +42,7 @@ struct Motion {
 /// The table, a line for each recording whose name has `wanted` in it.
 pub(super) fn table(program: &Path, folders: &Folders, wanted: &str) -> Result<String> {
     let path = Path::new(HERE).join("dynamics.toml");
-    let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    let all: Recordings = toml::from_str(&text)?;
+    let all: Recordings = toml::from_str(&read_text(&path)?)?;
     let mut table = HEAD.to_owned();
     for motion in all.recording.iter().filter(|own| own.name.contains(wanted)) {
         let line = match motion.answer(program, folders)? {
@@ -83,17 +83,9 @@ impl Motion {
             command.args(["--band-hz", &band_hz.to_string()]);
         }
         let start = Instant::now();
-        let output = command.output()?;
+        said(&mut command).with_context(|| self.name.clone())?;
         let seconds = start.elapsed().as_secs_f64();
-        ensure!(
-            output.status.success(),
-            "{}: {}\n{}",
-            self.name,
-            output.status,
-            String::from_utf8_lossy(&output.stderr)
-        );
-        let text = std::fs::read_to_string(out.join("identified.json"))?;
-        Ok(Ok((serde_json::from_str(&text)?, seconds)))
+        Ok(Ok((read_json(&out.join("identified.json"))?, seconds)))
     }
 
     fn line(&self, result: &Value, seconds: f64) -> String {

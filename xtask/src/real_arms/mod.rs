@@ -64,16 +64,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     let of_dynamics = dynamics::table(&program, &folders, wanted)?;
     if arguments.only.is_none() {
-        put_between(
-            Path::new(PAGE),
-            [dynamics::BEGIN, dynamics::END],
-            &of_dynamics,
-        )?;
-        put_between(
-            Path::new(PAGE),
-            [BEGIN, END],
-            &format!("{table}\n{remarks}"),
-        )?;
+        let page = Path::new(PAGE);
+        put_between(page, [dynamics::BEGIN, dynamics::END], &of_dynamics)?;
+        put_between(page, [BEGIN, END], &format!("{table}\n{remarks}"))?;
     }
     Ok(())
 }

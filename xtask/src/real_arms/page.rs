@@ -51,21 +51,16 @@ fn after(identified: &Value) -> String {
 }
 
 fn held_out(identified: &Value) -> String {
-    let channels = identified["channels"].as_array();
-    let channels = channels.into_iter().flatten().filter_map(|channel| {
-        let unit = channel["unit"].as_str()?;
-        let name = channel["channel"].as_str()?;
-        let (before, after) = (
-            channel["rms_before"].as_f64()?,
-            channel["rms_after"].as_f64()?,
-        );
+    let channels = identified["channels"].as_array().into_iter().flatten();
+    joined(channels.filter_map(|channel| {
+        let (name, unit) = (channel["channel"].as_str()?, channel["unit"].as_str()?);
+        let rms = |key: &str| Some(size(channel[key].as_f64()?, unit));
         Some(format!(
             "{name} {} → {}",
-            size(before, unit),
-            size(after, unit)
+            rms("rms_before")?,
+            rms("rms_after")?
         ))
-    });
-    joined(channels)
+    }))
 }
 
 fn causes(gap: &Value) -> String {

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use serde::Deserialize;
 use serde_json::Value;
+use xtask_output::{read_json, read_text, said};
 
 /// All sets.
 #[derive(Debug, Deserialize)]
@@ -76,8 +77,7 @@ const GAP: &str = "gap.json";
 impl Sets {
     pub(super) fn load() -> Result<Self> {
         let path = Path::new(HERE).join("sets.toml");
-        let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        Ok(toml::from_str(&text)?)
+        Ok(toml::from_str(&read_text(&path)?)?)
     }
 }
 
@@ -115,8 +115,7 @@ impl Set {
             self.run(program, fixed.into_iter().chain(flags))?;
             let seconds = start.elapsed().as_secs_f64();
             let file = if job == "identify" { IDENTIFIED } else { GAP };
-            let text = std::fs::read_to_string(folder.join(file))?;
-            Ok((serde_json::from_str(&text)?, seconds))
+            Ok((read_json(&folder.join(file))?, seconds))
         };
         let identified = match self.diagnose_only {
             true => None,
@@ -142,14 +141,7 @@ impl Set {
     }
 
     fn run<'a>(&self, program: &Path, arguments: impl Iterator<Item = &'a str>) -> Result<()> {
-        let output = Command::new(program).args(arguments).output()?;
-        let printed = String::from_utf8_lossy(&output.stderr);
-        ensure!(
-            output.status.success(),
-            "{}: {}\n{printed}",
-            self.name,
-            output.status
-        );
+        said(Command::new(program).args(arguments)).with_context(|| self.name.clone())?;
         Ok(())
     }
 }

@@ -96,6 +96,13 @@ pub(crate) struct Case {
     pub(crate) time_s: f64,
 }
 
+impl Case {
+    /// Arguments that run this trial alone, but for the seed.
+    pub(crate) fn arguments(&self) -> String {
+        format!("--suite {} --first {} --count 1", self.suite, self.index)
+    }
+}
+
 /// What there is; why there is not goes where errors go.
 fn kept<T>(outcome: Option<Result<T, String>>, error: &mut Option<String>) -> Option<T> {
     match outcome? {

@@ -99,10 +99,7 @@ pub fn check(arguments: &Arguments) -> Result<()> {
         is_scored || !arguments.record,
         "--record is for scored batches: --seed commit, every suite, all of its trials"
     );
-    let jobs = match arguments.jobs {
-        Some(jobs) => jobs,
-        None => std::thread::available_parallelism().map_or(1, usize::from),
-    };
+    let jobs = threads::jobs(arguments.jobs);
     ensure!(jobs > 0, "--jobs is 0: a batch needs one at least");
     let trials = plan.trials();
     let is_loop = |(suite, _): &(Suite, u64)| matches!(suite, Suite::Loop | Suite::LoopPairs);

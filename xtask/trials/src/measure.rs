@@ -157,6 +157,14 @@ impl Group {
     }
 }
 
+/// Adds figures to a group, a row each: name, value, bar or none.
+macro_rules! figures {
+    ($group:ident: $($name:expr, $value:expr, $bar:expr;)+) => {
+        $($group.add($name, $value, $bar);)+
+    };
+}
+pub(crate) use figures;
+
 impl Measure {
     pub(crate) fn new(
         group: &'static str,

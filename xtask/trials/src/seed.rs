@@ -7,6 +7,7 @@ use std::str::FromStr;
 use anyhow::{Context, Result, bail, ensure};
 use chrono::Utc;
 use serde::Serialize;
+use xtask_output::said;
 
 /// The thresholds of every crate, from the root of the repository.
 const THRESHOLDS: [&str; 2] = [
@@ -91,12 +92,7 @@ fn of_commit(root: &Path) -> Result<Seed> {
     let value = u64::from_str_radix(digits, 16)
         .with_context(|| format!("`{commit}` is not the name of a commit"))?;
     let since = format!("{commit}..HEAD");
-    let log = [
-        "log".to_owned(),
-        "--format=%H".to_owned(),
-        since,
-        "--".to_owned(),
-    ];
+    let log = ["log", "--format=%H", &since, "--"].map(str::to_owned);
     let log: Vec<String> = log.into_iter().chain(judged).collect();
     let changes = git(root, &log)?;
     Ok(Seed {
@@ -146,10 +142,8 @@ pub(crate) fn head(root: &Path) -> String {
     let Ok(commit) = git(root, &["rev-parse", "--short=8", "HEAD"]) else {
         return "none".to_owned();
     };
-    match git(
-        root,
-        &["status", "--porcelain", "--", "crates", "Cargo.lock"],
-    ) {
+    let status = ["status", "--porcelain", "--", "crates", "Cargo.lock"];
+    match git(root, &status) {
         Ok(changes) if changes.is_empty() => commit,
         _ => format!("{commit} with changes"),
     }
@@ -161,20 +155,6 @@ pub(crate) fn today() -> String {
 }
 
 fn git<S: AsRef<str>>(root: &Path, arguments: &[S]) -> Result<String> {
-    let arguments: Vec<&str> = arguments.iter().map(AsRef::as_ref).collect();
-    let output = Command::new("git")
-        .arg("-C")
-        .arg(root)
-        .args(&arguments)
-        .output()
-        .context("git cannot be run")?;
-    ensure!(
-        output.status.success(),
-        "git {}: {}",
-        arguments.join(" "),
-        String::from_utf8_lossy(&output.stderr).trim()
-    );
-    Ok(String::from_utf8_lossy(&output.stdout)
-        .trim_end()
-        .to_owned())
+    let arguments = arguments.iter().map(AsRef::as_ref);
+    said(Command::new("git").arg("-C").arg(root).args(arguments))
 }

@@ -6,6 +6,12 @@ use std::thread::ScopedJoinHandle;
 use anyhow::{Context, Result, anyhow};
 use xtask_output::Progress;
 
+/// Trials at once: as many as are asked for, or one for each core.
+pub(crate) fn jobs(asked: Option<usize>) -> usize {
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    asked.unwrap_or_else(cores)
+}
+
 /// `work(0)`, ..., `work(count - 1)` on `jobs` threads, in the order of the numbers.
 ///
 /// Each thread has a pool of its own with one worker, so that what a diagnosis does in parallel stays on

@@ -12,7 +12,7 @@ use crate::canvas::{Canvas, Rectangle};
 use crate::error::ReportError;
 use crate::figure::layout::{MARGIN_PX, PAGE_TITLE_PX, TITLE_LINE_PX};
 use crate::figure::panel::draw_panel;
-use crate::figure::series::Series;
+use crate::figure::series::{Mark, Series};
 use crate::text::{BOLD_FACTOR, wrap};
 
 /// A plot with two axes.
@@ -43,10 +43,10 @@ impl Figure {
     ///
     /// # Examples
     /// ```
-    /// use haptical_report::{Figure, Mark, Series};
+    /// use haptical_report::Figure;
     /// let mut figure = Figure::new("Capstan 1", "joint angle [deg]", "error [mrad]");
     /// let points = (-40..=40).map(|k| (f64::from(k), 0.1 * f64::from(k))).collect();
-    /// figure.series.push(Series::new("measured", Mark::Line, 0, points));
+    /// figure.line("measured", 0, points);
     /// let svg = figure.to_svg(640, 400)?;
     /// assert!(svg.starts_with("<svg ") && svg.contains("joint angle [deg]"));
     /// # Ok::<(), haptical_report::ReportError>(())
@@ -63,6 +63,18 @@ impl Figure {
             legend: true,
             ..Self::default()
         }
+    }
+
+    /// Draws segments from point to point: a series of [`Mark::Line`].
+    pub fn line(&mut self, label: impl Into<String>, colour: usize, points: Vec<(f64, f64)>) {
+        self.series
+            .push(Series::new(label, Mark::Line, colour, points));
+    }
+
+    /// Draws a symbol at each point: a series of [`Mark::Points`].
+    pub fn points(&mut self, label: impl Into<String>, colour: usize, points: Vec<(f64, f64)>) {
+        self.series
+            .push(Series::new(label, Mark::Points, colour, points));
     }
 
     /// The figure as an SVG picture; the same figure gives the same bytes.

@@ -7,6 +7,7 @@ use haptical_model::Device;
 
 use crate::error::BlindError;
 use crate::random::Random;
+use crate::rows;
 
 /// One row of a data sheet: lengths relative to the arm's scale.
 struct Row {
@@ -21,45 +22,27 @@ struct Row {
     reach: f64,
 }
 
-const fn row(
-    a: f64,
-    alpha: f64,
-    d: f64,
-    home: f64,
-    mass: f64,
-    centre: [f64; 2],
-    reach: f64,
-) -> Row {
-    Row {
-        a,
-        alpha,
-        d,
-        home,
-        mass,
-        centre,
-        reach,
-    }
-}
-
 /// Shoulder, elbow and a wrist of three intersecting axes.
-const SIX: [Row; 6] = [
-    row(0.16, -FRAC_PI_2, 0.45, 0.0, 0.3, [0.05, 0.2], 2.6),
-    row(0.64, 0.0, 0.0, -FRAC_PI_2, 0.3, [0.3, 0.05], 1.0),
-    row(0.12, -FRAC_PI_2, 0.0, 0.0, 0.2, [0.06, 0.0], 1.0),
-    row(0.0, FRAC_PI_2, 0.65, 0.0, 0.12, [0.0, 0.3], 2.6),
-    row(0.0, -FRAC_PI_2, 0.0, 0.0, 0.05, [0.0, 0.03], 1.7),
-    row(0.0, 0.0, 0.12, 0.0, 0.03, [0.0, 0.05], 2.8),
-];
+const SIX: [Row; 6] = rows! {
+    Row {a alpha d home mass centre reach}
+    0.16, -FRAC_PI_2, 0.45, 0.0, 0.3, [0.05, 0.2], 2.6;
+    0.64, 0.0, 0.0, -FRAC_PI_2, 0.3, [0.3, 0.05], 1.0;
+    0.12, -FRAC_PI_2, 0.0, 0.0, 0.2, [0.06, 0.0], 1.0;
+    0.0, FRAC_PI_2, 0.65, 0.0, 0.12, [0.0, 0.3], 2.6;
+    0.0, -FRAC_PI_2, 0.0, 0.0, 0.05, [0.0, 0.03], 1.7;
+    0.0, 0.0, 0.12, 0.0, 0.03, [0.0, 0.05], 2.8;
+};
 /// Shoulder, elbow and wrist of three axes, three and one.
-const SEVEN: [Row; 7] = [
-    row(0.0, -FRAC_PI_2, 0.36, 0.0, 0.22, [0.0, 0.2], 2.4),
-    row(0.0, FRAC_PI_2, 0.0, 0.0, 0.2, [0.0, 0.05], 1.7),
-    row(0.0, FRAC_PI_2, 0.42, 0.0, 0.18, [0.0, 0.25], 2.4),
-    row(0.0, -FRAC_PI_2, 0.0, 0.0, 0.16, [0.0, 0.05], 1.7),
-    row(0.0, -FRAC_PI_2, 0.4, 0.0, 0.12, [0.0, 0.25], 2.4),
-    row(0.0, FRAC_PI_2, 0.0, 0.0, 0.08, [0.0, 0.02], 1.7),
-    row(0.0, 0.0, 0.13, 0.0, 0.04, [0.0, 0.05], 2.6),
-];
+const SEVEN: [Row; 7] = rows! {
+    Row {a alpha d home mass centre reach}
+    0.0, -FRAC_PI_2, 0.36, 0.0, 0.22, [0.0, 0.2], 2.4;
+    0.0, FRAC_PI_2, 0.0, 0.0, 0.2, [0.0, 0.05], 1.7;
+    0.0, FRAC_PI_2, 0.42, 0.0, 0.18, [0.0, 0.25], 2.4;
+    0.0, -FRAC_PI_2, 0.0, 0.0, 0.16, [0.0, 0.05], 1.7;
+    0.0, -FRAC_PI_2, 0.4, 0.0, 0.12, [0.0, 0.25], 2.4;
+    0.0, FRAC_PI_2, 0.0, 0.0, 0.08, [0.0, 0.02], 1.7;
+    0.0, 0.0, 0.13, 0.0, 0.04, [0.0, 0.05], 2.6;
+};
 
 /// A measured arm before it is known what measures it.
 #[derive(Debug, Clone)]

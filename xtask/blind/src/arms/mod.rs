@@ -15,7 +15,7 @@ use crate::random::Random;
 use crate::rig::geometry::Chain;
 use crate::rig::readings::rounded;
 use crate::rig::scene::CleanChannels;
-use crate::trial::Trial;
+use crate::trial::{Trial, TrialId};
 
 use deviating::Deviating;
 use device::Arm;
@@ -50,90 +50,49 @@ enum Wrong {
 struct Plan {
     wrong: Wrong,
     withhold: bool,
+    label: &'static str,
     is_repeated: bool,
     runs: usize,
     is_moved: bool,
-    label: &'static str,
 }
 
-const STEADY: Plan = Plan {
-    wrong: Wrong::Nothing,
-    withhold: false,
-    is_repeated: false,
-    runs: 1,
-    is_moved: false,
-    label: "",
-};
-
 /// Group elasticity: several joints yield, some arms across their axes or at the foot too.
-pub(crate) fn elastic(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let (wrong, withhold, label) = match index % 10 {
-        0..=3 => (Wrong::Joints, false, "yielding-joints"),
-        4 => (Wrong::JointsAndAcross, false, "yielding-joints-across"),
-        5 => (Wrong::JointsAndBase, false, "yielding-joints-and-base"),
-        6 | 7 => (Wrong::Nothing, false, "rigid-arm"),
-        8 => (Wrong::Joints, true, "yielding-withheld"),
-        _ => (Wrong::Product, false, "angle-product"),
+pub(crate) fn elastic(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let plan = match id.index % 10 {
+        0..=3 => Plan::steady(Wrong::Joints, false, "yielding-joints"),
+        4 => Plan::steady(Wrong::JointsAndAcross, false, "yielding-joints-across"),
+        5 => Plan::steady(Wrong::JointsAndBase, false, "yielding-joints-and-base"),
+        6 | 7 => Plan::steady(Wrong::Nothing, false, "rigid-arm"),
+        8 => Plan::steady(Wrong::Joints, true, "yielding-withheld"),
+        _ => Plan::steady(Wrong::Product, false, "angle-product"),
     };
-    let plan = Plan {
-        wrong,
-        withhold,
-        label,
-        ..STEADY
-    };
-    plan.trial(suite, index, seed, random)
+    plan.trial(id, random)
 }
 
 /// Postures that are recorded two to five times.
-pub(crate) fn repeats(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let (wrong, withhold, label) = match index % 8 {
-        0..=2 => (Wrong::Nothing, false, "repeats-rigid"),
-        3..=5 => (Wrong::Joints, false, "repeats-yielding"),
-        6 => (Wrong::Joints, true, "repeats-withheld"),
-        _ => (Wrong::Product, false, "repeats-product"),
+pub(crate) fn repeats(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let mut plan = match id.index % 8 {
+        0..=2 => Plan::steady(Wrong::Nothing, false, "repeats-rigid"),
+        3..=5 => Plan::steady(Wrong::Joints, false, "repeats-yielding"),
+        6 => Plan::steady(Wrong::Joints, true, "repeats-withheld"),
+        _ => Plan::steady(Wrong::Product, false, "repeats-product"),
     };
-    let plan = Plan {
-        wrong,
-        withhold,
-        is_repeated: true,
-        label,
-        ..STEADY
-    };
-    plan.trial(suite, index, seed, random)
+    plan.is_repeated = true;
+    plan.trial(id, random)
 }
 
 /// Two runs or more, between which the tracker is set up anew, or is not.
-pub(crate) fn moved(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let (wrong, is_moved, withhold, label) = match index % 8 {
-        0..=3 => (Wrong::Nothing, true, false, "moved"),
-        4 => (Wrong::Joints, true, false, "moved-yielding"),
-        5 | 6 => (Wrong::Nothing, false, false, "several-runs"),
-        _ => (Wrong::Nothing, true, true, "moved-withheld"),
+pub(crate) fn moved(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let member = id.index % 8;
+    let mut plan = match member {
+        0..=3 => Plan::steady(Wrong::Nothing, false, "moved"),
+        4 => Plan::steady(Wrong::Joints, false, "moved-yielding"),
+        5 | 6 => Plan::steady(Wrong::Nothing, false, "several-runs"),
+        _ => Plan::steady(Wrong::Nothing, true, "moved-withheld"),
     };
-    let plan = Plan {
-        wrong,
-        withhold,
-        is_moved,
-        runs: 2 + random.index(3),
-        label,
-        ..STEADY
-    };
-    plan.trial(suite, index, seed, random)
+    plan.is_moved = ![5, 6].contains(&member);
+    plan.runs = 2 + random.index(3);
+    plan.trial(id, random)
 }
 
 /// Least and largest root mean square of an effect at the marker over the noise.
@@ -144,13 +103,19 @@ const GAP: f64 = 4e-4;
 const UNREST: f64 = 0.3;
 
 impl Plan {
-    fn trial(
-        self,
-        suite: &str,
-        index: u64,
-        seed: u64,
-        random: &mut Random,
-    ) -> Result<Trial, BlindError> {
+    /// One run of postures that do not repeat.
+    fn steady(wrong: Wrong, withhold: bool, label: &'static str) -> Self {
+        Self {
+            wrong,
+            withhold,
+            label,
+            is_repeated: false,
+            runs: 1,
+            is_moved: false,
+        }
+    }
+
+    fn trial(self, id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
         let arm = Arm::draw(random)?;
         let mut tracker = Tracker::draw(arm.scale_m, random);
         let count = if self.is_repeated {
@@ -199,18 +164,13 @@ impl Plan {
         );
         let gap = deviating.gap(&arm.truth, &tracker, &postures);
         let story = self.story(&arm, &deviating, &postures);
-        let truth = story.truth(suite, index, seed, gap);
-        Ok(Trial {
-            device: Device::from_toml(&device_toml, "arm")?.device,
+        let logs = [log, Recording::default()];
+        Trial::of(
             device_toml,
-            model_toml: None,
-            log,
-            log2: Recording::default(),
-            clean2: CleanChannels::default(),
-            without: truth.without.clone(),
-            asked: None,
-            truth,
-        })
+            logs,
+            CleanChannels::default(),
+            story.truth(id, gap),
+        )
     }
 
     fn story(self, arm: &Arm, deviating: &Deviating, postures: &Postures) -> Story {

@@ -26,11 +26,7 @@ fn of_sensor(
         acceptable: vec![GRIP],
         ..draw.anywhere(name, &[name])
     };
-    Effect::new(
-        info,
-        fixed(facts),
-        Act::Columns(Stage::Force, Box::new(act)),
-    )
+    Effect::of_columns(info, Stage::Force, facts, act)
 }
 
 /// A bias of one axis that drifts with temperature.
@@ -126,11 +122,7 @@ fn of_motor(
         }
     };
     let info = draw.at_joint(name, &[name]);
-    Effect::new(
-        info,
-        fixed(facts),
-        Act::Columns(Stage::Torque, Box::new(act)),
-    )
+    Effect::of_columns(info, Stage::Torque, facts, act)
 }
 
 /// Friction in a joint: Coulomb's with Stribeck's extra at rest, and viscous.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::effects::forces::GRIP;
-use crate::effects::{Act, Draw, Effect, Facts, Info, Stage, UNKNOWN, fixed, theta};
+use crate::effects::{Draw, Effect, Facts, Info, Stage, UNKNOWN, theta};
 use crate::laws::rms;
 use crate::rig::scene::Scene;
 
@@ -22,7 +22,7 @@ fn unit(mut values: Vec<f64>) -> Vec<f64> {
 fn read(
     info: Info,
     (stage, column): (Stage, usize),
-    facts: Facts,
+    law: &[(&'static str, f64)],
     size: f64,
     course: impl Fn(&Scene<'_>) -> Vec<f64> + Send + Sync + 'static,
 ) -> Effect {
@@ -31,15 +31,14 @@ fn read(
             *reading += size * value;
         }
     };
-    let facts = facts.law("size", size);
-    Effect::new(info, fixed(facts), Act::Columns(stage, Box::new(act)))
+    Effect::of_columns(info, stage, Facts::of_law(law).law("size", size), act)
 }
 
 fn of_torque(
     draw: &mut Draw<'_>,
     name: &'static str,
     depends_on: Vec<String>,
-    facts: Facts,
+    law: &[(&'static str, f64)],
     course: impl Fn(&Scene<'_>) -> Vec<f64> + Send + Sync + 'static,
 ) -> Effect {
     let info = Info {
@@ -47,7 +46,7 @@ fn of_torque(
         ..draw.at_joint(name, &UNKNOWN)
     };
     let size = draw.signed(STRONG_NM);
-    read(info, (Stage::Torque, draw.joint), facts, size, course)
+    read(info, (Stage::Torque, draw.joint), law, size, course)
 }
 
 /// What depends on time alone.
@@ -59,8 +58,8 @@ fn on_time() -> Vec<String> {
 pub(crate) fn torque_tone(draw: &mut Draw<'_>) -> Effect {
     let rate_hz = draw.random.uniform(0.3, 2.0);
     let phase_rad = draw.random.phase_rad();
-    let facts = Facts::default().law("rate_hz", rate_hz);
-    of_torque(draw, "torque-tone", on_time(), facts, move |scene| {
+    let law = [("rate_hz", rate_hz)];
+    of_torque(draw, "torque-tone", on_time(), &law, move |scene| {
         let wave = |row: usize| libm::sin(TAU * rate_hz * scene.elapsed_s(row) + phase_rad);
         (0..scene.len()).map(wave).collect()
     })
@@ -71,75 +70,51 @@ pub(crate) fn torque_bump(draw: &mut Draw<'_>) -> Effect {
     let joint = draw.joint;
     let centre = draw.random.uniform(0.3, 0.7);
     let width_rad = draw.random.uniform(0.05, 0.15);
-    let facts = Facts::default().law("width_rad", width_rad);
-    of_torque(
-        draw,
-        "torque-bump",
-        vec![theta(joint)],
-        facts,
-        move |scene| {
-            let angle = &scene.motion.angle_rad[joint];
-            let low = angle.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = angle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let middle = low + centre * (high - low);
-            let away = angle.iter().map(|angle| (angle - middle) / width_rad);
-            away.map(|x| libm::exp(-0.5 * x * x)).collect()
-        },
-    )
+    let (angles, law) = (vec![theta(joint)], [("width_rad", width_rad)]);
+    of_torque(draw, "torque-bump", angles, &law, move |scene| {
+        let angle = &scene.motion.angle_rad[joint];
+        let low = angle.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = angle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let middle = low + centre * (high - low);
+        let away = angle.iter().map(|angle| (angle - middle) / width_rad);
+        away.map(|x| libm::exp(-0.5 * x * x)).collect()
+    })
 }
 
 /// A random walk of a torque's zero.
 pub(crate) fn torque_walk(draw: &mut Draw<'_>) -> Effect {
     let tag = draw.tag;
-    of_torque(
-        draw,
-        "torque-walk",
-        on_time(),
-        Facts::default(),
-        move |scene| {
-            let mut random = scene.events(tag);
-            let mut sum = 0.0;
-            let step = |_| {
-                sum += random.normal();
-                sum
-            };
-            unit((0..scene.len()).map(step).collect())
-        },
-    )
+    of_torque(draw, "torque-walk", on_time(), &[], move |scene| {
+        let mut random = scene.events(tag);
+        let mut sum = 0.0;
+        let step = |_| {
+            sum += random.normal();
+            sum
+        };
+        unit((0..scene.len()).map(step).collect())
+    })
 }
 
 /// A step of a torque's zero that stays.
 pub(crate) fn torque_step(draw: &mut Draw<'_>) -> Effect {
     let tag = draw.tag;
-    of_torque(
-        draw,
-        "torque-step",
-        on_time(),
-        Facts::default(),
-        move |scene| {
-            let end_s = scene.elapsed_s(scene.len());
-            let start_s = end_s * scene.events(tag).uniform(0.3, 0.7);
-            let is_on = |row: usize| f64::from(u8::from(scene.elapsed_s(row) >= start_s));
-            (0..scene.len()).map(is_on).collect()
-        },
-    )
+    of_torque(draw, "torque-step", on_time(), &[], move |scene| {
+        let end_s = scene.elapsed_s(scene.len());
+        let start_s = end_s * scene.events(tag).uniform(0.3, 0.7);
+        let is_on = |row: usize| f64::from(u8::from(scene.elapsed_s(row) >= start_s));
+        (0..scene.len()).map(is_on).collect()
+    })
 }
 
 /// A torque that follows the product of two angles.
 pub(crate) fn torque_product(draw: &mut Draw<'_>) -> Effect {
     let (first, second) = (draw.joint, (draw.joint + 1) % draw.device.joints.len());
     let both = vec![theta(first), theta(second)];
-    of_torque(
-        draw,
-        "torque-product",
-        both,
-        Facts::default(),
-        move |scene| {
-            let angles = &scene.motion.angle_rad;
-            let pairs = angles[first].iter().zip(&angles[second]);
-            unit(pairs.map(|(a, b)| a * b).collect())
-        },
-    )
+    of_torque(draw, "torque-product", both, &[], move |scene| {
+        let angles = &scene.motion.angle_rad;
+        let pairs = angles[first].iter().zip(&angles[second]);
+        unit(pairs.map(|(a, b)| a * b).collect())
+    })
 }
 
 /// An offset of the force sensor that comes and goes.
@@ -153,17 +128,11 @@ pub(crate) fn force_switching(draw: &mut Draw<'_>) -> Effect {
     };
     let axis = draw.random.index(3);
     let size = draw.signed(STRONG_N);
-    read(
-        info,
-        (Stage::Force, axis),
-        Facts::default(),
-        size,
-        move |scene| {
-            let mut random = scene.events(tag);
-            let (rate_hz, phase_rad) = (random.uniform(0.05, 0.15), random.phase_rad());
-            let wave = |row: usize| libm::sin(TAU * rate_hz * scene.elapsed_s(row) + phase_rad);
-            let on = |row: usize| f64::from(u8::from(wave(row) > 0.4));
-            (0..scene.len()).map(on).collect()
-        },
-    )
+    read(info, (Stage::Force, axis), &[], size, move |scene| {
+        let mut random = scene.events(tag);
+        let (rate_hz, phase_rad) = (random.uniform(0.05, 0.15), random.phase_rad());
+        let wave = |row: usize| libm::sin(TAU * rate_hz * scene.elapsed_s(row) + phase_rad);
+        let on = |row: usize| f64::from(u8::from(wave(row) > 0.4));
+        (0..scene.len()).map(on).collect()
+    })
 }

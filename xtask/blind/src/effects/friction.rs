@@ -72,13 +72,8 @@ pub(crate) fn backlash(draw: &mut Draw<'_>) -> Effect {
     let amplitude = 0.5 * strong_rad * draw.size;
     let width = 0.5 * strong_rad * draw.random.uniform(1.0, 3.0);
     let info = draw.at_joint("backlash", &LOOPS);
-    looped(
-        info,
-        Stage::Upstream,
-        (amplitude, width),
-        shape,
-        ("width_rad", 2.0),
-    )
+    let size = (amplitude, width);
+    looped(info, Stage::Upstream, size, shape, ("width_rad", 2.0))
 }
 
 /// A smooth loop of rolling contacts with transitions of 0.05 to 0.3 rad.
@@ -90,13 +85,8 @@ pub(crate) fn hysteresis(draw: &mut Draw<'_>) -> Effect {
         false => three_elements(draw),
     };
     let info = draw.at_joint("hysteresis", &LOOPS);
-    looped(
-        info,
-        Stage::Upstream,
-        (amplitude, width),
-        shape,
-        ("amplitude_rad", 1.0),
-    )
+    let size = (amplitude, width);
+    looped(info, Stage::Upstream, size, shape, ("amplitude_rad", 1.0))
 }
 
 /// Wind-up of the external encoder's coupling: its shaft stays behind.
@@ -105,13 +95,8 @@ pub(crate) fn external_windup(draw: &mut Draw<'_>) -> Effect {
     let width = draw.random.around(0.02, 5.0);
     let shape = three_elements(draw);
     let info = draw.at_joint("external-encoder-windup", &["external-encoder-windup"]);
-    looped(
-        info,
-        Stage::External,
-        (amplitude, width),
-        shape,
-        ("amplitude_rad", -1.0),
-    )
+    let size = (amplitude, width);
+    looped(info, Stage::External, size, shape, ("amplitude_rad", -1.0))
 }
 
 /// Friction of the measuring cable: its drum reads less while the cable is drawn out.
@@ -120,11 +105,6 @@ pub(crate) fn cable_hysteresis(draw: &mut Draw<'_>) -> Effect {
     let width = draw.random.around(3e-3, 5.0);
     let shape = three_elements(draw);
     let info = draw.anywhere("cable-hysteresis", &["cable-hysteresis"]);
-    looped(
-        info,
-        Stage::Cable,
-        (amplitude, width),
-        shape,
-        ("amplitude_m", -1.0),
-    )
+    let size = (amplitude, width);
+    looped(info, Stage::Cable, size, shape, ("amplitude_m", -1.0))
 }

@@ -63,6 +63,14 @@ impl Facts {
         self
     }
 
+    /// Numbers of the law alone.
+    pub(crate) fn of_law(law: &[(&'static str, f64)]) -> Self {
+        Self {
+            law: law.iter().copied().collect(),
+            ..Self::default()
+        }
+    }
+
     /// With a number of the law.
     #[must_use]
     pub(crate) fn law(mut self, name: &'static str, value: f64) -> Self {
@@ -147,6 +155,16 @@ impl Effect {
     ) -> Self {
         let facts = Box::new(facts);
         Self { info, facts, act }
+    }
+
+    /// Changes columns of one stage, by numbers that are the same in every recording.
+    pub(crate) fn of_columns(
+        info: Info,
+        stage: Stage,
+        facts: Facts,
+        act: impl Fn(&Scene<'_>, &mut [Vec<f64>]) + Send + Sync + 'static,
+    ) -> Self {
+        Self::new(info, fixed(facts), Act::Columns(stage, Box::new(act)))
     }
 
     /// Numbers of this recording.

@@ -2,7 +2,7 @@
 
 use haptical_model::{Body, Device};
 
-use crate::effects::{Act, Draw, Effect, Facts, Info, Stage, UNKNOWN, fixed};
+use crate::effects::{Draw, Effect, Facts, Info, Stage, UNKNOWN};
 use crate::laws::{SlipElement, maxwell_slip};
 use crate::rig::dynamics::Dynamics;
 use crate::rig::scene::Scene;
@@ -59,11 +59,7 @@ fn carried(info: Info, body: usize, mass_kg: f64, centre_m: [f64; 3], is_put_dow
         .law("x_m", x_m)
         .law("y_m", y_m)
         .law("z_m", z_m);
-    Effect::new(
-        info,
-        fixed(facts),
-        Act::Columns(Stage::Torque, Box::new(act)),
-    )
+    Effect::of_columns(info, Stage::Torque, facts, act)
 }
 
 /// Where the handle is in the frame of the last body: after the turn, along and beside the axis.
@@ -125,8 +121,7 @@ fn friction(draw: &mut Draw<'_>, name: &'static str, right: &[&'static str]) -> 
         acceptable: FRICTION.to_vec(),
         ..draw.anywhere(name, right)
     };
-    let act = Act::Columns(Stage::Torque, Box::new(act));
-    Effect::new(info, fixed(Facts::default()), act)
+    Effect::of_columns(info, Stage::Torque, Facts::default(), act)
 }
 
 /// Friction of all joints beside something else, which is what has to be named.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::effects::{Act, Draw, Effect, Facts, Info, Stage, fixed};
+use crate::effects::{Draw, Effect, Facts, Info, Stage, fixed};
 use crate::laws::{delayed, slope_of};
 use crate::rig::scene::Scene;
 use crate::truth::Event;
@@ -57,11 +57,7 @@ pub(crate) fn encoder_latency(draw: &mut Draw<'_>) -> Effect {
         }
     };
     let facts = Facts::default().with("delay_s", delay_s);
-    Effect::new(
-        info,
-        fixed(facts),
-        Act::Columns(Stage::Motor, Box::new(act)),
-    )
+    Effect::of_columns(info, Stage::Motor, facts, act)
 }
 
 /// Viscous lag of a lubricated cable: the motor leads in proportion to speed, a little less at high speed.
@@ -123,13 +119,8 @@ pub(crate) fn joint_drift(draw: &mut Draw<'_>) -> Effect {
 pub(crate) fn external_drift(draw: &mut Draw<'_>) -> Effect {
     let info = draw.at_joint("external-encoder-drift", &["external-encoder-drift"]);
     let exponent = draw.random.uniform(0.95, 1.1);
-    drift(
-        exponent,
-        info,
-        Stage::External,
-        draw.signed(1.5e-3),
-        "rad_per_s",
-    )
+    let size = draw.signed(1.5e-3);
+    drift(exponent, info, Stage::External, size, "rad_per_s")
 }
 
 /// The cable encoder's zero moves.

@@ -19,10 +19,10 @@ enum Size {
 fn strange(
     info: Info,
     size: Size,
-    facts: Facts,
+    law: &[(&'static str, f64)],
     shape: impl Fn(&Scene<'_>, &[f64]) -> Vec<f64> + Send + Sync + 'static,
 ) -> Effect {
-    let law = move |scene: &Scene<'_>, signal: &[f64]| {
+    let scaled = move |scene: &Scene<'_>, signal: &[f64]| {
         let mut values = shape(scene, signal);
         let scale = match size {
             Size::Peak(size) => size,
@@ -36,17 +36,18 @@ fn strange(
         None => Stage::Cable,
     };
     let (Size::Peak(number) | Size::Rms(number)) = size;
-    Effect::added(info, stage, fixed(facts.law("size", number)), law)
+    let facts = Facts::of_law(law).law("size", number);
+    Effect::added(info, stage, fixed(facts), scaled)
 }
 
 /// The same, row by row.
 fn by_rows(
     info: Info,
     size: Size,
-    facts: Facts,
+    law: &[(&'static str, f64)],
     shape: impl Fn(&Scene<'_>, usize) -> f64 + Send + Sync + 'static,
 ) -> Effect {
-    strange(info, size, facts, move |scene, signal| {
+    strange(info, size, law, move |scene, signal| {
         (0..signal.len()).map(|row| shape(scene, row)).collect()
     })
 }
@@ -99,8 +100,8 @@ fn time() -> [String; 1] {
 
 /// A bump at one place of the signal.
 fn bump(info: Info, centre: f64, width: f64, size: f64) -> Effect {
-    let facts = Facts::default().law("centre", centre).law("width", width);
-    strange(info, Size::Peak(size), facts, move |_, signal| {
+    let law = [("centre", centre), ("width", width)];
+    strange(info, Size::Peak(size), &law, move |_, signal| {
         let away = signal.iter().map(|value| (value - centre) / width);
         away.map(|x| libm::exp(-0.5 * x * x)).collect()
     })
@@ -108,10 +109,8 @@ fn bump(info: Info, centre: f64, width: f64, size: f64) -> Effect {
 
 /// A vibration whose frequency rises.
 fn chirping(info: Info, start_hz: f64, end_hz: f64, size: f64) -> Effect {
-    let facts = Facts::default()
-        .law("start_hz", start_hz)
-        .law("end_hz", end_hz);
-    by_rows(info, Size::Peak(size), facts, move |scene, row| {
+    let law = [("start_hz", start_hz), ("end_hz", end_hz)];
+    by_rows(info, Size::Peak(size), &law, move |scene, row| {
         let (time_s, end_s) = (scene.elapsed_s(row), scene.elapsed_s(scene.len()));
         let sweep = 0.5 * (end_hz - start_hz) * time_s / end_s;
         libm::sin(TAU * (start_hz + sweep) * time_s)
@@ -120,21 +119,16 @@ fn chirping(info: Info, start_hz: f64, end_hz: f64, size: f64) -> Effect {
 
 /// A random walk that reaches its size at the end of a minute.
 fn walk(info: Info, tag: u64, size: f64) -> Effect {
-    strange(
-        info,
-        Size::Peak(size),
-        Facts::default(),
-        move |scene, signal| {
-            let mut random = scene.events(tag);
-            let step = libm::sqrt(scene.step_s / 60.0);
-            let mut sum = 0.0;
-            let next = |_: &f64| {
-                sum += step * random.normal();
-                sum
-            };
-            signal.iter().map(next).collect()
-        },
-    )
+    strange(info, Size::Peak(size), &[], move |scene, signal| {
+        let mut random = scene.events(tag);
+        let step = libm::sqrt(scene.step_s / 60.0);
+        let mut sum = 0.0;
+        let next = |_: &f64| {
+            sum += step * random.normal();
+            sum
+        };
+        signal.iter().map(next).collect()
+    })
 }
 
 /// A dent in the drum.
@@ -150,7 +144,7 @@ pub(crate) fn angle_product(draw: &mut Draw<'_>) -> Effect {
     let (first, second) = (draw.other_joint(), draw.other_joint());
     let info = draw.strange("angle-product", &[theta(first), theta(second)]);
     let size = Size::Rms(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         let angle = &scene.motion.angle_rad;
         angle[first][row] * angle[second][row]
     })
@@ -167,7 +161,7 @@ pub(crate) fn warm_ratio(draw: &mut Draw<'_>) -> Effect {
     let joint = draw.joint;
     let info = draw.strange("warm-ratio", &["temp".to_owned(), theta(joint)]);
     let size = Size::Rms(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         (scene.temperature_degc[row] - scene.cold_degc) * scene.motion.angle_rad[joint][row]
     })
 }
@@ -186,7 +180,7 @@ pub(crate) fn loosening(draw: &mut Draw<'_>) -> Effect {
     let columns = [torque(joint), "t_s".to_owned()];
     let info = draw.with_part("loosening", "capstan-compliance", &columns);
     let size = Size::Rms(draw.amplitude(1.2e-3));
-    strange(info, size, Facts::default(), move |scene, signal| {
+    strange(info, size, &[], move |scene, signal| {
         let end_s = scene.elapsed_s(scene.len());
         let start_s = end_s * scene.events(tag).uniform(0.3, 0.65);
         let at =
@@ -201,10 +195,8 @@ pub(crate) fn grooves(draw: &mut Draw<'_>) -> Effect {
     let sharpness = draw.random.uniform(3.0, 20.0);
     let (phase_rad, size) = (draw.random.phase_rad(), Size::Peak(draw.signed(0.6e-3)));
     let info = draw.strange("worn-grooves", &[theta(draw.joint)]);
-    let facts = Facts::default()
-        .law("period", period)
-        .law("sharpness", sharpness);
-    strange(info, size, facts, move |_, signal| {
+    let law = [("period", period), ("sharpness", sharpness)];
+    strange(info, size, &law, move |_, signal| {
         let waves = signal.iter();
         let waves = waves.map(|value| libm::sin(TAU * value / period + phase_rad));
         waves.map(|wave| libm::tanh(sharpness * wave)).collect()
@@ -216,7 +208,7 @@ pub(crate) fn lift(draw: &mut Draw<'_>) -> Effect {
     let joint = draw.joint;
     let info = draw.strange("speed-lift", &[theta(joint)]);
     let size = Size::Rms(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         let rate = scene.motion.rate_rad_s[joint][row];
         rate * rate
     })
@@ -228,7 +220,7 @@ pub(crate) fn loaded_angle(draw: &mut Draw<'_>) -> Effect {
     let columns = [torque(joint), theta(joint)];
     let info = draw.with_part("loaded-angle", "capstan-compliance", &columns);
     let size = Size::Rms(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         scene.torque_nm[joint][row] * scene.motion.angle_rad[joint][row]
     })
 }
@@ -240,7 +232,7 @@ pub(crate) fn half_range_force(draw: &mut Draw<'_>) -> Effect {
     let columns = [["fx", "fy", "fz"][axis].to_owned(), theta(joint)];
     let info = draw.with_part("half-range-force", "capstan-compliance", &columns);
     let size = Size::Rms(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         let away = (scene.motion.angle_rad[joint][row] - centre) / 0.05;
         scene.force_n[row][axis] * (0.5 + 0.5 * libm::tanh(away))
     })
@@ -253,7 +245,7 @@ pub(crate) fn ringing(draw: &mut Draw<'_>) -> Effect {
     let tag = draw.tag;
     let info = draw.strange("ringing", &time());
     let size = Size::Peak(draw.signed(3e-3));
-    strange(info, size, Facts::default(), move |scene, signal| {
+    strange(info, size, &[], move |scene, signal| {
         let end_s = scene.elapsed_s(scene.len());
         let start_s = end_s * scene.events(tag).uniform(0.2, 0.7);
         let at = |row: usize| {
@@ -272,7 +264,7 @@ pub(crate) fn foreign_sense(draw: &mut Draw<'_>) -> Effect {
     let joint = draw.other_joint();
     let info = draw.strange("foreign-sense", &[theta(joint)]);
     let size = Size::Peak(draw.signed(0.8e-3));
-    by_rows(info, size, Facts::default(), move |scene, row| {
+    by_rows(info, size, &[], move |scene, row| {
         libm::tanh(scene.motion.rate_rad_s[joint][row] / 0.05)
     })
 }

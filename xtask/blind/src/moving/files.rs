@@ -20,7 +20,7 @@ use crate::suites::Suite;
 pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<(), BlindError> {
     let mut random = Suite::Moving.random(index, seed);
     let plan = plan(index, &mut random);
-    let moving = make(&plan, 0.0, (Suite::Moving.name(), index, seed), &mut random)?;
+    let moving = make(&plan, 0.0, Suite::Moving.id(index, seed), &mut random)?;
     let truth = &moving.trial.truth;
     let name = format!("{}-{index:03}-{}", Suite::Moving.name(), truth.name);
     let own = folder.join(&name);

@@ -1,7 +1,10 @@
 //! All effects of moving arms, by name: where each can act, what its recording must have, which names are right.
 
+use self::Need::{Command, NoOutputs, Nothing, Outputs};
+use self::Site::{Any, Link, Loaded, Pair, Proximal, Whole};
 use crate::moving::arms::Arm;
 use crate::moving::laws::{Draw, Drawn, contact, drives, friction, masses, sensing, torques};
+use crate::rows;
 
 /// Where a kind can act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,55 +52,7 @@ pub(crate) struct Kind {
     pub(crate) draw: fn(&mut Draw<'_>) -> Drawn,
 }
 
-/// Kinds, a row each: label, right names, site, law, and what else there is to say of it.
-macro_rules! kinds {
-    ($($label:literal $right:tt $site:ident $draw:path $(, $further:ident($($value:tt)*))*;)*) => {
-        [$(Kind {
-            label: $label,
-            right: &$right,
-            twins: &[],
-            site: Site::$site,
-            need: Need::Nothing,
-            scales: true,
-            is_sized: true,
-            hides: false,
-            draw: $draw,
-        }$(.$further($($value)*))*,)*]
-    };
-}
-
 impl Kind {
-    const fn needs(self, need: Need) -> Self {
-        Self { need, ..self }
-    }
-
-    const fn like(self, twins: &'static [&'static str]) -> Self {
-        Self { twins, ..self }
-    }
-
-    const fn as_it_is(self) -> Self {
-        Self {
-            scales: false,
-            ..self
-        }
-    }
-
-    const fn unsized_by_torque(self) -> Self {
-        Self {
-            is_sized: false,
-            ..self
-        }
-    }
-
-    const fn hidden(self) -> Self {
-        Self {
-            hides: true,
-            scales: false,
-            is_sized: false,
-            ..self
-        }
-    }
-
     /// Joints (from 0) at which it can act on an arm whose drives need `loads`.
     pub(crate) fn joints(&self, arm: &Arm, loads: &[Vec<f64>]) -> Vec<usize> {
         let is_loaded = |joint: usize| {
@@ -107,12 +62,12 @@ impl Kind {
             !arm.axes[joint].slides && peak > 0.25 * arm.axes[joint].range
         };
         let fits = |joint: &usize| match self.site {
-            Site::Whole => *joint == 0,
-            Site::Any => true,
-            Site::Loaded => is_loaded(*joint),
-            Site::Proximal => *joint < 4 && is_loaded(*joint),
-            Site::Link => *joint > 0 && joint + 2 < arm.count() && !arm.axes[*joint].slides,
-            Site::Pair => joint + 1 < arm.count() && !arm.axes[*joint].slides,
+            Whole => *joint == 0,
+            Any => true,
+            Loaded => is_loaded(*joint),
+            Proximal => *joint < 4 && is_loaded(*joint),
+            Link => *joint > 0 && joint + 2 < arm.count() && !arm.axes[*joint].slides,
+            Pair => joint + 1 < arm.count() && !arm.axes[*joint].slides,
         };
         (0..arm.count()).filter(fits).collect()
     }
@@ -121,38 +76,47 @@ impl Kind {
 /// In the catalogue. What twists between motor and link goes by either name: a log of torques and angles does not say whose
 /// spring it is. A constant on a reading, and Coulomb friction that differs by direction, are the same torque while a joint
 /// moves.
-pub(crate) const NAMED: [Kind; 23] = kinds! {
-    "payload" ["payload"] Whole masses::payload, like(&["link-inertia"]);
-    "torque-gain" ["torque-gain"] Loaded sensing::gain;
-    "stribeck-friction" ["stribeck-friction"] Any friction::stribeck;
-    "encoder-latency" ["encoder-latency"] Whole sensing::encoder_latency;
-    "contact" ["contact"] Whole contact::wall;
-    "motor-cogging" ["motor-cogging"] Any torques::cogging;
-    "link-inertia" ["link-inertia"] Link masses::link_inertia;
-    "elastic-second-encoder" ["capstan-compliance", "joint-compliance"] Proximal drives::elastic, needs(Need::Outputs), unsized_by_torque();
-    "load-friction" ["load-friction"] Loaded friction::load;
-    "torque-offset" ["torque-offset", "friction-asymmetry"] Any sensing::offset;
-    "gravity-direction" ["gravity-direction"] Whole masses::gravity_direction;
-    "friction-asymmetry" ["friction-asymmetry"] Any friction::asymmetry, like(&["torque-offset"]);
-    "command-latency" ["command-latency"] Whole sensing::command_latency, needs(Need::Command);
-    "armature" ["armature"] Any masses::armature, like(&["link-inertia"]);
-    "backlash-second-encoder" ["backlash"] Proximal drives::backlash, like(&["hysteresis"]), needs(Need::Outputs), unsized_by_torque();
-    "friction-drift" ["friction-drift"] Any friction::drift;
-    "torque-gain-of-four" ["torque-gain"] Loaded sensing::gain_of_four, as_it_is();
-    "presliding" ["presliding"] Any friction::presliding;
-    "gravity-spring" ["gravity-spring"] Loaded torques::spring, like(&["link-inertia"]);
-    "torque-saturation" ["torque-saturation"] Loaded sensing::saturation;
-    "sampling-dropped" ["sampling"] Whole sensing::dropped, unsized_by_torque();
-    "elastic" ["capstan-compliance", "joint-compliance"] Proximal drives::elastic, needs(Need::NoOutputs), hidden();
-    "sampling-repeated" ["sampling"] Whole sensing::repeated, unsized_by_torque();
+pub(crate) const NAMED: [Kind; 23] = rows! {
+    Kind {label right twins site need scales is_sized hides draw}
+    "payload", &["payload"], &["link-inertia"], Whole, Nothing, true, true, false, masses::payload;
+    "torque-gain", &["torque-gain"], &[], Loaded, Nothing, true, true, false, sensing::gain;
+    "stribeck-friction", &["stribeck-friction"], &[], Any, Nothing, true, true, false, friction::stribeck;
+    "encoder-latency", &["encoder-latency"], &[], Whole, Nothing, true, true, false, sensing::encoder_latency;
+    "contact", &["contact"], &[], Whole, Nothing, true, true, false, contact::wall;
+    "motor-cogging", &["motor-cogging"], &[], Any, Nothing, true, true, false, torques::cogging;
+    "link-inertia", &["link-inertia"], &[], Link, Nothing, true, true, false, masses::link_inertia;
+    "elastic-second-encoder", &["capstan-compliance", "joint-compliance"], &[],
+        Proximal, Outputs, true, false, false, drives::elastic;
+    "load-friction", &["load-friction"], &[], Loaded, Nothing, true, true, false, friction::load;
+    "torque-offset", &["torque-offset", "friction-asymmetry"], &[],
+        Any, Nothing, true, true, false, sensing::offset;
+    "gravity-direction", &["gravity-direction"], &[],
+        Whole, Nothing, true, true, false, masses::gravity_direction;
+    "friction-asymmetry", &["friction-asymmetry"], &["torque-offset"],
+        Any, Nothing, true, true, false, friction::asymmetry;
+    "command-latency", &["command-latency"], &[], Whole, Command, true, true, false, sensing::command_latency;
+    "armature", &["armature"], &["link-inertia"], Any, Nothing, true, true, false, masses::armature;
+    "backlash-second-encoder", &["backlash"], &["hysteresis"],
+        Proximal, Outputs, true, false, false, drives::backlash;
+    "friction-drift", &["friction-drift"], &[], Any, Nothing, true, true, false, friction::drift;
+    "torque-gain-of-four", &["torque-gain"], &[], Loaded, Nothing, false, true, false, sensing::gain_of_four;
+    "presliding", &["presliding"], &[], Any, Nothing, true, true, false, friction::presliding;
+    "gravity-spring", &["gravity-spring"], &["link-inertia"],
+        Loaded, Nothing, true, true, false, torques::spring;
+    "torque-saturation", &["torque-saturation"], &[], Loaded, Nothing, true, true, false, sensing::saturation;
+    "sampling-dropped", &["sampling"], &[], Whole, Nothing, true, false, false, sensing::dropped;
+    "elastic", &["capstan-compliance", "joint-compliance"], &[],
+        Proximal, NoOutputs, false, false, true, drives::elastic;
+    "sampling-repeated", &["sampling"], &[], Whole, Nothing, true, false, false, sensing::repeated;
 };
 
 /// In no catalogue.
-pub(crate) const FOREIGN: [Kind; 6] = kinds! {
-    "dent" [] Any friction::dent;
-    "sloshing" [] Whole torques::sloshing;
-    "coloured-disturbance" [] Any torques::coloured;
-    "controller-mode" [] Whole sensing::controller_mode, needs(Need::Command), hidden();
-    "cable-bundle" [] Pair torques::bundle;
-    "torque-dead-band" [] Loaded sensing::dead_band;
+pub(crate) const FOREIGN: [Kind; 6] = rows! {
+    Kind {label right twins site need scales is_sized hides draw}
+    "dent", &[], &[], Any, Nothing, true, true, false, friction::dent;
+    "sloshing", &[], &[], Whole, Nothing, true, true, false, torques::sloshing;
+    "coloured-disturbance", &[], &[], Any, Nothing, true, true, false, torques::coloured;
+    "controller-mode", &[], &[], Whole, Command, false, false, true, sensing::controller_mode;
+    "cable-bundle", &[], &[], Pair, Nothing, true, true, false, torques::bundle;
+    "torque-dead-band", &[], &[], Loaded, Nothing, true, true, false, sensing::dead_band;
 };

@@ -1,6 +1,6 @@
 //! One trial: an arm that was built, its controller, an effect, two recordings, the truth.
 
-use haptical_model::Device;
+use std::collections::BTreeMap;
 
 use crate::error::BlindError;
 use crate::moving::arms::{Arm, device_toml};
@@ -16,7 +16,7 @@ use crate::moving::sloppy::Sloppy;
 use crate::planted::{Planted, Story};
 use crate::random::Random;
 use crate::rig::scene::CleanChannels;
-use crate::trial::Trial;
+use crate::trial::{Trial, TrialId};
 
 /// A strong effect changes a torque by so much of its range in a fiftieth of the rows, or stands so far above the noise.
 const STRONG_OF_RANGE: f64 = 0.03;
@@ -37,36 +37,26 @@ pub(crate) struct Moving {
 }
 
 /// The trial at an index of the suite `moving`.
-pub(crate) fn draw(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let plan = plan(index, random);
-    Ok(make(&plan, 0.0, (suite, index, seed), random)?.trial)
+pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let plan = plan(id.index, random);
+    Ok(make(&plan, 0.0, id, random)?.trial)
 }
 
 /// The same of clean arms whose torque noise remembers a little.
-pub(crate) fn with_memory(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
+pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
     let plan = Plan {
         stratum: Stratum::Clean,
         kinds: Vec::new(),
     };
     let memory = random.uniform(0.3, 0.7);
-    Ok(make(&plan, memory, (suite, index, seed), random)?.trial)
+    Ok(make(&plan, memory, id, random)?.trial)
 }
 
 /// Makes a trial.
 pub(crate) fn make(
     plan: &Plan,
     memory: f64,
-    (suite, index, seed): (&str, u64, u64),
+    id: TrialId,
     random: &mut Random,
 ) -> Result<Moving, BlindError> {
     let (scene, joints) = placed(plan, memory, random)?;
@@ -93,7 +83,7 @@ pub(crate) fn make(
         effect: "a recording".to_owned(),
         device: scene.arm.name.to_owned(),
     })?;
-    let sloppy = (plan.stratum == Stratum::Sloppy).then_some(Sloppy::of(index / 20));
+    let sloppy = (plan.stratum == Stratum::Sloppy).then_some(Sloppy::of(id.index / 20));
     let read = |(ticks, rows): &(Ticks, Vec<usize>), other: &Ticks, random: &mut Random| {
         let mut ticks = ticks.clone();
         if let Some(way) = sloppy {
@@ -104,28 +94,14 @@ pub(crate) fn make(
     let log = read(&first, &second.0, random);
     let log2 = read(&second, &first.0, random);
     let device_toml = device_toml(scene.arm, scene.sensors.has_outputs);
-    let device = Device::from_toml(&device_toml, scene.arm.name)?.device;
     let story = story(plan, &effects, size, &found, &scene, sloppy);
-    let mut truth = story.truth(suite, index, seed, std::collections::BTreeMap::new());
+    let mut truth = story.truth(id, BTreeMap::new());
     truth.no_gap_is_right = !plan.kinds.is_empty() && plan.kinds.iter().all(|kind| kind.hides);
-    for effect in &mut truth.effects {
-        effect.size = size;
-    }
     if plan.stratum == Stratum::Foreign {
         truth.joints = truth.effects.iter().map(|effect| effect.joint).collect();
         truth.joint = truth.joints.first().copied().flatten();
     }
-    let trial = Trial {
-        device,
-        device_toml,
-        model_toml: None,
-        log,
-        log2,
-        clean2: CleanChannels::default(),
-        without: truth.without.clone(),
-        asked: None,
-        truth,
-    };
+    let trial = Trial::of(device_toml, [log, log2], CleanChannels::default(), truth)?;
     Ok(Moving {
         trial,
         arm: scene.arm,
@@ -166,7 +142,9 @@ fn story(
             joint: effect.joint,
             right: kind.right.to_vec(),
             acceptable: kind.twins.to_vec(),
+            size,
             law,
+            ..Planted::default()
         }
     };
     let labels: Vec<&str> = plan.kinds.iter().map(|kind| kind.label).collect();

@@ -16,7 +16,8 @@ use crate::rig::motion::{Motion, MotionPlan};
 use crate::rig::noise::ChannelNoise;
 use crate::rig::readings::rounded;
 use crate::rig::scene::CleanChannels;
-use crate::trial::Trial;
+use crate::rows;
+use crate::trial::{Trial, TrialId};
 
 use drives::{Size, Wrist};
 
@@ -37,47 +38,17 @@ struct Plan {
 }
 
 fn plan(index: u64) -> Plan {
-    let all = Plan {
-        has_play: true,
-        has_coupling: true,
-        is_shared: false,
-        without: &[],
-        label: "wrist-play-and-coupling",
+    const PLANS: [Plan; 7] = rows! {
+        Plan {has_play has_coupling is_shared without label}
+        true, true, false, &[], "wrist-play-and-coupling";
+        true, true, true, &[], "wrist-shared-cables";
+        true, false, false, &[], "wrist-plays";
+        false, true, false, &[], "wrist-couplings";
+        false, false, false, &[], "wrist-clean";
+        true, true, false, &["backlash", "hysteresis", SHARED], "wrist-play-withheld";
+        true, true, false, &[COUPLING], "wrist-coupling-withheld";
     };
-    match index % 10 {
-        0..=2 => all,
-        3 | 4 => Plan {
-            is_shared: true,
-            label: "wrist-shared-cables",
-            ..all
-        },
-        5 => Plan {
-            has_coupling: false,
-            label: "wrist-plays",
-            ..all
-        },
-        6 => Plan {
-            has_play: false,
-            label: "wrist-couplings",
-            ..all
-        },
-        7 => Plan {
-            has_play: false,
-            has_coupling: false,
-            label: "wrist-clean",
-            ..all
-        },
-        8 => Plan {
-            without: &["backlash", "hysteresis", SHARED],
-            label: "wrist-play-withheld",
-            ..all
-        },
-        _ => Plan {
-            without: &[COUPLING],
-            label: "wrist-coupling-withheld",
-            ..all
-        },
-    }
+    PLANS[[0, 0, 0, 1, 1, 2, 3, 4, 5, 6][(index % 10) as usize]]
 }
 
 /// How a wrist is built and recorded.
@@ -202,13 +173,8 @@ impl Rig {
 }
 
 /// A wrist in motion, all joints at once.
-pub(crate) fn draw(
-    suite: &str,
-    index: u64,
-    seed: u64,
-    random: &mut Random,
-) -> Result<Trial, BlindError> {
-    let plan = plan(index);
+pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    let plan = plan(id.index);
     let rig = Rig::draw(random);
     let device_toml = rig.file();
     let device = Device::from_toml(&device_toml, "wrist")?.device;
@@ -225,19 +191,8 @@ pub(crate) fn draw(
     let (log, clean) = rig.record(&device, &wrist, random);
     let (log2, clean2) = rig.record(&device, &wrist, random);
     let gap = rig.gap(&log, &clean);
-    let story = story(plan, &device, &wrist);
-    let truth = story.truth(suite, index, seed, gap);
-    Ok(Trial {
-        device,
-        device_toml,
-        model_toml: None,
-        log,
-        log2,
-        clean2,
-        without: truth.without.clone(),
-        asked: None,
-        truth,
-    })
+    let truth = story(plan, &device, &wrist).truth(id, gap);
+    Trial::of(device_toml, [log, log2], clean2, truth)
 }
 
 fn story(plan: Plan, device: &Device, wrist: &Wrist) -> Story {
@@ -256,6 +211,7 @@ fn story(plan: Plan, device: &Device, wrist: &Wrist) -> Story {
             law: widths
                 .map(|(joint, width)| (format!("width{}_rad", joint + 1), width))
                 .collect(),
+            ..Planted::default()
         });
     }
     if plan.has_coupling {

@@ -6,39 +6,31 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use haptical_calibration::{
-    CalibrationMethod, Channel, Degree, FittedDevice, HeldOut, Options, ParameterFit, Weighting,
-    fit_device, with_curvature, with_ordered_noise, with_step_one_noise,
+    CalibrationMethod, Channel, FittedDevice, ParameterFit, fit_device, with_curvature,
+    with_ordered_noise, with_step_one_noise,
 };
 use haptical_metrics::median;
 use haptical_model::{Device, Recording};
 use haptical_report::{Cell, Table};
-use rayon::prelude::*;
 use xtask_output::{Output, Progress};
+use xtask_paper::rows;
 
-use super::held::{Interval, Kind, intervals};
-use super::rigs::{DEGREE, Errors, Rig, nominal, true_device};
+use super::held::{Held, Interval, Kind, intervals};
+use super::rigs::{Errors, Rig, estimated, nominal, true_device};
 use noise::{Condition, Motion, record};
 
-const CONDITIONS: [Condition; 9] = [
-    condition("white", 0.0, 0.0, 1.0),
-    condition("memory 0.5", 0.5, 0.0, 1.0),
-    condition("memory 0.8", 0.8, 0.0, 1.0),
-    condition("memory 0.95", 0.95, 0.0, 1.0),
-    condition("drift of 2 sd", 0.0, 2.0, 1.0),
-    condition("drift of 3 sd", 0.0, 3.0, 1.0),
-    condition("12 times larger in a range", 0.0, 0.0, 12.0),
-    condition("12 times larger in a range, memory 0.8", 0.8, 0.0, 12.0),
-    condition("all: 12 times, memory 0.8, drift of 3 sd", 0.8, 3.0, 12.0),
-];
-
-const fn condition(name: &'static str, correlation: f64, drift_sd: f64, uneven: f64) -> Condition {
-    Condition {
-        name,
-        correlation,
-        drift_sd,
-        uneven,
-    }
-}
+const CONDITIONS: [Condition; 9] = rows! {
+    Condition {name correlation drift_sd uneven}
+    "white", 0.0, 0.0, 1.0;
+    "memory 0.5", 0.5, 0.0, 1.0;
+    "memory 0.8", 0.8, 0.0, 1.0;
+    "memory 0.95", 0.95, 0.0, 1.0;
+    "drift of 2 sd", 0.0, 2.0, 1.0;
+    "drift of 3 sd", 0.0, 3.0, 1.0;
+    "12 times larger in a range", 0.0, 0.0, 12.0;
+    "12 times larger in a range, memory 0.8", 0.8, 0.0, 12.0;
+    "all: 12 times, memory 0.8, drift of 3 sd", 0.8, 3.0, 12.0;
+};
 
 /// Bounds of the pooled coverage \[%\] by rows.
 const BARS: [(usize, [f64; 2]); 2] = [(300, [90.0, 99.0]), (2000, [92.0, 98.0])];
@@ -141,11 +133,9 @@ struct Row {
 impl Row {
     fn new(outcomes: &[Result<Outcome>]) -> Result<Self> {
         let good: Vec<&Outcome> = outcomes.iter().flatten().collect();
-        let mut by_name: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+        let mut by_name: BTreeMap<&str, Held> = BTreeMap::new();
         for (name, holds) in good.iter().flat_map(|outcome| &outcome.each) {
-            let count = by_name.entry(name).or_default();
-            count[0] += usize::from(*holds);
-            count[1] += 1;
+            by_name.entry(name).or_default().count(*holds);
         }
         let percent = |holds: &[bool]| {
             100.0 * holds.iter().filter(|holds| **holds).count() as f64 / holds.len() as f64
@@ -161,18 +151,14 @@ impl Row {
         let by_kind =
             [Kind::Alone, Kind::Member, Kind::Combination].map(|kind| percent(&of_kind(kind)));
         let widths: Vec<f64> = good.iter().flat_map(|own| own.widths.clone()).collect();
-        // a parameter of a handful of devices proves nothing
-        let share = |count: &[usize; 2]| 100.0 * count[0] as f64 / count[1] as f64;
-        let often = by_name
-            .iter()
-            .filter(|(_, count)| 5 * count[1] >= good.len());
-        let worst = often.min_by(|a, b| share(a.1).total_cmp(&share(b.1)));
-        let (name, count) = worst.context("no interval at all")?;
+        let often = by_name.iter().filter(|(_, own)| own.is_often(good.len()));
+        let worst = often.min_by(|a, b| a.1.percent().total_cmp(&b.1.percent()));
+        let (name, worst) = worst.context("no interval at all")?;
         Ok(Self {
             by_kind,
             before: percent(&usual),
             covered: percent(&own),
-            worst: ((*name).to_owned(), share(count)),
+            worst: ((*name).to_owned(), worst.percent()),
             growth: median(&widths)?,
             said: 100.0 * good.iter().filter(|outcome| outcome.said).count() as f64
                 / good.len() as f64,
@@ -218,14 +204,7 @@ impl Row {
 impl Trial {
     fn run(&self, devices: usize, progress: &Progress) -> Result<Vec<Result<Outcome>>> {
         let nominal = nominal(self.rig, Errors::Gaussian)?;
-        let seeds = (0..devices as u64).into_par_iter();
-        Ok(seeds
-            .map(|seed| {
-                let outcome = self.device(&nominal, seed);
-                progress.step();
-                outcome
-            })
-            .collect())
+        Ok(progress.over(devices, |seed| self.device(&nominal, seed)))
     }
 
     fn device(&self, nominal: &Device, seed: u64) -> Result<Outcome> {
@@ -237,15 +216,7 @@ impl Trial {
             self.rows,
             seed,
         )?;
-        let mut options = Options {
-            method: self.method,
-            degree: Degree::Fixed(DEGREE),
-            weighting: Weighting::Estimated,
-            held_out: HeldOut::None,
-            ..Options::default()
-        };
-        options.rules.singular_values = false;
-        let fitted = fit_device(nominal, &seen, &options)?;
+        let fitted = fit_device(nominal, &seen, &estimated(self.method))?;
         let usual = self.finish(fitted.clone(), &seen, true)?;
         let own = with_ordered_noise(fitted, &seen, self.method)?;
         let own = self.finish(own, &seen, false)?;

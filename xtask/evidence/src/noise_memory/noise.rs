@@ -2,12 +2,12 @@
 
 use anyhow::Result;
 use haptical_model::{Device, Recording};
-use haptical_simulator::{CableSigma, Noise, Settings, simulate, true_poses};
+use haptical_simulator::{Noise, simulate, true_poses};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::rigs::{Rig, TRACKER_SD_M, generator};
+use crate::rigs::{Rig, TRACKER_SD_M, generator, with_noise};
 
 /// How the joints move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,14 +38,7 @@ pub(super) fn record(
     rows: usize,
     seed: u64,
 ) -> Result<Recording> {
-    let settings = Settings {
-        output_noise: Noise::None,
-        cable_noise: Noise::None,
-        motor_counts: false,
-        cable_sigma: CableSigma::Stated,
-        ..Settings::paper()
-    };
-    let mut seen = simulate(truth, &settings, rows, seed)?;
+    let mut seen = simulate(truth, &with_noise(Noise::None), rows, seed)?;
     let mut random = generator(seed, 5);
     if motion == Motion::Smooth {
         for (joint, column) in truth.joints.iter().zip(&mut seen.joint) {

@@ -14,7 +14,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use xtask_output::{Output, Progress};
 use xtask_paper::{
-    Paper, PoseErrors, Scenario, evaluation_readings, known_angles, nominal_device, step_one,
+    Paper, PoseErrors, Scenario, evaluation_readings, known_angles, nominal_device, rows, step_one,
     step_two_on,
 };
 
@@ -31,47 +31,27 @@ const TRIED: [usize; 10] = [40, 50, 60, 70, 80, 90, 100, 120, 150, 200];
 const FEWEST_REACHING: usize = 60;
 /// Most poses that may be needed: half of the random ones.
 const BAR: usize = RANDOM / 2;
-/// Ways of choosing that are tried: name, how the candidates are drawn, criterion, what is counted on.
-const WAYS: [(&str, Spread, Criterion, Counted); 8] = [
-    ("D", Spread::Normal, Criterion::D, Counted::Known),
-    (
-        "task position",
-        Spread::Normal,
-        Criterion::TaskPosition,
-        Counted::Known,
-    ),
-    (
-        "D, step 1 counted",
-        Spread::Normal,
-        Criterion::D,
-        Counted::StepOne,
-    ),
-    (
-        "task position, step 1 counted",
-        Spread::Normal,
-        Criterion::TaskPosition,
-        Counted::StepOne,
-    ),
-    ("D, uniform", Spread::Uniform, Criterion::D, Counted::Known),
-    (
-        "task position, uniform",
-        Spread::Uniform,
-        Criterion::TaskPosition,
-        Counted::Known,
-    ),
-    (
-        "D, uniform, one fit counted",
-        Spread::Uniform,
-        Criterion::D,
-        Counted::OneFit,
-    ),
-    (
-        "task position, uniform, one fit counted",
-        Spread::Uniform,
-        Criterion::TaskPosition,
-        Counted::OneFit,
-    ),
-];
+/// A way of choosing.
+struct Way {
+    name: &'static str,
+    /// How the candidates are drawn.
+    spread: Spread,
+    criterion: Criterion,
+    counted: Counted,
+}
+
+/// Ways of choosing that are tried.
+const WAYS: [Way; 8] = rows! {
+    Way {name spread criterion counted}
+    "D", Spread::Normal, Criterion::D, Counted::Known;
+    "task position", Spread::Normal, Criterion::TaskPosition, Counted::Known;
+    "D, step 1 counted", Spread::Normal, Criterion::D, Counted::StepOne;
+    "task position, step 1 counted", Spread::Normal, Criterion::TaskPosition, Counted::StepOne;
+    "D, uniform", Spread::Uniform, Criterion::D, Counted::Known;
+    "task position, uniform", Spread::Uniform, Criterion::TaskPosition, Counted::Known;
+    "D, uniform, one fit counted", Spread::Uniform, Criterion::D, Counted::OneFit;
+    "task position, uniform, one fit counted", Spread::Uniform, Criterion::TaskPosition, Counted::OneFit;
+};
 
 /// Errors of one run, or means over the runs of one way of choosing poses.
 #[derive(Debug, Clone, Default)]
@@ -128,9 +108,10 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     let mut table = Table::with_heads("Chosen poses", HEADS);
     push(&mut table, "random", RANDOM, &random, &random)?;
     let mut curves = Vec::new();
-    for (name, spread, criterion, counted) in WAYS {
+    for way in WAYS {
+        let Way { name, counted, .. } = way;
         let mut curve = Vec::new();
-        let information = information(&scenario, spread, counted)?;
+        let information = information(&scenario, way.spread, counted)?;
         // step 1 of one run in some hundred sees so little that fewer would not do
         let least = if counted == Counted::OneFit {
             FEWEST_REACHING
@@ -138,7 +119,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
             0
         };
         for count in TRIED.into_iter().filter(|count| *count >= least) {
-            let readings = choose(&information, criterion, count)?;
+            let readings = choose(&information, way.criterion, count)?;
             let found = accuracy(&scenario, &paper, Some((&readings, counted)), count, runs)
                 .with_context(|| format!("{name}, {count} poses"))?;
             push(&mut table, name, count, &found, &random)?;
@@ -156,8 +137,8 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
         by_chance.push((count, found));
         progress.step();
     }
-    for ((name, curve), (.., counted)) in curves.iter().zip(WAYS) {
-        verdict(output, (name, counted), curve, &random);
+    for ((name, curve), way) in curves.iter().zip(WAYS) {
+        verdict(output, (name, way.counted), curve, &random);
     }
     let by_chance = ("random", by_chance);
     let known = |found: &Accuracy| Some(found.apart.as_ref()?.known_position_m);
@@ -172,7 +153,7 @@ pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
         let caption = format!("{CAPTION}, {which}.");
         // those that count step 1 are for two steps
         let ways = curves.iter().zip(WAYS);
-        let ways = ways.filter(|(_, (.., counted))| *counted != Counted::StepOne);
+        let ways = ways.filter(|(_, way)| way.counted != Counted::StepOne);
         let ways: Vec<_> = ways.map(|(curve, _)| curve).collect();
         let picture = figure(&title, &ways, &by_chance, &random, error_m);
         output.figure(stem, &caption, &picture)?;

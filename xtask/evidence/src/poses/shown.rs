@@ -1,7 +1,7 @@
 //! Chosen poses as a table, verdicts and pictures.
 
 use anyhow::Result;
-use haptical_report::{Cell, Figure, Mark, Series, Table};
+use haptical_report::{Cell, Figure, Series, Table};
 use xtask_output::Output;
 
 use super::choice::Counted;
@@ -139,8 +139,7 @@ pub(super) fn figure(
             |(count, found): &(usize, Accuracy)| Some((*count as f64, error_m(found)? * 1e6));
         let points: Vec<(f64, f64)> = curve.iter().filter_map(point).collect();
         if !points.is_empty() {
-            let series = Series::new(*name, Mark::Line, colour, points);
-            figure.series.push(series);
+            figure.line(*name, colour, points);
         }
     }
     let random_um = error_m(random).unwrap_or(f64::NAN) * 1e6;

@@ -1,36 +1,79 @@
-//! Runs of `cargo test` whose passed tests are counted.
+//! Sections about runs of `cargo test`: readers of Parquet and bags of ROS 2 with their features, long fuzzing.
 
 use std::path::Path;
-use std::process::Command;
 
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
+use xtask_output::{Output, Progress, cargo, said};
 
-/// Runs the tests, optimised, and counts those that passed.
+/// The features of the readers.
+const FEATURES: &str = "parquet,mcap,rosbag2";
+/// Tests that need them: package, and arguments behind it.
+const READERS: [(&str, &[&str]); 2] = [
+    ("haptical-data", &[]),
+    ("haptical-cli", &["--test", "it", "import"]),
+];
+
+/// Fuzz targets: package, arguments behind it, and what they read; the short CI gives each some thousand rounds.
+const FUZZED: [(&str, &[&str], &str); 2] = [
+    (
+        "haptical-fuzz",
+        &["--test", "it"],
+        "device files, identified.toml, rigs, effects, URDF, logs as CSV and as gzip",
+    ),
+    ("haptical-cli", &["fuzz"], "arguments of the command"),
+];
+
+/// Writes the section on Parquet and bags.
+pub(crate) fn formats(output: &mut Output, root: &Path) -> Result<()> {
+    output.section("Parquet and bags of ROS 2");
+    output.words(
+        "The command reads logs as Parquet files, and bags with joint states of ROS 2 as MCAP and as rosbag2's SQLite, with the \
+         features `parquet`, `mcap` and `rosbag2`, which are on by default in `haptical-cli` and off in the libraries. Their tests \
+         read files that pyarrow and the Python libraries of MCAP and of rosbags wrote, and damaged ones.",
+    );
+    for (package, further) in READERS {
+        let arguments = [&["--features", FEATURES, "-p", package], further].concat();
+        let passed = passed_tests(root, &arguments, &[])?;
+        let command = arguments.join(" ");
+        let text = format!("`cargo test {command}`: every test passed");
+        output.verdict(passed > 0, text);
+        output.terminal(format!("     {passed} tests of {package}"));
+    }
+    Ok(())
+}
+
+/// Writes the section on fuzzing.
+pub(crate) fn fuzz(output: &mut Output, root: &Path, seconds: u64) -> Result<()> {
+    output.section("Fuzzing");
+    output.words(format!(
+        "bolero's targets, each for {seconds} s with random changes of files of `fixtures` (its random engine, which stable \
+         Rust has; no coverage guides it): what is read is refused, or finite and can be written and read again. A panic, \
+         or a round that takes long, fails."
+    ));
+    let progress = Progress::new("fuzz", FUZZED.len());
+    for (package, further, read) in FUZZED {
+        let arguments = [&["-p", package], further].concat();
+        let environment = [("HAPTICAL_FUZZ_SECONDS", seconds.to_string())];
+        let passed = passed_tests(root, &arguments, &environment)?;
+        let command = arguments.join(" ");
+        let text = format!("`HAPTICAL_FUZZ_SECONDS={seconds} cargo test {command}`: {read}");
+        output.verdict(passed > 0, text);
+        output.terminal(format!("     {passed} targets of {package}"));
+        progress.step();
+    }
+    Ok(())
+}
+
+/// Runs tests, optimised, and counts those that passed.
 ///
 /// # Errors
 /// If one fails, with all that was printed.
-pub(crate) fn passed_tests(
-    root: &Path,
-    arguments: &[&str],
-    environment: &[(&str, String)],
-) -> Result<usize> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let done = Command::new(cargo)
-        .current_dir(root)
-        .args(["test", "--profile", "jobs", "--quiet"])
-        .args(arguments)
-        .envs(environment.iter().map(|(name, value)| (name, value)))
-        .output()
-        .context("cargo")?;
-    let text = String::from_utf8_lossy(&done.stdout);
-    if !done.status.success() {
-        bail!(
-            "cargo test {} failed:\n{text}\n{}",
-            arguments.join(" "),
-            String::from_utf8_lossy(&done.stderr)
-        );
-    }
-    Ok(count(&text))
+fn passed_tests(root: &Path, arguments: &[&str], environment: &[(&str, String)]) -> Result<usize> {
+    let mut command = cargo();
+    command.args(["test", "--profile", "jobs", "--quiet"]);
+    command.args(arguments).current_dir(root);
+    command.envs(environment.iter().map(|(name, value)| (name, value)));
+    Ok(count(&said(&mut command)?))
 }
 
 /// Adds up the lines `test result: ok. N passed; ...`.

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::{Context, Result, bail};
-use xtask_output::{Output, Progress};
+use anyhow::{Result, bail};
+use xtask_output::{Output, Progress, said};
 
 /// What the environment needs besides the wheel, with the versions that were tried.
 const PACKAGES: [&str; 13] = [
@@ -41,37 +41,37 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
     let progress = Progress::new("python", 6);
     let target = root.join("target").join("python");
     let environment = target.join("environment");
-    run(Command::new(python).args(["-m", "venv"]).arg(&environment))?;
+    said(Command::new(python).args(["-m", "venv"]).arg(&environment))?;
     let inside = environment_python(&environment);
-    let pip = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-    ];
-    run(Command::new(&inside).args(pip).args(PACKAGES))?;
+    let pip = "-m pip install --quiet --disable-pip-version-check".split(' ');
+    said(Command::new(&inside).args(pip.clone()).args(PACKAGES))?;
     progress.step();
     let wheel = wheel(root, &target, &inside)?;
-    run(Command::new(&inside)
-        .args(pip)
-        .args(["--force-reinstall", "--no-deps"])
-        .arg(&wheel))?;
+    said(
+        Command::new(&inside)
+            .args(pip)
+            .args(["--force-reinstall", "--no-deps"])
+            .arg(&wheel),
+    )?;
     progress.step();
     let command = xtask_output::built_command(root)?;
     progress.step();
     let package = root.join("outside").join("python");
-    let tests = run(Command::new(&inside)
-        .current_dir(&package)
-        .env("HAPTICAL_COMMAND", &command)
-        .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]))?;
+    let tests = said(
+        Command::new(&inside)
+            .current_dir(&package)
+            .env("HAPTICAL_COMMAND", &command)
+            .args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]),
+    )?;
     progress.step();
-    let fleet = run(Command::new(&inside)
-        .arg(package.join("examples").join("fleet.py"))
-        .args(["--devices", DEVICES]))?;
+    let fleet = said(
+        Command::new(&inside)
+            .arg(package.join("examples").join("fleet.py"))
+            .args(["--devices", DEVICES]),
+    )?;
     progress.step();
     let notebook =
-        run(Command::new(&inside).arg(package.join("examples").join("run_notebook.py")))?;
+        said(Command::new(&inside).arg(package.join("examples").join("run_notebook.py")))?;
     progress.step();
     drop(progress);
     describe(output, &wheel, (&tests, &fleet, &notebook));
@@ -123,19 +123,14 @@ fn wheel(root: &Path, target: &Path, inside: &Path) -> Result<PathBuf> {
     if wheels.exists() {
         std::fs::remove_dir_all(&wheels)?;
     }
-    run(Command::new(inside)
-        .current_dir(root.join("outside").join("python"))
-        .env("CARGO_TARGET_DIR", target.canonicalize()?.join("build"))
-        .args([
-            "-m",
-            "maturin",
-            "build",
-            "--release",
-            "--locked",
-            "--quiet",
-            "--out",
-        ])
-        .arg(target.canonicalize()?.join("wheels")))?;
+    said(
+        Command::new(inside)
+            .current_dir(root.join("outside").join("python"))
+            .env("CARGO_TARGET_DIR", target.canonicalize()?.join("build"))
+            .args(["-m", "maturin", "build", "--release", "--locked"])
+            .args(["--quiet", "--out"])
+            .arg(target.canonicalize()?.join("wheels")),
+    )?;
     let mut found = std::fs::read_dir(&wheels)?.collect::<std::io::Result<Vec<_>>>()?;
     match (found.pop(), found.pop()) {
         (Some(wheel), None) => Ok(wheel.path()),
@@ -164,17 +159,4 @@ fn environment_python(environment: &Path) -> PathBuf {
     } else {
         environment.join("bin").join("python")
     }
-}
-
-/// Runs a program; returns its standard output, or an error with all that it said.
-fn run(command: &mut Command) -> Result<String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let done = command.output().with_context(|| name.clone())?;
-    let text = String::from_utf8_lossy(&done.stdout).trim_end().to_owned();
-    if !done.status.success() {
-        let arguments: Vec<_> = command.get_args().map(|a| a.to_string_lossy()).collect();
-        let said = String::from_utf8_lossy(&done.stderr);
-        bail!("{name} {} failed:\n{text}\n{said}", arguments.join(" "));
-    }
-    Ok(text)
 }

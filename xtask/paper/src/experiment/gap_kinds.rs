@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use haptical_model::Recording;
 use haptical_simulator::Effects;
-use xtask_blind::Random;
+use xtask_blind::{Random, rows};
 
 /// One kind with its size.
 #[derive(Debug, Clone, Copy)]
@@ -27,10 +27,7 @@ pub(crate) struct Kind {
 impl Kind {
     /// `backlash@3`.
     pub(crate) fn label(&self) -> String {
-        match self.joint {
-            Some(joint) => format!("{}@{joint}", self.name),
-            None => self.name.to_owned(),
-        }
+        label(self.name, self.joint)
     }
 
     /// Whether it is noise and no effect.
@@ -70,47 +67,41 @@ impl Kind {
     }
 }
 
+/// An effect at a joint, or anywhere.
+pub(crate) fn label(effect: &str, joint: Option<usize>) -> String {
+    let joint = joint.map(|joint| format!("@{joint}"));
+    format!("{effect}{}", joint.unwrap_or_default())
+}
+
 const MRAD: (&str, f64) = ("mrad", 1e3);
 const MS: (&str, f64) = ("ms", 1e3);
 const MM: (&str, f64) = ("mm", 1e3);
 const STIFFNESS: (&str, f64) = ("N m/rad", 1.0);
 
-macro_rules! kinds {
-    ($($joint:expr, $name:literal $parameter:literal $unit:expr, $sizes:expr, $further:literal;)*) => {
-        [$(Kind {
-            joint: $joint,
-            name: $name,
-            parameter: $parameter,
-            unit: $unit,
-            sizes: $sizes,
-            further: $further,
-        },)*]
-    };
-}
-
 /// Every effect that the simulator knows, and white noise of the cable encoder: no effect, but what a worn one would show.
 /// Counts are lost in the middle of the motion.
-pub(crate) const KINDS: [Kind; 20] = kinds! {
-    Some(2), "capstan-compliance" "stiffness_nm_per_rad" STIFFNESS, [1e5, 3.0], "";
-    Some(2), "joint-compliance" "stiffness_nm_per_rad" STIFFNESS, [1e5, 3.0], "";
-    Some(3), "backlash" "width_rad" MRAD, [1e-5, 0.2], "driven_by = 'hand'";
-    Some(2), "hysteresis" "amplitude_rad" MRAD, [1e-5, 0.1], "transition_rad = 0.02\ndriven_by = 'hand'";
-    Some(2), "viscous-lag" "delay_s" MS, [1e-5, 0.1], "";
-    Some(1), "encoder-count-loss" "counts" ("counts", 1.0), [1.0, 3000.0], "time_s = 50.0";
-    Some(2), "joint-drift" "rad_per_s" ("mrad/min", 6e4), [1e-8, 1e-3], "";
-    Some(2), "axis-wobble" "amplitude_rad" MRAD, [1e-5, 0.2], "phase_rad = 0.5\norder = 2.0";
-    Some(2), "external-encoder-latency" "delay_s" MS, [1e-5, 0.3], "";
-    None, "encoder-latency" "delay_s" MS, [1e-5, 0.1], "";
-    None, "cable-latency" "delay_s" MS, [1e-5, 0.1], "";
-    None, "cable-exit-geometry" "radius_m" MM, [1e-5, 0.08], "";
-    None, "cable-twist" "twist_m_per_rad2" ("mm/rad^2", 1e3), [1e-6, 0.1], "";
-    None, "cable-zero-offset" "offset_m" MM, [1e-5, 0.2], "";
-    None, "cable-drum-eccentricity" "amplitude_m" MM, [1e-6, 0.01], "phase_rad = 0.5";
-    None, "cable-drift" "m_per_s" ("mm/min", 6e4), [1e-8, 1e-3], "";
-    None, "thermal-drift" "m_per_degc" ("mm/K", 1e3), [1e-6, 0.02], "";
-    None, "base-compliance" "rad_per_nm" ("mrad/(N m)", 1e3), [1e-6, 0.1], "";
-    None, "tool-compliance" "m_per_n" ("mm/N", 1e3), [1e-7, 0.01], "";
-    None, "noise of the cable" "" MM, [1e-9, 0.02], "";
+pub(crate) const KINDS: [Kind; 20] = rows! {
+    Kind {joint name parameter unit sizes further}
+    Some(2), "capstan-compliance", "stiffness_nm_per_rad", STIFFNESS, [1e5, 3.0], "";
+    Some(2), "joint-compliance", "stiffness_nm_per_rad", STIFFNESS, [1e5, 3.0], "";
+    Some(3), "backlash", "width_rad", MRAD, [1e-5, 0.2], "driven_by = 'hand'";
+    Some(2), "hysteresis", "amplitude_rad", MRAD, [1e-5, 0.1], "transition_rad = 0.02\ndriven_by = 'hand'";
+    Some(2), "viscous-lag", "delay_s", MS, [1e-5, 0.1], "";
+    Some(1), "encoder-count-loss", "counts", ("counts", 1.0), [1.0, 3000.0], "time_s = 50.0";
+    Some(2), "joint-drift", "rad_per_s", ("mrad/min", 6e4), [1e-8, 1e-3], "";
+    Some(2), "axis-wobble", "amplitude_rad", MRAD, [1e-5, 0.2], "phase_rad = 0.5\norder = 2.0";
+    Some(2), "external-encoder-latency", "delay_s", MS, [1e-5, 0.3], "";
+    None, "encoder-latency", "delay_s", MS, [1e-5, 0.1], "";
+    None, "cable-latency", "delay_s", MS, [1e-5, 0.1], "";
+    None, "cable-exit-geometry", "radius_m", MM, [1e-5, 0.08], "";
+    None, "cable-twist", "twist_m_per_rad2", ("mm/rad^2", 1e3), [1e-6, 0.1], "";
+    None, "cable-zero-offset", "offset_m", MM, [1e-5, 0.2], "";
+    None, "cable-drum-eccentricity", "amplitude_m", MM, [1e-6, 0.01], "phase_rad = 0.5";
+    None, "cable-drift", "m_per_s", ("mm/min", 6e4), [1e-8, 1e-3], "";
+    None, "thermal-drift", "m_per_degc", ("mm/K", 1e3), [1e-6, 0.02], "";
+    None, "base-compliance", "rad_per_nm", ("mrad/(N m)", 1e3), [1e-6, 0.1], "";
+    None, "tool-compliance", "m_per_n", ("mm/N", 1e3), [1e-7, 0.01], "";
+    None, "noise of the cable", "", MM, [1e-9, 0.02], "";
 };
 
 /// White noise of the cable.

@@ -3,11 +3,12 @@
 use anyhow::{Context, Result};
 use haptical_diagnosis::{Diagnosis, plausible_range};
 use haptical_model::Device;
-use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Table};
 use xtask_output::{Output, Progress, or_none};
 
-use super::gap_kinds::{CABLE_NOISE, KINDS, Kind};
+use super::gap_kinds::{CABLE_NOISE, KINDS, Kind, label};
 use super::own_gap::{Errors, Explained, Found, explain};
+use crate::monte_carlo::largest_size;
 use crate::published::Paper;
 use crate::scenario::Scenario;
 
@@ -167,10 +168,6 @@ fn answer(kind: &Kind, found: &Found) -> (String, String) {
         Ok(answer) => answer,
         Err(error) => return (format!("no answer: {error}"), String::new()),
     };
-    let label = |effect: &str, joint: Option<usize>| match joint {
-        Some(joint) => format!("{effect}@{joint}"),
-        None => effect.to_owned(),
-    };
     let mut words = answer.verdict.name().to_owned();
     for (index, cause) in answer.causes.iter().enumerate() {
         words += if index == 0 { ": " } else { "; " };
@@ -232,11 +229,7 @@ fn figure10(errors: &Errors) -> Result<Shown> {
             mean_mm(&|time_s| time_s > end_s - REST_S),
         ],
         rms_mm: 1e3 * haptical_metrics::rms(&errors.after_m)?,
-        peak_mm: 1e3
-            * errors
-                .after_m
-                .iter()
-                .fold(0.0, |most: f64, e| most.max(e.abs())),
+        peak_mm: 1e3 * largest_size(&errors.after_m),
         speed_share: if squares > 0.0 {
             cross * cross / squares
         } else {
@@ -284,14 +277,9 @@ fn figure(all: &[Explained]) -> Result<FigureGrid> {
             .collect();
         let mut panel = Figure::new(one.kind.label(), "time [s]", "error [mm]");
         panel.legend = false;
-        panel
-            .series
-            .push(Series::new("after", Mark::Line, 0, points));
+        panel.line("after", 0, points);
         panels.push(panel);
     }
-    Ok(FigureGrid::new(
-        "Error of the distance after full calibration",
-        3,
-        panels,
-    ))
+    let title = "Error of the distance after full calibration";
+    Ok(FigureGrid::new(title, 3, panels))
 }

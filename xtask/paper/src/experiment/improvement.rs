@@ -7,10 +7,11 @@ use haptical_model::{Device, Recording, TransmissionError};
 use haptical_report::{Cell, Column, Table};
 use haptical_simulator::Sampling;
 use rayon::prelude::*;
+use xtask_blind::rows;
 use xtask_output::{Output, Progress};
 
 use super::truth::true_device;
-use crate::monte_carlo::Spread;
+use crate::monte_carlo::{Spread, with_transmissions_of};
 use crate::published::Paper;
 use crate::run::{evaluation_readings, step_one, step_two};
 use crate::scenario::Scenario;
@@ -49,15 +50,6 @@ pub(crate) fn improvement(scenario: &Scenario, seed: u64) -> Result<Improvement>
     ])
 }
 
-/// A device with another one's transmissions.
-fn with_transmissions_of(device: &Device, other: &Device) -> Device {
-    let mut mixed = device.clone();
-    for (joint, from) in mixed.joints.iter_mut().zip(&other.joints) {
-        joint.transmission_error = from.transmission_error.clone();
-    }
-    mixed
-}
-
 /// Distance by a device less the measured one, row by row \[m\]; a polynomial beyond its range counts as it
 /// is.
 pub(crate) fn distance_errors_m(device: &Device, recording: &Recording) -> Result<Vec<f64>> {
@@ -71,29 +63,31 @@ pub(crate) fn distance_errors_m(device: &Device, recording: &Recording) -> Resul
     Ok(found.pop().map(|cable| cable.residuals).unwrap_or_default())
 }
 
-/// Changes a geometry.
-type Change = fn(&mut Device);
+/// A geometry, by what is changed.
+struct Geometry {
+    name: &'static str,
+    change: fn(&mut Device),
+}
 
 /// Geometries that the paper's tables do not rule out (docs/assumptions.md).
-const GEOMETRIES: [(&str, Change); 7] = [
-    ("as assumed", |_| {}),
-    ("a0 180 mm", |device| device.links[0].a_m = 0.180),
-    ("a0 330 mm", |device| device.links[0].a_m = 0.330),
-    ("d1 260 mm", |device| device.links[1].d_m = 0.260),
-    ("d3, d5 215, 170 mm", |device| {
+const GEOMETRIES: [Geometry; 7] = rows! {
+    Geometry {name change}
+    "as assumed", |_| {};
+    "a0 180 mm", |device| device.links[0].a_m = 0.180;
+    "a0 330 mm", |device| device.links[0].a_m = 0.330;
+    "d1 260 mm", |device| device.links[1].d_m = 0.260;
+    "d3, d5 215, 170 mm", |device| {
         device.links[3].d_m = 0.215;
         device.links[5].d_m = 0.170;
-    }),
-    ("home of joint 1 at -120 deg", |device| {
-        device.joints[0].home_rad = -120.0_f64.to_radians();
-    }),
-    ("R 5, D 40 mm at joints 1 to 3", |device| {
+    };
+    "home of joint 1 at -120 deg", |device| device.joints[0].home_rad = -120.0_f64.to_radians();
+    "R 5, D 40 mm at joints 1 to 3", |device| {
         for joint in &mut device.joints[..3] {
             joint.transmission_ratio = 5.0;
             joint.drum_distance_m = Some(0.040);
         }
-    }),
-];
+    };
+};
 
 /// Geometries and motions that are tried.
 pub(crate) const CASES: usize = 2 * GEOMETRIES.len();
@@ -118,9 +112,13 @@ pub(crate) fn cases(
     progress: &Progress,
 ) -> Result<Vec<Case>> {
     let mut all = Vec::new();
-    for (geometry, change) in GEOMETRIES {
+    for Geometry {
+        name: geometry,
+        change,
+    } in GEOMETRIES
+    {
         for sampling in [Sampling::Normal, Sampling::Uniform] {
-            let count = if geometry == GEOMETRIES[0].0 {
+            let count = if geometry == GEOMETRIES[0].name {
                 seeds
             } else {
                 seeds.div_ceil(5)
@@ -130,17 +128,15 @@ pub(crate) fn cases(
             let mut scenario = Scenario::paper(device, paper, false)?;
             scenario.truth = true_device(&scenario.nominal, paper)?;
             scenario.settings.sampling = sampling;
-            let found: Vec<Option<Improvement>> = (0..count as u64)
-                .into_par_iter()
-                .map(|index| improvement(&scenario, first_seed + index).ok())
-                .collect();
+            let of_seed = |index| improvement(&scenario, first_seed + index).ok();
+            let found = (0..count as u64).into_par_iter().map(of_seed);
+            let found: Vec<Option<Improvement>> = found.collect();
             let good: Vec<Improvement> = found.iter().flatten().copied().collect();
-            let spreads = (0..READINGS.len())
-                .map(|reading| {
-                    let values: Vec<f64> = good.iter().map(|one| one[reading]).collect();
-                    Spread::new(&values)
-                })
-                .collect::<Result<_>>()?;
+            let spread = |reading: usize| {
+                let values: Vec<f64> = good.iter().map(|one| one[reading]).collect();
+                Spread::new(&values)
+            };
+            let spreads = (0..READINGS.len()).map(spread).collect::<Result<_>>()?;
             all.push(Case {
                 geometry,
                 sampling,

@@ -15,6 +15,9 @@ use anyhow::{Result, ensure};
 use haptical_model::Device;
 use xtask_output::{Layout, Output};
 
+pub use truth::chebyshev;
+pub(crate) use truth::power_series;
+
 use crate::published::Paper;
 use crate::scenario::nominal_device;
 

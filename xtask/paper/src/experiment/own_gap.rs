@@ -2,10 +2,9 @@
 //! authors, what Figure 10 would then show, and whether the diagnosis finds it.
 
 use anyhow::Result;
-use haptical_calibration::{Options, Weighting};
 use haptical_diagnosis::{Diagnosis, diagnose};
 use haptical_metrics::rms;
-use haptical_model::{Device, Recording};
+use haptical_model::Recording;
 use haptical_simulator::{HandMotion, MotionSettings, record_motion};
 use rayon::prelude::*;
 use xtask_blind::Random;
@@ -13,7 +12,7 @@ use xtask_output::Progress;
 
 use super::gap_kinds::{CABLE_NOISE, Kind};
 use super::improvement::distance_errors_m;
-use crate::run::{step_one_on, step_two_on};
+use crate::run::on_samples;
 use crate::scenario::Scenario;
 
 /// The motion is that of Figure 10 at fewer rows: an effect does not depend on their number.
@@ -77,31 +76,13 @@ pub(crate) fn errors(scenario: &Scenario, kind: &Kind, size: f64, seed: u64) -> 
         .with_assumed_roughness(&scenario.truth)?;
     let mut recording = record_motion(&scenario.truth, &effects, &settings, seed)?;
     kind.disturb(&mut recording, size, seed);
-    let device = calibrated(scenario, &recording, seed)?;
+    let fitted = on_samples(scenario, &recording, &mut Random::new(seed, 2))?;
+    let device = fitted.kinematics.device;
     Ok(Errors {
         before_m: distance_errors_m(&scenario.nominal, &recording)?,
         after_m: distance_errors_m(&device, &recording)?,
         recording,
     })
-}
-
-/// Both steps, each on its own random rows.
-fn calibrated(scenario: &Scenario, recording: &Recording, seed: u64) -> Result<Device> {
-    let mut random = Random::new(seed, 2);
-    let mut sample = |count: usize| {
-        let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();
-        recording.select(&rows)
-    };
-    let options = Options {
-        weighting: Weighting::Estimated,
-        ..scenario.options()
-    };
-    let (compensated, _, _) = step_one_on(&scenario.nominal, &options, |_| {
-        Ok(sample(scenario.samples))
-    })?;
-    let data = sample(scenario.poses);
-    let fit = step_two_on(&compensated, &data, &options)?;
-    Ok(fit.device)
 }
 
 /// The log without any effect, and every kind at the size that gives `percent`.

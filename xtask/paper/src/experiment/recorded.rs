@@ -1,15 +1,13 @@
 //! The paper's experiment itself: one recorded motion, both steps on random samples of it.
 
 use anyhow::{Context, Result};
-use haptical_calibration::Weighting;
 use haptical_metrics::rms;
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effects, MotionSettings, record_motion};
 use xtask_blind::Random;
 
 use super::improvement::distance_errors_m;
-use crate::pose_error::PoseErrors;
-use crate::run::{Run, step_one_on, step_two_on};
+use crate::run::{Run, on_samples, rough_options, sample, step_two_on};
 use crate::scenario::Scenario;
 
 /// A recorded motion with the calibration made from it.
@@ -39,36 +37,19 @@ impl Recorded {
         let effects = Effects::none().with_assumed_roughness(&scenario.truth)?;
         let recording = record_motion(&scenario.truth, &effects, &settings, seed)?;
         let mut random = Random::new(seed, 2);
-        let mut sample = |count: usize| {
-            let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();
-            recording.select(&rows)
-        };
-        let mut options = scenario.options();
-        // roughness is larger than the noise that the device file states
-        options.weighting = Weighting::Estimated;
-        let (compensated, transmissions, transmission_data) =
-            step_one_on(&scenario.nominal, &options, |_| {
-                Ok(sample(scenario.samples))
-            })?;
-        let data = sample(scenario.poses);
-        let kinematics = step_two_on(&compensated, &data, &options)?;
-        let alone = step_two_on(&scenario.nominal, &data, &options)?.device;
-        let readings = sample(scenario.evaluation_poses);
-        let pose = PoseErrors::new(
-            &scenario.truth,
-            &scenario.nominal,
-            &kinematics.device,
-            &readings,
-        )?;
+        let found = on_samples(scenario, &recording, &mut random)?;
+        let options = rough_options(scenario);
+        let alone = step_two_on(&scenario.nominal, &found.data, &options)?.device;
+        let readings = sample(&recording, scenario.evaluation_poses, &mut random);
         Ok(Self {
             recording,
             run: Run {
-                transmissions,
-                transmission_data,
-                kinematics,
-                pose,
+                pose: scenario.pose_errors(&found.kinematics.device, &readings)?,
+                transmissions: found.transmissions,
+                transmission_data: found.transmission_data,
+                kinematics: found.kinematics,
             },
-            compensated,
+            compensated: found.compensated,
             alone,
         })
     }

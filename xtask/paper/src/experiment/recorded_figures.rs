@@ -1,7 +1,7 @@
 //! Figures 9 and 10 and Tables 4 and 5 of one recorded motion.
 
 use anyhow::{Context, Result};
-use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Table};
 
 use super::recorded::{Instant, Recorded};
 use super::truth::power_series;
@@ -36,19 +36,12 @@ pub(crate) fn figure9(recorded: &Recorded) -> Result<FigureGrid> {
             })
             .collect::<Result<Vec<_>>>()?;
         let mut figure = Figure::new(*name, "joint angle [deg]", "error [mrad]");
-        figure
-            .series
-            .push(Series::new("measured", Mark::Points, 1, measured));
-        figure
-            .series
-            .push(Series::new("identified", Mark::Line, 0, model));
+        figure.points("measured", 1, measured);
+        figure.line("identified", 0, model);
         panels.push(figure);
     }
-    Ok(FigureGrid::new(
-        "Transmission errors, 100 s of motion",
-        2,
-        panels,
-    ))
+    let title = "Transmission errors, 100 s of motion";
+    Ok(FigureGrid::new(title, 2, panels))
 }
 
 /// Figure 10: distance over time, and its errors before and after.
@@ -60,42 +53,14 @@ pub(crate) fn figure10(recorded: &Recorded, scenario: &Scenario) -> Result<Figur
             .collect()
     };
     let mut distance = Figure::new("(a) distance", "time [s]", "distance [mm]");
-    distance.series.push(Series::new(
-        "nominal",
-        Mark::Line,
-        1,
-        series(&|row| row.measured_m + row.before_m),
-    ));
-    distance.series.push(Series::new(
-        "corrected",
-        Mark::Line,
-        0,
-        series(&|row| row.measured_m + row.after_m),
-    ));
-    distance.series.push(Series::new(
-        "measured",
-        Mark::Line,
-        2,
-        series(&|row| row.measured_m),
-    ));
+    distance.line("nominal", 1, series(&|row| row.measured_m + row.before_m));
+    distance.line("corrected", 0, series(&|row| row.measured_m + row.after_m));
+    distance.line("measured", 2, series(&|row| row.measured_m));
     let mut error = Figure::new("(b) error of the distance", "time [s]", "error [mm]");
-    error.series.push(Series::new(
-        "before calibration",
-        Mark::Line,
-        1,
-        series(&|row| row.before_m),
-    ));
-    error.series.push(Series::new(
-        "after full calibration",
-        Mark::Line,
-        0,
-        series(&|row| row.after_m),
-    ));
-    Ok(FigureGrid::new(
-        "Distance over 100 s",
-        1,
-        vec![distance, error],
-    ))
+    error.line("before calibration", 1, series(&|row| row.before_m));
+    error.line("after full calibration", 0, series(&|row| row.after_m));
+    let panels = vec![distance, error];
+    Ok(FigureGrid::new("Distance over 100 s", 1, panels))
 }
 
 /// Table 4: the capstans, identified again, with intervals.

@@ -43,9 +43,11 @@ pub(crate) fn true_device(nominal: &Device, paper: &Paper) -> Result<Device> {
                 table.beta_i_deg[joint].to_radians(),
             ));
     }
+    let range_rad = [-FOURTH_JOINT_RAD, FOURTH_JOINT_RAD];
+    let printed = |angle| Ok(power_series(&table.k0_to_k10, angle));
     truth.joints[3].transmission_error = TransmissionError::Chebyshev {
-        range_rad: [-FOURTH_JOINT_RAD, FOURTH_JOINT_RAD],
-        coefficients: chebyshev(&table.k0_to_k10, FOURTH_JOINT_RAD),
+        range_rad,
+        coefficients: chebyshev(range_rad, table.k0_to_k10.len(), printed)?,
     };
     Ok(truth)
 }
@@ -61,24 +63,24 @@ pub(crate) fn recorded(nominal: &Device, paper: &Paper) -> Result<Scenario> {
     Ok(scenario)
 }
 
-/// Coefficients of the Chebyshev series over [-half_range, half_range] that equals a power series:
-/// interpolation at as many Chebyshev nodes as there are coefficients is exact (Press et al.,
-/// Numerical Recipes, 3rd ed., eq. 5.8.7).
-pub(crate) fn chebyshev(powers: &[f64], half_range: f64) -> Vec<f64> {
-    let count = powers.len();
-    let node = |index: usize| PI * (index as f64 + 0.5) / count as f64;
-    let values: Vec<f64> = (0..count)
-        .map(|index| power_series(powers, half_range * node(index).cos()))
-        .collect();
-    (0..count)
-        .map(|order| {
-            let sum: f64 = (0..count)
-                .map(|index| values[index] * (order as f64 * node(index)).cos())
-                .sum();
-            let half = if order == 0 { 1.0 } else { 2.0 };
-            half * sum / count as f64
-        })
-        .collect()
+/// Coefficients of the Chebyshev series over a range that equals a function at as many Chebyshev nodes: exact for a
+/// polynomial (Press et al., Numerical Recipes, 3rd ed., eq. 5.8.7).
+pub fn chebyshev(
+    [low, high]: [f64; 2],
+    count: usize,
+    of: impl FnMut(f64) -> Result<f64>,
+) -> Result<Vec<f64>> {
+    let (middle, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let angle = |index: usize| PI * (index as f64 + 0.5) / count as f64;
+    let nodes = (0..count).map(|index| middle + half * angle(index).cos());
+    let values = nodes.map(of).collect::<Result<Vec<f64>>>()?;
+    let coefficient = |order: usize| {
+        let terms = values.iter().enumerate();
+        let terms = terms.map(|(index, value)| value * (order as f64 * angle(index)).cos());
+        let share = if order == 0 { 1.0 } else { 2.0 };
+        share * terms.sum::<f64>() / count as f64
+    };
+    Ok((0..count).map(coefficient).collect())
 }
 
 /// Value of a power series, lowest power first.

@@ -4,7 +4,10 @@ use anyhow::{Context, Result};
 use haptical_metrics::rms;
 use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table, histogram};
 
-use crate::monte_carlo::{FarFromHome, MonteCarlo, PoseSummary};
+use crate::experiment::power_series;
+use crate::monte_carlo::{
+    AFTER, FarFromHome, MonteCarlo, OBSERVABLE, PoseSummary, gain, largest_size,
+};
 use crate::published::Paper;
 use crate::run::Run;
 use crate::scenario::Scenario;
@@ -34,17 +37,9 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
             .map(|&theta| Ok((theta.to_degrees(), error(theta)? * 1e3)))
             .collect()
     };
-    let printed = |theta: f64| -> f64 {
-        paper
-            .table2
-            .k0_to_k10
-            .iter()
-            .rev()
-            .fold(0.0, |sum, k| sum * theta + k)
-    };
     let identified = curve(&|theta| Ok(fit.device.joints[joint].error_rad(theta)?))?;
     let truth = curve(&|theta| Ok(scenario.truth.joints[joint].error_rad(theta)?))?;
-    let published = curve(&|theta| Ok(printed(theta)))?;
+    let published = curve(&|theta| Ok(power_series(&paper.table2.k0_to_k10, theta)))?;
     let inner = |points: &[(f64, f64)], others: &[(f64, f64)]| -> Result<(f64, f64)> {
         let errors: Vec<f64> = points
             .iter()
@@ -52,31 +47,30 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
             .filter(|(point, _)| point.0.abs() <= 40.0)
             .map(|(point, other)| point.1 - other.1)
             .collect();
-        Ok((
-            rms(&errors)?,
-            errors
-                .iter()
-                .fold(0.0_f64, |most, error| most.max(error.abs())),
-        ))
+        Ok((rms(&errors)?, largest_size(&errors)))
     };
     let mut table = Table::with_heads(
         "Figure 7: curves of the parallelogram's error within +-40 deg",
         "curves | rms difference [mrad] | largest [mrad]",
     );
-    for (name, (mean, most)) in [
+    for (name, points, others) in [
         (
             "ours identified, against the assigned truth",
-            inner(&identified, &truth)?,
+            &identified,
+            &truth,
         ),
         (
             "paper's printed polynomial, against the assigned truth",
-            inner(&published, &truth)?,
+            &published,
+            &truth,
         ),
         (
             "ours identified, against the paper's printed polynomial",
-            inner(&identified, &published)?,
+            &identified,
+            &published,
         ),
     ] {
+        let (mean, most) = inner(points, others)?;
         table.push(vec![
             name.into(),
             Cell::number(mean, 4),
@@ -99,52 +93,37 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
 
 /// Figure 8: position and orientation errors at 200 other poses, before and after.
 pub(crate) fn figure8(run: &Run) -> FigureGrid {
-    let panel =
-        |title: &str, unit: &str, scale: f64, before: &[f64], after: &[f64], rest: &[f64]| {
-            let points = |values: &[f64]| -> Vec<(f64, f64)> {
-                values
-                    .iter()
-                    .enumerate()
-                    .map(|(index, value)| (index as f64 + 1.0, (value * scale).max(1e-6)))
-                    .collect()
-            };
-            let mut figure = Figure::new(title, "pose [-]", format!("error [{unit}]"));
-            figure.y_log = true;
-            figure.series = vec![
-                Series::new("before", Mark::Points, 1, points(before)),
-                Series::new("after", Mark::Points, 0, points(after)),
-                Series::new(
-                    "after, unobservable part off",
-                    Mark::Points,
-                    2,
-                    points(rest),
-                ),
-            ];
-            figure
+    let panel = |title: &str, unit: &str, [before, after, rest]: [&[f64]; 3]| {
+        let points = |values: &[f64]| -> Vec<(f64, f64)> {
+            values
+                .iter()
+                .enumerate()
+                .map(|(index, value)| (index as f64 + 1.0, (value * 1e3).max(1e-6)))
+                .collect()
         };
+        let mut figure = Figure::new(title, "pose [-]", format!("error [{unit}]"));
+        figure.y_log = true;
+        figure.points("before", 1, points(before));
+        figure.points("after", 0, points(after));
+        figure.points("after, unobservable part off", 2, points(rest));
+        figure
+    };
     let pose = &run.pose;
-    FigureGrid::new(
-        "Figure 8: pose errors before and after",
-        1,
-        vec![
-            panel(
-                "Position",
-                "mm",
-                1e3,
-                &pose.position_before_m,
-                &pose.position_after_m,
-                &pose.position_observable_m,
-            ),
-            panel(
-                "Orientation",
-                "mrad",
-                1e3,
-                &pose.orientation_before_rad,
-                &pose.orientation_after_rad,
-                &pose.orientation_observable_rad,
-            ),
-        ],
-    )
+    let position = [
+        &pose.position_before_m[..],
+        &pose.position_after_m,
+        &pose.position_observable_m,
+    ];
+    let orientation = [
+        &pose.orientation_before_rad[..],
+        &pose.orientation_after_rad,
+        &pose.orientation_observable_rad,
+    ];
+    let panels = vec![
+        panel("Position", "mm", position),
+        panel("Orientation", "mrad", orientation),
+    ];
+    FigureGrid::new("Figure 8: pose errors before and after", 1, panels)
 }
 
 /// Error before calibration against the distance from home.
@@ -178,50 +157,29 @@ pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
         "error | unit | before | after | improvement [%] | runs: before | runs: after | runs: \
                   improvement [%] | 95 % of runs [%]",
     );
-    type Pick = fn(&PoseSummary) -> f64;
-    let rows: [(&str, &str, Pick, Pick); 5] = [
-        (
-            "distance",
-            "mm",
-            |p| p.distance_before_m,
-            |p| p.distance_after_m,
-        ),
-        (
-            "position",
-            "mm",
-            |p| p.position_before_m,
-            |p| p.position_after_m,
-        ),
-        (
-            "position, unobservable rotation taken off",
-            "mm",
-            |p| p.position_before_m,
-            |p| p.position_observable_m,
-        ),
-        (
-            "orientation",
-            "mrad",
-            |p| p.orientation_before_rad,
-            |p| p.orientation_after_rad,
-        ),
-        (
-            "orientation, unobservable rotation and alpha7 taken off",
-            "mrad",
-            |p| p.orientation_before_rad,
-            |p| p.orientation_observable_rad,
-        ),
+    type Pick = fn(&PoseSummary) -> &[f64];
+    let (apart, turned_apart) = (
+        "position, unobservable rotation taken off",
+        "orientation, unobservable rotation and alpha7 taken off",
+    );
+    let rows: [(&str, &str, Pick, usize); 5] = [
+        ("distance", "mm", |p| &p.distance_m, AFTER),
+        ("position", "mm", |p| &p.position_m, AFTER),
+        (apart, "mm", |p| &p.position_m, OBSERVABLE),
+        ("orientation", "mrad", |p| &p.orientation_rad, AFTER),
+        (turned_apart, "mrad", |p| &p.orientation_rad, OBSERVABLE),
     ];
-    for (name, unit, before, after) in rows {
-        let gain = |pose: &PoseSummary| 100.0 * (1.0 - after(pose) / before(pose));
-        let spread = runs.spread(|sample| gain(&sample.pose))?;
+    for (name, unit, of, after) in rows {
+        let spread = runs.spread(|sample| gain(of(&sample.pose), after))?;
+        let middle = |at: usize| runs.spread(|sample| of(&sample.pose)[at]);
         table.push(vec![
             name.into(),
             unit.into(),
-            Cell::number(before(&one) * 1e3, 4),
-            Cell::number(after(&one) * 1e3, 4),
-            Cell::number(gain(&one), 2),
-            Cell::number(runs.spread(|sample| before(&sample.pose))?.median * 1e3, 4),
-            Cell::number(runs.spread(|sample| after(&sample.pose))?.median * 1e3, 4),
+            Cell::number(of(&one)[0] * 1e3, 4),
+            Cell::number(of(&one)[after] * 1e3, 4),
+            Cell::number(gain(of(&one), after), 2),
+            Cell::number(middle(0)?.median * 1e3, 4),
+            Cell::number(middle(after)?.median * 1e3, 4),
             Cell::number(spread.median, 2),
             Cell::interval(spread.low, spread.high, 2),
         ])?;
@@ -244,52 +202,31 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
         "error | distance from home | rank correlation | 95 % of runs | paper's limit | poses beyond it \
                   [%]",
     );
-    type Pick = fn(&FarFromHome) -> f64;
-    let rows: [(&str, &str, Pick, &str, Pick); 4] = [
-        (
-            "position",
-            "all joints",
-            |f| f.position_all,
-            "8 mm",
-            |f| f.beyond_8_mm,
-        ),
-        (
-            "position",
-            "joints 1 to 4",
-            |f| f.position_driven,
-            "8 mm",
-            |f| f.beyond_8_mm,
-        ),
+    type Beyond = fn(&FarFromHome) -> f64;
+    let rows: [(&str, fn(&FarFromHome) -> [f64; 2], &str, Beyond); 2] = [
+        ("position", |f| f.position, "8 mm", |f| f.beyond_8_mm),
         (
             "orientation",
-            "all joints",
-            |f| f.orientation_all,
-            "30 mrad",
-            |f| f.beyond_30_mrad,
-        ),
-        (
-            "orientation",
-            "joints 1 to 4",
-            |f| f.orientation_driven,
+            |f| f.orientation,
             "30 mrad",
             |f| f.beyond_30_mrad,
         ),
     ];
     let mut positive = true;
-    for (error, joints, correlation, limit, beyond) in rows {
-        let spread = runs.spread(|sample| correlation(&sample.from_home))?;
-        positive &= spread.low > 0.0;
-        table.push(vec![
-            error.into(),
-            joints.into(),
-            Cell::number(spread.median, 2),
-            Cell::interval(spread.low, spread.high, 2),
-            limit.into(),
-            Cell::number(
-                100.0 * runs.spread(|sample| beyond(&sample.from_home))?.median,
-                1,
-            ),
-        ])?;
+    for (error, correlations, limit, beyond) in rows {
+        for (of, joints) in ["all joints", "joints 1 to 4"].into_iter().enumerate() {
+            let spread = runs.spread(|sample| correlations(&sample.from_home)[of])?;
+            positive &= spread.low > 0.0;
+            let beyond = runs.spread(|sample| beyond(&sample.from_home))?;
+            table.push(vec![
+                error.into(),
+                joints.into(),
+                Cell::number(spread.median, 2),
+                Cell::interval(spread.low, spread.high, 2),
+                limit.into(),
+                Cell::number(100.0 * beyond.median, 1),
+            ])?;
+        }
     }
     table.notes.push(
         "Distance from home: norm of the joint readings. The paper's text speaks of errors over 8 mm \
@@ -315,7 +252,7 @@ pub(crate) fn improvement_histogram(runs: &MonteCarlo) -> Figure {
     let values: Vec<f64> = runs
         .samples
         .iter()
-        .map(|sample| 100.0 * (1.0 - sample.pose.distance_after_m / sample.pose.distance_before_m))
+        .map(|sample| gain(&sample.pose.distance_m, AFTER))
         .collect();
     let mut figure = Figure::new(
         "Improvement of the distance over all runs",

@@ -59,30 +59,20 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
 fn identifiability_on(device: &Device, recording: &Recording) -> Result<Identifiability> {
     let channels = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(device, &channels);
-    let parameters: Vec<ParameterId> = candidate_parameters(device)
-        .into_iter()
-        .filter(|id| {
-            !matches!(
-                id,
-                ParameterId::Link {
-                    parameter: Parameter::Beta,
-                    ..
-                }
-            )
-        })
-        .collect();
+    let is_beta = |id: &ParameterId| {
+        let ParameterId::Link { parameter, .. } = id else {
+            return false;
+        };
+        *parameter == Parameter::Beta
+    };
+    let mut free = candidate_parameters(device);
+    free.retain(|id| !is_beta(id));
     let rules = IdentifiabilityRules::default();
-    Ok(identifiability_at(
-        device,
-        recording,
-        &channels,
-        &parameters,
-        &weights,
-        &rules,
-    )?)
+    let judged = identifiability_at(device, recording, &channels, &free, &weights, &rules);
+    Ok(judged?)
 }
 
-fn reasons(judged: &Identifiability) -> Vec<String> {
+pub(crate) fn reasons(judged: &Identifiability) -> Vec<String> {
     (0..judged.names.len())
         .filter_map(|index| judged.reason(index))
         .collect()
@@ -143,6 +133,7 @@ fn schroer(scenario: &Scenario) -> Result<Table> {
         capstan: haptical_model::transmission::CapstanError::default(),
         length_deviations_m: [0.0; 4],
     };
+    let rules = IdentifiabilityRules::default();
     for (name, indices) in [
         ("four lengths and the angle", vec![0, 6, 7, 8, 9]),
         ("those and the capstan's ratio", vec![0, 1, 6, 7, 8, 9]),
@@ -152,26 +143,15 @@ fn schroer(scenario: &Scenario) -> Result<Table> {
             let recording = sweep(&device, half_range_deg.to_radians(), scenario.samples);
             let channels = [Channel::Output { joint: 3 }];
             let weights = Weights::stated(&device, &channels);
-            let parameters: Vec<ParameterId> = indices
-                .iter()
-                .map(|&index| ParameterId::Transmission { joint: 3, index })
-                .collect();
-            let judged = identifiability_at(
-                &device,
-                &recording,
-                &channels,
-                &parameters,
-                &weights,
-                &IdentifiabilityRules::default(),
-            )?;
+            let free = indices.iter();
+            let free = free.map(|&index| ParameterId::Transmission { joint: 3, index });
+            let free: Vec<ParameterId> = free.collect();
+            let judged =
+                identifiability_at(&device, &recording, &channels, &free, &weights, &rules)?;
             let named = |wanted: fn(&Status) -> bool| -> String {
-                let names: Vec<&str> = judged
-                    .statuses
-                    .iter()
-                    .zip(&judged.names)
-                    .filter(|(status, _)| wanted(status))
-                    .map(|(_, name)| name.as_str())
-                    .collect();
+                let all = judged.statuses.iter().zip(&judged.names);
+                let names = all.filter(|(status, _)| wanted(status));
+                let names: Vec<&str> = names.map(|(_, name)| name.as_str()).collect();
                 names.join(", ")
             };
             table.push(vec![

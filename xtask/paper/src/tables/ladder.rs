@@ -6,12 +6,10 @@ use haptical_calibration::{
 };
 use haptical_model::{Device, Parameter, ParameterId};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
-use haptical_simulator::simulate;
 use xtask_output::Progress;
 
 use super::sweeps::Seeds;
-use crate::monte_carlo::{PoseSummary, Spread};
-use crate::pose_error::PoseErrors;
+use crate::monte_carlo::{AFTER, PoseSummary, Spread, gain};
 use crate::run::{evaluation_readings, step_one, step_two};
 use crate::scenario::Scenario;
 
@@ -28,31 +26,29 @@ pub(crate) fn ladder(
     );
     let mut bars = Vec::new();
     let mut categories = Vec::new();
-    for kind in Kind::ALL {
+    for (words, calibrate) in KINDS {
         let runs = seeds.map(|seed| {
-            let device = kind.calibrate(scenario, seed)?;
+            let device = calibrate(scenario, seed)?;
             let readings = evaluation_readings(scenario, seed)?;
-            let errors = PoseErrors::new(&scenario.truth, &scenario.nominal, &device, &readings)?;
-            PoseSummary::new(&errors)
+            PoseSummary::new(&scenario.pose_errors(&device, &readings)?)
         })?;
         progress.step();
         let spread = |pick: &dyn Fn(&PoseSummary) -> f64| {
             Spread::new(&runs.iter().map(pick).collect::<Vec<f64>>())
         };
-        let gain = |before: f64, after: f64| 100.0 * (1.0 - after / before);
-        let distance = spread(&|run| gain(run.distance_before_m, run.distance_after_m))?;
-        let position = spread(&|run| gain(run.position_before_m, run.position_after_m))?;
-        let turn = spread(&|run| gain(run.orientation_before_rad, run.orientation_after_rad))?;
+        let distance = spread(&|run| gain(&run.distance_m, AFTER))?;
+        let position = spread(&|run| gain(&run.position_m, AFTER))?;
+        let turn = spread(&|run| gain(&run.orientation_rad, AFTER))?;
         bars.push((categories.len() as f64, distance.median));
-        categories.push(kind.words().to_owned());
+        categories.push(words.to_owned());
         table.push(vec![
-            kind.words().into(),
-            Cell::number(spread(&|run| run.distance_after_m)?.median * 1e3, 4),
+            words.into(),
+            Cell::number(spread(&|run| run.distance_m[AFTER])?.median * 1e3, 4),
             Cell::number(distance.median, 2),
             Cell::interval(distance.low, distance.high, 2),
-            Cell::number(spread(&|run| run.position_after_m)?.median * 1e3, 3),
+            Cell::number(spread(&|run| run.position_m[AFTER])?.median * 1e3, 3),
             Cell::number(position.median, 1),
-            Cell::number(spread(&|run| run.orientation_after_rad)?.median * 1e3, 3),
+            Cell::number(spread(&|run| run.orientation_rad[AFTER])?.median * 1e3, 3),
             Cell::number(turn.median, 1),
         ])?;
     }
@@ -67,79 +63,51 @@ pub(crate) fn ladder(
     Ok((table, figure))
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Kind {
-    None,
-    Offsets,
-    Transmissions,
-    Kinematics,
-    TwoSteps,
-    Joint,
-}
+/// Makes a device from what a seed records.
+type Calibrate = fn(&Scenario, u64) -> Result<Device>;
 
-impl Kind {
-    const ALL: [Self; 6] = [
-        Self::None,
-        Self::Offsets,
-        Self::Transmissions,
-        Self::Kinematics,
-        Self::TwoSteps,
-        Self::Joint,
-    ];
+/// Kinds of calibration, by what they correct.
+const KINDS: [(&str, Calibrate); 6] = [
+    ("none", |scenario, _| Ok(scenario.nominal.clone())),
+    ("joint offsets alone", offsets),
+    ("step 1 alone", |scenario, seed| {
+        Ok(step_one(scenario, seed)?.0)
+    }),
+    ("step 2 alone", |scenario, seed| {
+        Ok(step_two(scenario, &scenario.nominal, seed)?.device)
+    }),
+    ("both steps (the paper)", |scenario, seed| {
+        let (compensated, ..) = step_one(scenario, seed)?;
+        Ok(step_two(scenario, &compensated, seed)?.device)
+    }),
+    ("joint fit of both", joint_fit),
+];
 
-    fn words(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Offsets => "joint offsets alone",
-            Self::Transmissions => "step 1 alone",
-            Self::Kinematics => "step 2 alone",
-            Self::TwoSteps => "both steps (the paper)",
-            Self::Joint => "joint fit of both",
-        }
-    }
-
-    fn calibrate(self, scenario: &Scenario, seed: u64) -> Result<Device> {
-        Ok(match self {
-            Self::None => scenario.nominal.clone(),
-            Self::Offsets => {
-                let recording =
-                    simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
-                let channel = [Channel::Cable { index: 0 }];
-                let weights = Weights::stated(&scenario.nominal, &channel);
-                let offsets: Vec<ParameterId> = (1..=7)
-                    .map(|row| ParameterId::Link {
-                        row,
-                        parameter: Parameter::Theta,
-                    })
-                    .collect();
-                fit_parameters(&FitRequest {
-                    what: "joint offsets",
-                    device: &scenario.nominal,
-                    recording: &recording,
-                    channels: &channel,
-                    parameters: &offsets,
-                    unsupported: &[],
-                    weights: &weights,
-                    options: &scenario.options(),
-                    start: None,
-                    yielded: None,
-                })?
-                .device
-            }
-            Self::Transmissions => step_one(scenario, seed)?.0,
-            Self::Kinematics => step_two(scenario, &scenario.nominal, seed)?.device,
-            Self::TwoSteps => {
-                let (compensated, ..) = step_one(scenario, seed)?;
-                step_two(scenario, &compensated, seed)?.device
-            }
-            Self::Joint => joint_fit(scenario, seed)?,
-        })
-    }
+/// Joint offsets alone, as vendors' software calibrates them.
+fn offsets(scenario: &Scenario, seed: u64) -> Result<Device> {
+    let channel = [Channel::Cable { index: 0 }];
+    let theta = |row| ParameterId::Link {
+        row,
+        parameter: Parameter::Theta,
+    };
+    let fit = fit_parameters(&FitRequest {
+        what: "joint offsets",
+        device: &scenario.nominal,
+        recording: &scenario.simulate(scenario.poses, seed)?,
+        channels: &channel,
+        parameters: &(1..=7).map(theta).collect::<Vec<_>>(),
+        unsupported: &[],
+        weights: &Weights::stated(&scenario.nominal, &channel),
+        options: &scenario.options(),
+        start: None,
+        yielded: None,
+    })?;
+    Ok(fit.device)
 }
 
 /// The joint fit on the same number of readings: 200 rows with all channels at once.
 fn joint_fit(scenario: &Scenario, seed: u64) -> Result<Device> {
-    let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+    let recording = scenario.simulate(scenario.poses, seed)?;
     channels(&scenario.nominal, &recording)?;
     let options = Options {
         method: CalibrationMethod::Joint,

@@ -8,6 +8,7 @@ use serde_json::json;
 use xtask_output::{Output, Progress};
 
 use super::{Results, figures, identifiability, ladder, sensitivity, sweeps, table2, table3};
+use crate::monte_carlo::{AFTER, OBSERVABLE, gain};
 
 /// Numbers of the paper's effective degrees of freedom: geometry and home pose were inferred from the
 /// same 28 errors, 15 free numbers (docs/assumptions.md).
@@ -19,11 +20,11 @@ const JOINTLY_IMPOSSIBLE: f64 = 0.005;
 pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Summary");
     let runs = &results.runs;
-    let distance = runs.spread(|s| gain(s.pose.distance_before_m, s.pose.distance_after_m))?;
+    let distance = runs.spread(|s| gain(&s.pose.distance_m, AFTER))?;
     let above = runs
         .samples
         .iter()
-        .filter(|s| gain(s.pose.distance_before_m, s.pose.distance_after_m) > 99.0)
+        .filter(|s| gain(&s.pose.distance_m, AFTER) > 99.0)
         .count();
     output.verdict(
         distance.median > 99.0,
@@ -36,11 +37,10 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
             runs.samples.len()
         ),
     );
-    let position = runs.spread(|s| gain(s.pose.position_before_m, s.pose.position_after_m))?;
-    let observable =
-        runs.spread(|s| gain(s.pose.position_before_m, s.pose.position_observable_m))?;
-    let after = runs.spread(|s| s.pose.position_after_m)?;
-    let before = runs.spread(|s| s.pose.position_before_m)?;
+    let position = runs.spread(|s| gain(&s.pose.position_m, AFTER))?;
+    let observable = runs.spread(|s| gain(&s.pose.position_m, OBSERVABLE))?;
+    let after = runs.spread(|s| s.pose.position_m[AFTER])?;
+    let before = runs.spread(|s| s.pose.position_m[0])?;
     output.verdict(
         observable.median > 99.0,
         format!(
@@ -52,21 +52,13 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
             observable.median
         ),
     );
-    let before = runs.spread(|s| s.pose.orientation_before_rad)?;
-    let after = runs.spread(|s| s.pose.orientation_after_rad)?;
-    let turn =
-        runs.spread(|s| gain(s.pose.orientation_before_rad, s.pose.orientation_after_rad))?;
-    let rest = runs.spread(|s| {
-        gain(
-            s.pose.orientation_before_rad,
-            s.pose.orientation_observable_rad,
-        )
-    })?;
+    let before = runs.spread(|s| s.pose.orientation_rad[0])?;
+    let after = runs.spread(|s| s.pose.orientation_rad[AFTER])?;
+    let turn = runs.spread(|s| gain(&s.pose.orientation_rad, AFTER))?;
+    let rest = runs.spread(|s| gain(&s.pose.orientation_rad, OBSERVABLE))?;
     let known = runs.spread(|s| {
-        gain(
-            s.pose.orientation_before_rad,
-            s.orientation_observable_known_rad,
-        )
+        let known_rad = s.orientation_observable_known_rad;
+        gain(&[s.pose.orientation_rad[0], known_rad], AFTER)
     })?;
     output.verdict(
         rest.median > 99.0,
@@ -96,10 +88,6 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
         output.words(format!("Seed {seed}: {reason}"));
     }
     Ok(())
-}
-
-fn gain(before: f64, after: f64) -> f64 {
-    100.0 * (1.0 - after / before)
 }
 
 pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
@@ -142,9 +130,7 @@ pub(crate) fn identifiability(output: &mut Output, results: &Results, seed: u64)
         "All 32 deviations of the eight rows are offered; the list below is found from the \
          derivatives of 200 distances, by QR in an order of preference and by singular values.",
     );
-    let dependent: Vec<String> = (0..judged.nominal.names.len())
-        .filter_map(|index| judged.nominal.reason(index))
-        .collect();
+    let dependent = identifiability::reasons(&judged.nominal);
     output.verdict(
         judged.nominal.rank == 28 && judged.nominal.is_clear(),
         format!("28 of 32 are identifiable; {}", dependent.join("; ")),
@@ -179,19 +165,14 @@ pub(crate) fn identifiability(output: &mut Output, results: &Results, seed: u64)
 
 pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Table 2: transmissions");
-    for (file, title, run, runs) in [
-        (
-            "table2",
-            "Table 2: capstans, eq. (1) as printed",
-            &results.run,
-            &results.runs,
-        ),
-        (
-            "table2_preset",
-            "Table 2: capstans, input drums over 2.9 mm (--paper-preset)",
-            &results.preset_run,
-            &results.preset_runs,
-        ),
+    let printed = ("table2", "Table 2: capstans, eq. (1) as printed");
+    let preset = (
+        "table2_preset",
+        "Table 2: capstans, input drums over 2.9 mm (--paper-preset)",
+    );
+    for ((file, title), run, runs) in [
+        (printed, &results.run, &results.runs),
+        (preset, &results.preset_run, &results.preset_runs),
     ] {
         let made = table2::table2(&results.paper, run, runs, title)?;
         let chi: Vec<String> = made

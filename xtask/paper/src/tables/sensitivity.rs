@@ -4,87 +4,67 @@ use anyhow::Result;
 use haptical_model::Device;
 use haptical_report::{Cell, Table};
 use haptical_simulator::{CableSigma, Noise, Sampling};
+use xtask_blind::rows;
 use xtask_output::{Progress, or_none};
 
 use super::sweeps::{Seeds, summarise};
 use crate::published::Paper;
 use crate::scenario::{PRESET_DENOMINATORS_M, Scenario, true_device};
 
-type Change = fn(&mut Scenario);
+/// An assumption, changed.
+struct Variation {
+    name: &'static str,
+    change: fn(&mut Scenario),
+}
 
 /// One assumption at a time, changed.
-const VARIATIONS: [(&str, Change); 15] = [
-    ("as assumed", |_| {}),
-    ("home of joint 7: 0 instead of -30 deg", |s| {
-        s.nominal.joints[6].home_rad = 0.0;
-    }),
-    ("home of joint 1: -120 instead of -150 deg", |s| {
+const VARIATIONS: [Variation; 15] = rows! {
+    Variation {name change}
+    "as assumed", |_| {};
+    "home of joint 7: 0 instead of -30 deg", |s| s.nominal.joints[6].home_rad = 0.0;
+    "home of joint 1: -120 instead of -150 deg", |s| {
         s.nominal.joints[0].home_rad = -120.0_f64.to_radians();
-    }),
-    ("a0: 180 mm instead of 250 mm", |s| {
-        s.nominal.links[0].a_m = 0.180;
-    }),
-    ("a0: 330 mm", |s| s.nominal.links[0].a_m = 0.330),
-    ("d1: 260 mm instead of 350 mm", |s| {
-        s.nominal.links[1].d_m = 0.260;
-    }),
-    (
-        "d3, d5: 215, 170 mm (Phantom) instead of 180, 280 mm",
-        |s| {
-            s.nominal.links[3].d_m = 0.215;
-            s.nominal.links[5].d_m = 0.170;
-        },
-    ),
-    ("a7: 10 mm instead of 20 mm", |s| {
-        s.nominal.links[7].a_m = 0.010;
-    }),
-    (
-        "R of joints 1 to 3: 5, D 40 mm instead of 8, 67.5 mm",
-        |s| {
-            for joint in &mut s.nominal.joints[..3] {
-                joint.transmission_ratio = 5.0;
-                joint.drum_distance_m = Some(0.040);
-            }
-        },
-    ),
-    ("R of joint 4: 13 instead of 12", |s| {
-        s.nominal.joints[3].transmission_ratio = 13.0;
-    }),
-    ("crank L2 = L4: 82 mm instead of 76 mm", |s| {
+    };
+    "a0: 180 mm instead of 250 mm", |s| s.nominal.links[0].a_m = 0.180;
+    "a0: 330 mm", |s| s.nominal.links[0].a_m = 0.330;
+    "d1: 260 mm instead of 350 mm", |s| s.nominal.links[1].d_m = 0.260;
+    "d3, d5: 215, 170 mm (Phantom) instead of 180, 280 mm", |s| {
+        s.nominal.links[3].d_m = 0.215;
+        s.nominal.links[5].d_m = 0.170;
+    };
+    "a7: 10 mm instead of 20 mm", |s| s.nominal.links[7].a_m = 0.010;
+    "R of joints 1 to 3: 5, D 40 mm instead of 8, 67.5 mm", |s| {
+        for joint in &mut s.nominal.joints[..3] {
+            joint.transmission_ratio = 5.0;
+            joint.drum_distance_m = Some(0.040);
+        }
+    };
+    "R of joint 4: 13 instead of 12", |s| s.nominal.joints[3].transmission_ratio = 13.0;
+    "crank L2 = L4: 82 mm instead of 76 mm", |s| {
         s.nominal.joints[3].parallelogram_lengths_m = Some([0.18, 0.082, 0.18, 0.082]);
-    }),
-    (
-        "input drum denominators 2.9 and 2.6 mm (--paper-preset)",
-        |s| {
-            for (joint, denominator) in s.nominal.joints.iter_mut().zip(PRESET_DENOMINATORS_M) {
-                joint.input_drum_denominator_m = Some(denominator);
-            }
-        },
-    ),
-    ("poses uniform within 2/3 of the limits", |s| {
-        s.settings.sampling = Sampling::Uniform;
-    }),
-    ("sigma_m without the extra 2 pi (1.57 um)", |s| {
+    };
+    "input drum denominators 2.9 and 2.6 mm (--paper-preset)", |s| {
+        for (joint, denominator) in s.nominal.joints.iter_mut().zip(PRESET_DENOMINATORS_M) {
+            joint.input_drum_denominator_m = Some(denominator);
+        }
+    };
+    "poses uniform within 2/3 of the limits", |s| s.settings.sampling = Sampling::Uniform;
+    "sigma_m without the extra 2 pi (1.57 um)", |s| {
         s.settings.cable_sigma = CableSigma::Geometric;
         for cable in &mut s.nominal.cables {
-            cable.distance_sd_m = None;
-            cable.distance_sd_m = cable
-                .drum_radius_m
-                .zip(cable.counts_per_rev)
-                .map(|(radius, counts)| radius * std::f64::consts::TAU / counts / 3.0);
+            let drum = cable.drum_radius_m.zip(cable.counts_per_rev);
+            cable.distance_sd_m =
+                drum.map(|(radius, counts)| radius * std::f64::consts::TAU / counts / 3.0);
         }
-    }),
-    (
-        "motor encoders with 20000 counts, external ones with counts",
-        |s| {
-            s.settings.motor_counts = true;
-            s.settings.output_noise = Noise::Counts;
-            for joint in &mut s.nominal.joints {
-                joint.encoder_counts_per_rev = Some(20000.0);
-            }
-        },
-    ),
-];
+    };
+    "motor encoders with 20000 counts, external ones with counts", |s| {
+        s.settings.motor_counts = true;
+        s.settings.output_noise = Noise::Counts;
+        for joint in &mut s.nominal.joints {
+            joint.encoder_counts_per_rev = Some(20000.0);
+        }
+    };
+};
 
 /// Number of variations, for a progress bar.
 pub(crate) const COUNT: usize = VARIATIONS.len();
@@ -101,7 +81,7 @@ pub(crate) fn table(
                   orientation before [mrad rms] | after [mrad rms] | lowest median I [%] | of | I of at least 97 \
                   % [of 28] | not identified in some run",
     );
-    for (name, change) in VARIATIONS {
+    for Variation { name, change } in VARIATIONS {
         let mut scenario = Scenario::paper(nominal.clone(), paper, false)?;
         change(&mut scenario);
         scenario.truth = true_device(&scenario.nominal, paper, 1.0)?;

@@ -1,17 +1,18 @@
 //! Choices that the paper does not show: polynomial degree, number of poses, search method.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use haptical_calibration::{
-    Channel, Degree, Options, TransmissionTerms, Weights, fit_kinematics, fit_transmission,
+    Channel, Degree, Options, TransmissionFit, TransmissionTerms, Weights, fit_kinematics,
+    fit_transmission,
 };
 use haptical_identification::{Method, Settings as Search};
 use haptical_metrics::{median, rms};
+use haptical_model::Recording;
 use haptical_report::{Cell, Figure, Mark, Series, Table};
-use haptical_simulator::{simulate, simulate_transmission};
 use rayon::prelude::*;
 use xtask_output::Progress;
 
-use crate::monte_carlo::{PoseSummary, known_angles};
+use crate::monte_carlo::{AFTER, PoseSummary, gain, known_angles, largest_size};
 use crate::published::Paper;
 use crate::scenario::{Scenario, true_device};
 
@@ -89,24 +90,20 @@ pub(crate) fn degrees(
     Ok((table, figure))
 }
 
-fn fourth_options(scenario: &Scenario, degree: Degree) -> Options {
-    Options {
+/// The fit of the fourth transmission to a seed's samples, and these.
+fn fourth(scenario: &Scenario, degree: Degree, seed: u64) -> Result<(TransmissionFit, Recording)> {
+    let recording = scenario.simulate_transmission(3, seed)?;
+    let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint: 3 }]);
+    let options = Options {
         degree,
         ..scenario.options()
-    }
+    };
+    let fit = fit_transmission(&scenario.nominal, 3, &recording, &weights, &options)?;
+    Ok((fit, recording))
 }
 
 fn chosen_degree(scenario: &Scenario, seed: u64) -> Result<usize> {
-    let recording = simulate_transmission(
-        &scenario.truth,
-        &scenario.settings,
-        3,
-        scenario.samples,
-        seed,
-    )?;
-    let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint: 3 }]);
-    let options = fourth_options(scenario, Degree::UpTo(14));
-    let fit = fit_transmission(&scenario.nominal, 3, &recording, &weights, &options)?;
+    let (fit, _) = fourth(scenario, Degree::UpTo(14), seed)?;
     Ok(match fit.terms {
         TransmissionTerms::Polynomial(degree) => degree,
         _ => 0,
@@ -116,19 +113,8 @@ fn chosen_degree(scenario: &Scenario, seed: u64) -> Result<usize> {
 /// RMS of identified minus true curve within 40 and 45 degrees, and the condition number of the
 /// same fit in the paper's raw monomials.
 fn curve_errors(scenario: &Scenario, seed: u64) -> Result<[f64; 3]> {
-    let recording = simulate_transmission(
-        &scenario.truth,
-        &scenario.settings,
-        3,
-        scenario.samples,
-        seed,
-    )?;
-    let weights = Weights::stated(&scenario.nominal, &[Channel::Output { joint: 3 }]);
-    let options = fourth_options(scenario, Degree::Fixed(scenario.degree));
-    let fit = fit_transmission(&scenario.nominal, 3, &recording, &weights, &options)?;
-    let Some(fit) = fit.fit else {
-        anyhow::bail!("nothing fitted for joint 4")
-    };
+    let (fit, recording) = fourth(scenario, Degree::Fixed(scenario.degree), seed)?;
+    let fit = fit.fit.context("nothing fitted for joint 4")?;
     let error = |half_range_deg: f64| -> Result<f64> {
         let mut errors = Vec::new();
         for step in -90..=90 {
@@ -139,10 +125,8 @@ fn curve_errors(scenario: &Scenario, seed: u64) -> Result<[f64; 3]> {
         Ok(rms(&errors)?)
     };
     let readings = &recording.joint[3];
-    let raw =
-        haptical_linalg::Matrix::from_fn(readings.len(), scenario.degree + 1, |row, power| {
-            readings[row].powi(power as i32)
-        });
+    let power = |row: usize, power: usize| readings[row].powi(power as i32);
+    let raw = haptical_linalg::Matrix::from_fn(readings.len(), scenario.degree + 1, power);
     let values = haptical_linalg::singular_values(&raw)?;
     let condition = values[0] / values[values.len() - 1];
     Ok([error(40.0)?, error(45.0)?, condition])
@@ -232,13 +216,11 @@ pub(crate) fn summarise(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Res
         }
     }
     Ok(Summary {
-        distance_improvement: middle(&|pose| {
-            100.0 * (1.0 - pose.distance_after_m / pose.distance_before_m)
-        })?,
-        position_before_m: middle(&|pose| pose.position_before_m)?,
-        position_after_m: middle(&|pose| pose.position_after_m)?,
-        orientation_before_rad: middle(&|pose| pose.orientation_before_rad)?,
-        orientation_after_rad: middle(&|pose| pose.orientation_after_rad)?,
+        distance_improvement: middle(&|pose| gain(&pose.distance_m, AFTER))?,
+        position_before_m: middle(&|pose| pose.position_m[0])?,
+        position_after_m: middle(&|pose| pose.position_m[AFTER])?,
+        orientation_before_rad: middle(&|pose| pose.orientation_rad[0])?,
+        orientation_after_rad: middle(&|pose| pose.orientation_rad[AFTER])?,
         lowest,
         good,
         lost,
@@ -301,15 +283,12 @@ pub(crate) fn methods(
 /// Steps taken to the right minimum, or none; and the largest distance error before.
 fn search_outcome(scenario: &Scenario, seed: u64) -> Result<(Option<f64>, f64)> {
     let device = known_angles(scenario);
-    let recording = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+    let recording = scenario.simulate(scenario.poses, seed)?;
     let channel = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(&device, &channel);
     let before =
         haptical_calibration::channel_residuals(&device, &device, &recording, &channel, &weights)?;
-    let largest = before[0]
-        .residuals
-        .iter()
-        .fold(0.0_f64, |most, error| most.max(error.abs()));
+    let largest = largest_size(&before[0].residuals);
     let fit = fit_kinematics(&device, &recording, &channel, &weights, &scenario.options());
     let steps = fit.ok().and_then(|fit| {
         let scatter = (fit.cost / (scenario.poses - fit.fitted.len()) as f64).sqrt();

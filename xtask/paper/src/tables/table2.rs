@@ -4,6 +4,8 @@ use anyhow::{Context, Result};
 use haptical_metrics::parameter_improvement_percent;
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 
+use xtask_blind::rows;
+
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread};
 use crate::published::Paper;
@@ -21,43 +23,14 @@ struct Row<'p> {
 fn rows(paper: &Paper) -> [Row<'_>; 5] {
     let table = &paper.table2;
     let degrees = 180.0 / std::f64::consts::PI;
-    [
-        Row {
-            symbol: "R_e",
-            unit: "",
-            per_si: 1.0,
-            half_digit: 5e-7,
-            published: &table.ratio_deviation,
-        },
-        Row {
-            symbol: "r_o",
-            unit: "mm",
-            per_si: 1e3,
-            half_digit: 5e-7,
-            published: &table.ro_mm,
-        },
-        Row {
-            symbol: "r_i",
-            unit: "mm",
-            per_si: 1e3,
-            half_digit: 5e-7,
-            published: &table.ri_mm,
-        },
-        Row {
-            symbol: "beta_o",
-            unit: "deg",
-            per_si: degrees,
-            half_digit: 5e-5,
-            published: &table.beta_o_deg,
-        },
-        Row {
-            symbol: "beta_i",
-            unit: "deg",
-            per_si: degrees,
-            half_digit: 5e-5,
-            published: &table.beta_i_deg,
-        },
-    ]
+    rows! {
+        Row {symbol unit per_si half_digit published}
+        "R_e", "", 1.0, 5e-7, &table.ratio_deviation;
+        "r_o", "mm", 1e3, 5e-7, &table.ro_mm;
+        "r_i", "mm", 1e3, 5e-7, &table.ri_mm;
+        "beta_o", "deg", degrees, 5e-5, &table.beta_o_deg;
+        "beta_i", "deg", degrees, 5e-5, &table.beta_i_deg;
+    }
 }
 
 /// The table, its picture, and how many of the published figures are possible.

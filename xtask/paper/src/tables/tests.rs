@@ -56,22 +56,19 @@ fn distance_position_and_orientation_improve_as_the_geometry_allows() {
         .unwrap()
     };
     let gain = |before: f64, after: f64| 100.0 * (1.0 - after / before);
-    let distance = gain(
-        middle(|p| p.distance_before_m),
-        middle(|p| p.distance_after_m),
-    );
+    let distance = gain(middle(|p| p.distance_m[0]), middle(|p| p.distance_m[1]));
     assert!(distance > 99.0, "distance {distance} %");
-    let before = middle(|p| p.position_before_m);
+    let before = middle(|p| p.position_m[0]);
     assert!((4e-3..6e-3).contains(&before), "position before {before} m");
-    let rest = middle(|p| p.position_after_m);
+    let rest = middle(|p| p.position_m[1]);
     // alpha0's 1.5 mrad turns the handle about x by its distance from that axis, about 0.25 m.
     assert!(
         (0.25e-3..0.45e-3).contains(&rest),
         "position after {rest} m"
     );
-    let observable = gain(before, middle(|p| p.position_observable_m));
+    let observable = gain(before, middle(|p| p.position_m[2]));
     assert!(observable > 99.0, "observable part {observable} %");
-    let turned = middle(|p| p.orientation_after_rad);
+    let turned = middle(|p| p.orientation_rad[1]);
     // sqrt(1.5^2 + 1.7^2) = 2.3 mrad if alpha0 and alpha7 alone remained, at right angles.
     assert!(
         (1.7e-3..2.7e-3).contains(&turned),

@@ -1,5 +1,7 @@
 //! The bars that the comparisons are held against, and what one run says of each.
 
+use xtask_blind::rows;
+
 use super::distance::{LARGE, SMALL};
 use super::ours::{COLD, WARM};
 use super::ratio::MedianRatio;
@@ -20,32 +22,17 @@ struct Bar {
     least: f64,
 }
 
-const BARS: [Bar; 7] = [
-    bar(SMALL.name, COLD, "Ceres", (1, 1), 15.0),
-    bar(SMALL.name, COLD, "SciPy", (1, 1), 400.0),
-    bar(LARGE.name, COLD, "Ceres", (1, 1), 15.0),
-    bar(LARGE.name, WARM, "Ceres", (1, 1), 30.0),
-    bar(LARGE.name, COLD, COLD, (2, 1), 1.7),
+const BARS: [Bar; 7] = rows! {
+    Bar {work ours family threads least}
+    SMALL.name, COLD, "Ceres", (1, 1), 15.0;
+    SMALL.name, COLD, "SciPy", (1, 1), 400.0;
+    LARGE.name, COLD, "Ceres", (1, 1), 15.0;
+    LARGE.name, WARM, "Ceres", (1, 1), 30.0;
+    LARGE.name, COLD, COLD, (2, 1), 1.7;
     // at most 0.25 and 0.15 of the peer's time
-    bar(ONE_POSE, COLD, "Pinocchio", (1, 1), 1.0 / 0.25),
-    bar(BATCH, COLD, "Pinocchio", (1, 1), 1.0 / 0.15),
-];
-
-const fn bar(
-    work: &'static str,
-    ours: &'static str,
-    family: &'static str,
-    threads: (usize, usize),
-    least: f64,
-) -> Bar {
-    Bar {
-        work,
-        ours,
-        family,
-        threads,
-        least,
-    }
-}
+    ONE_POSE, COLD, "Pinocchio", (1, 1), 1.0 / 0.25;
+    BATCH, COLD, "Pinocchio", (1, 1), 1.0 / 0.15;
+};
 
 /// Whether each bar that this run can judge is reached, in words. The fastest way of a family counts, so
 /// a bar is not judged where any way of the family has no ratio.

@@ -16,8 +16,7 @@ use anyhow::{Context, Result, ensure};
 use haptical_calibration::{Channel, Weights};
 use haptical_model::{Device, Parameter, ParameterId, Recording};
 use haptical_report::write_atomically;
-use haptical_simulator::simulate;
-use xtask_paper::{Paper, Scenario, nominal_device};
+use xtask_paper::{Paper, Scenario, nominal_device, with_transmissions_of};
 
 /// Rows of the chain, and joints.
 const ROWS: usize = 8;
@@ -48,21 +47,12 @@ impl DataSet {
     pub(crate) fn simulate(poses: usize) -> Result<Self> {
         let paper = Paper::load()?;
         let mut scenario = Scenario::paper(nominal_device(None)?, &paper, false)?;
-        for (truth, nominal) in scenario
-            .truth
-            .joints
-            .iter_mut()
-            .zip(&scenario.nominal.joints)
-        {
-            truth.transmission_error = nominal.transmission_error.clone();
-        }
-        let recording = simulate(&scenario.truth, &scenario.settings, poses, SEED)?;
+        scenario.truth = with_transmissions_of(&scenario.truth, &scenario.nominal);
+        let recording = scenario.simulate(poses, SEED)?;
         let nominal = scenario.nominal;
-        let free: Vec<ParameterId> = paper
-            .table3
-            .iter()
-            .map(|row| Ok(nominal.parameter(&row.name)?))
-            .collect::<Result<_>>()?;
+        let rows = paper.table3.iter();
+        let free = rows.map(|row| Ok(nominal.parameter(&row.name)?));
+        let free: Vec<ParameterId> = free.collect::<Result<_>>()?;
         let sd_m = nominal.cable_sd_m(0).context("the cable has no sd")?;
         Ok(Self {
             nominal,

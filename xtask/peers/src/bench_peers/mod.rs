@@ -4,7 +4,7 @@ mod agreement;
 mod bars;
 mod contender;
 mod distance;
-mod files;
+pub(crate) mod files;
 mod kinematics;
 mod load;
 mod ours;
@@ -118,16 +118,14 @@ fn start(
         let peer = Peer::start(&program, files).map_err(|error| format!("{error:#}"))?;
         Ok((peer, program.built))
     });
-    let (peer, record) = match started {
-        Ok((peer, built)) => {
-            let record = PeerRecord::here(name, &peer.version, &built);
-            (Some(Rc::new(RefCell::new(peer))), record)
-        }
-        Err(why) => (None, PeerRecord::missing(name, &why)),
-    };
+    let built = started
+        .as_ref()
+        .map(|(peer, built)| format!("{}; {built}", peer.version));
+    let state = built.map_err(String::clone);
+    let record = PeerRecord { name, state };
     println!("{}", record.words());
     results.peers.push(record);
-    peer
+    started.ok().map(|(peer, _)| Rc::new(RefCell::new(peer)))
 }
 
 /// Ours and Pinocchio, one pose and a batch.

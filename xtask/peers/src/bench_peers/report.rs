@@ -21,34 +21,16 @@ const WORKS: [&str; 4] = [SMALL.name, LARGE.name, ONE_POSE, BATCH];
 /// A peer, there or not.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PeerRecord {
-    name: &'static str,
-    /// Version and how it was built.
-    here: Option<(String, String)>,
-    /// Why it is missing, and what to install.
-    missing: String,
+    pub(crate) name: &'static str,
+    /// Version and how it was built, or why it is missing and what to install.
+    pub(crate) state: Result<String, String>,
 }
 
 impl PeerRecord {
-    pub(crate) fn here(name: &'static str, version: &str, built: &str) -> Self {
-        Self {
-            name,
-            here: Some((version.to_owned(), built.to_owned())),
-            missing: String::new(),
-        }
-    }
-
-    pub(crate) fn missing(name: &'static str, why: &str) -> Self {
-        Self {
-            name,
-            here: None,
-            missing: why.to_owned(),
-        }
-    }
-
     pub(crate) fn words(&self) -> String {
-        match &self.here {
-            Some((version, built)) => format!("{}: {version}; {built}", self.name),
-            None => format!("{}: missing: {}", self.name, self.missing),
+        match &self.state {
+            Ok(built) => format!("{}: {built}", self.name),
+            Err(why) => format!("{}: missing: {why}", self.name),
         }
     }
 }
@@ -121,11 +103,7 @@ pub(crate) fn presence(results: &Results) -> Result<Table> {
         table.push(vec![ours.full().into(), work.as_str().into(), time])?;
     }
     for peer in &results.peers {
-        let state = if peer.here.is_some() {
-            "here"
-        } else {
-            "missing"
-        };
+        let state = peer.state.as_ref().map_or("missing", |_| "here");
         table.push(vec![peer.name.into(), state.into(), Cell::Missing])?;
         table.notes.push(peer.words());
     }

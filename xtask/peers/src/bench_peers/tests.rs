@@ -110,8 +110,14 @@ fn all_of_ours_find_the_same() {
 fn a_missing_peer_is_in_the_table_without_numbers() {
     let results = Results {
         peers: vec![
-            PeerRecord::here("SciPy", "SciPy 1.0", "Python 3"),
-            PeerRecord::missing("Ceres", "no header: apt-get install libceres-dev"),
+            PeerRecord {
+                name: "SciPy",
+                state: Ok("SciPy 1.0; Python 3".to_owned()),
+            },
+            PeerRecord {
+                name: "Ceres",
+                state: Err("no header: apt-get install libceres-dev".to_owned()),
+            },
         ],
         comparisons: vec![Comparison {
             work: "200 poses".to_owned(),

@@ -11,7 +11,7 @@ use haptical_calibration::ReducedProblem;
 use haptical_identification::{Method, Settings, solve};
 use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
 use haptical_model::Recording;
-use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table};
+use haptical_report::{Cell, Figure, FigureGrid, Table};
 use xtask_output::{Layout, Output, Progress};
 
 use arms::Arm;
@@ -63,9 +63,7 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
         let mut figure = Figure::new(title, label, "log10 of the time [s]");
         let points = points.iter().map(|(x, y)| (x.log10(), y.log10())).collect();
         figure.legend = false;
-        figure
-            .series
-            .push(Series::new("ours", Mark::Points, 0, points));
+        figure.points("ours", 0, points);
         figure
     };
     let panels = vec![

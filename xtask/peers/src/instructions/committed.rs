@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use haptical_report::write_atomically;
 use serde::{Deserialize, Serialize};
+use xtask_output::read_text;
 
 use super::environment::Environment;
 
@@ -29,24 +30,15 @@ pub(crate) struct Committed {
     pub(crate) instructions: BTreeMap<String, u64>,
 }
 
-/// What there is to compare with.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Found {
-    /// Counts of the same compiler, target and lanes.
-    Same(Committed),
-    /// Nothing, and why.
-    NotComparable(String),
-}
-
 fn path(folder: &Path, environment: &Environment) -> PathBuf {
     folder.join(format!("{}.toml", environment.release))
 }
 
-/// What is committed for an environment.
+/// What is committed for an environment: counts of the same compiler, target and lanes, or why there are none.
 ///
 /// # Errors
 /// A file that cannot be read, or that holds what `--record` does not write.
-pub(crate) fn find(folder: &Path, environment: &Environment) -> Result<Found> {
+pub(crate) fn find(folder: &Path, environment: &Environment) -> Result<Result<Committed, String>> {
     let path = path(folder, environment);
     if !path.exists() {
         let mut others: Vec<String> = std::fs::read_dir(folder)
@@ -62,10 +54,9 @@ pub(crate) fn find(folder: &Path, environment: &Environment) -> Result<Found> {
             true => "none is".to_owned(),
             false => others.join(", "),
         };
-        return Ok(Found::NotComparable(format!(
-            "no counts of rustc {} are committed; committed: {others}",
-            environment.release
-        )));
+        let release = &environment.release;
+        let why = format!("no counts of rustc {release} are committed; committed: {others}");
+        return Ok(Err(why));
     }
     let committed = read(&path)?;
     let pairs = [
@@ -75,18 +66,17 @@ pub(crate) fn find(folder: &Path, environment: &Environment) -> Result<Found> {
     ];
     Ok(
         match pairs.iter().find(|(_, committed, here)| committed != here) {
-            Some((what, committed, here)) => Found::NotComparable(format!(
+            Some((what, committed, here)) => Err(format!(
                 "{what}: the committed counts are of `{committed}`, here is `{here}`"
             )),
-            None => Found::Same(committed),
+            None => Ok(committed),
         },
     )
 }
 
 fn read(path: &Path) -> Result<Committed> {
-    let shown = || path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(shown)?;
-    let committed: Committed = toml::from_str(&text).with_context(shown)?;
+    let committed: Committed =
+        toml::from_str(&read_text(path)?).with_context(|| path.display().to_string())?;
     for (name, count) in &committed.instructions {
         ensure!(
             *count > 0,
@@ -109,12 +99,10 @@ pub(crate) fn record(
     let path = path(folder, environment);
     let mut instructions = BTreeMap::new();
     if is_part && path.exists() {
-        match find(folder, environment)? {
-            Found::Same(committed) => instructions = committed.instructions,
-            Found::NotComparable(why) => {
-                anyhow::bail!("{why}: record all workloads, without --only")
-            }
-        }
+        let committed = find(folder, environment)?;
+        let committed =
+            committed.map_err(|why| anyhow!("{why}: record all workloads, without --only"));
+        instructions = committed?.instructions;
     }
     instructions.retain(|name, _| known.contains(&name.as_str()));
     instructions.extend(

@@ -15,7 +15,6 @@ use anyhow::{Context, Result, bail, ensure};
 use rayon::prelude::*;
 use xtask_output::Progress;
 
-use committed::{Committed, Found};
 use compare::Comparison;
 use environment::Environment;
 use output::Results;
@@ -78,24 +77,15 @@ pub fn instructions(arguments: &Arguments) -> Result<()> {
         eprintln!("recorded: {}", path.display());
     }
     let found = committed::find(&folder, &environment)?;
-    let comparison = match &found {
-        Found::Same(Committed { instructions, .. }) => {
-            Some(Comparison::new(&counts, instructions, &known))
-        }
-        Found::NotComparable(_) => None,
-    };
+    let comparison = found.map(|found| Comparison::new(&counts, &found.instructions, &known));
     let results = Results {
         environment: &environment,
         workloads: &workloads,
         counts: &counts,
         comparison: comparison.as_ref(),
-        why_not: match &found {
-            Found::Same(_) => None,
-            Found::NotComparable(why) => Some(why),
-        },
     };
     results.print(arguments.json)?;
-    let failures = comparison.map_or_else(Vec::new, |comparison| comparison.failures());
+    let failures = comparison.map_or_else(|_| Vec::new(), |comparison| comparison.failures());
     ensure!(
         failures.is_empty(),
         "{}\nwhere the change is meant, commit it: cargo xtask instructions --record",

@@ -15,9 +15,8 @@ pub(crate) struct Results<'r> {
     pub(crate) workloads: &'r [Workload],
     /// In the order of the workloads.
     pub(crate) counts: &'r [(&'static str, u64)],
-    pub(crate) comparison: Option<&'r Comparison>,
-    /// Why there is no comparison.
-    pub(crate) why_not: Option<&'r String>,
+    /// With the committed counts, or why there is none.
+    pub(crate) comparison: Result<&'r Comparison, &'r String>,
 }
 
 /// Says why there are no counts.
@@ -47,9 +46,9 @@ impl Results<'_> {
             ..
         } = self.environment;
         println!("{rustc}, {target}, lanes: {lanes}, {valgrind}, one thread");
-        match self.why_not {
-            Some(why) => println!("not compared: {why}"),
-            None => println!("compared: {TOLERANCE_PERCENT} % either way is the same"),
+        match self.comparison {
+            Err(why) => println!("not compared: {why}"),
+            Ok(_) => println!("compared: {TOLERANCE_PERCENT} % either way is the same"),
         }
         Ok(())
     }
@@ -60,7 +59,7 @@ impl Results<'_> {
             .zip(self.counts)
             .enumerate()
             .map(|(index, (workload, (_, count)))| {
-                let row = self.comparison.and_then(|all| all.rows.get(index));
+                let row = self.comparison.ok().and_then(|all| all.rows.get(index));
                 (workload, *count, row)
             })
     }
@@ -104,14 +103,14 @@ impl Results<'_> {
             })
             .collect();
         json!({
-            "compared": self.comparison.is_some(),
-            "why_not": self.why_not,
+            "compared": self.comparison.is_ok(),
+            "why_not": self.comparison.err(),
             "tolerance_percent": TOLERANCE_PERCENT,
             "rustc": self.environment.rustc,
             "target": self.environment.target,
             "lanes": self.environment.lanes,
             "valgrind": self.environment.valgrind,
-            "left_over": self.comparison.map(|all| &all.left_over),
+            "left_over": self.comparison.ok().map(|all| &all.left_over),
             "workloads": workloads,
         })
     }

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::committed::{Found, find, record};
+use super::committed::{find, record};
 use super::compare::{Comparison, Verdict};
 use super::count::collected;
 use super::environment::{Environment, compiler};
@@ -88,8 +88,8 @@ fn recorded_counts_are_found_again_in_the_same_environment_alone() {
     let folder = folder.path();
     let known = ["a", "b"];
     let why = |environment: &Environment| match find(folder, environment).unwrap() {
-        Found::Same(_) => String::new(),
-        Found::NotComparable(why) => why,
+        Ok(_) => String::new(),
+        Err(why) => why,
     };
     assert!(why(&here()).contains("1.95.0") && why(&here()).contains("none is"));
     let counts = [("a", 10), ("b", 20)];
@@ -121,7 +121,7 @@ fn recorded_counts_are_found_again_in_the_same_environment_alone() {
 
     // a part leaves the others' counts, of known workloads, and mixes no environments
     record(folder, &here(), &[("b", 30)], &["b"], true).unwrap();
-    let Found::Same(committed) = find(folder, &here()).unwrap() else {
+    let Ok(committed) = find(folder, &here()).unwrap() else {
         panic!("nothing found");
     };
     assert_eq!(
@@ -186,8 +186,7 @@ fn json_says_whether_anything_was_compared() {
         environment: &environment,
         workloads: &workloads,
         counts: &counts,
-        comparison: Some(&comparison),
-        why_not: None,
+        comparison: Ok(&comparison),
     };
     let value = results.to_json();
     assert_eq!(value["compared"], true);
@@ -198,8 +197,7 @@ fn json_says_whether_anything_was_compared() {
     );
     assert_eq!(row["instructions_per_unit"], 2.0);
     let value = Results {
-        comparison: None,
-        why_not: Some(&why),
+        comparison: Err(&why),
         ..results
     }
     .to_json();

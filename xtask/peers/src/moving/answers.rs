@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use xtask_blind::Answer;
 
 /// The arm that MuJoCo moved: what was withheld in each case, and each number's values joint by joint.
 #[derive(Debug, Deserialize)]
@@ -25,34 +26,12 @@ pub(super) struct Fit {
     pub(super) relative_rms_after: f64,
 }
 
-/// Of `gap.json`.
-#[derive(Debug, Deserialize)]
-pub(super) struct Gap {
-    pub(super) verdict: String,
-    pub(super) causes: Vec<Cause>,
-}
-
-/// A cause that `diagnose` names.
-#[derive(Debug, Deserialize)]
-pub(super) struct Cause {
-    pub(super) effect: String,
-    pub(super) joint: Option<u64>,
-    pub(super) probability: f64,
-    pub(super) parameters: BTreeMap<String, Value>,
-}
-
-/// A parameter of a cause.
-#[derive(Debug, Deserialize)]
-pub(super) struct Value {
-    pub(super) value: f64,
-    pub(super) ci95: Option<[f64; 2]>,
-}
-
 /// Both answers on one log.
 #[derive(Debug)]
 pub(super) struct Case {
     pub(super) withheld: String,
     pub(super) fit: Fit,
-    pub(super) gap: Gap,
+    /// Of `gap.json`.
+    pub(super) gap: Answer,
     pub(super) gap_s: f64,
 }

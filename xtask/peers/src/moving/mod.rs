@@ -5,17 +5,16 @@ mod answers;
 mod table;
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
-use serde::de::DeserializeOwned;
-use xtask_output::{built_command, put_between};
+use anyhow::{Context, Result};
+use xtask_blind::Answer;
+use xtask_output::{built_command, put_between, read_json, said};
 
 use crate::bench_peers::tools::{Tools, source};
-use answers::{Case, Fit, Gap, Truth};
+use answers::{Case, Fit, Truth};
 
 /// The page with the table.
 const PAGE: &str = "docs/performance.md";
@@ -66,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let program = built_command(Path::new("."))?;
     let out = &arguments.out;
     peer(&python, ["record".as_ref(), out.as_os_str()])?;
-    let truth: Truth = read(&out.join("truth.json"))?;
+    let truth: Truth = read_json(&out.join("truth.json"))?;
     let mut cases = Vec::new();
     for withheld in truth.cases.keys() {
         println!("{withheld}");
@@ -105,42 +104,25 @@ fn ask(python: &Path, program: &Path, folder: &Path, withheld: &str) -> Result<C
 
 /// Runs `mujoco_sysid.py`; returns what it prints.
 fn peer<'a>(python: &Path, words: impl IntoIterator<Item = &'a OsStr>) -> Result<String> {
-    let output = Command::new(python)
-        .arg(source("mujoco_sysid.py"))
-        .args(words)
-        .output()
-        .with_context(|| python.display().to_string())?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(output.status.success(), "mujoco_sysid.py: {said}");
-    Ok(String::from_utf8(output.stdout)?)
+    let script = source("mujoco_sysid.py");
+    said(Command::new(python).arg(script).args(words))
 }
 
 /// `gap.json` of one log and its second, with the seconds from the start of the process to its end.
-fn diagnose(program: &Path, folder: &Path, withheld: &str) -> Result<(Gap, f64)> {
+fn diagnose(program: &Path, folder: &Path, withheld: &str) -> Result<(Answer, f64)> {
     let out = folder.join(format!("gap-{withheld}"));
     let started = Instant::now();
-    let output = Command::new(program)
-        .arg("diagnose")
-        .arg("--device")
-        .arg(folder.join("arm.xml"))
-        .arg("--log")
-        .arg(folder.join(format!("{withheld}.csv")))
-        .arg("--validate")
-        .arg(folder.join(format!("{withheld}-second.csv")))
-        .arg("--out")
-        .arg(&out)
-        .arg("--force")
-        .output()?;
+    let mut command = Command::new(program);
+    command.args(["diagnose", "--force"]);
+    for (flag, file) in [
+        ("--device", folder.join("arm.xml")),
+        ("--log", folder.join(format!("{withheld}.csv"))),
+        ("--validate", folder.join(format!("{withheld}-second.csv"))),
+        ("--out", out.clone()),
+    ] {
+        command.arg(flag).arg(file);
+    }
+    said(&mut command)?;
     let seconds = started.elapsed().as_secs_f64();
-    let said = String::from_utf8_lossy(&output.stderr);
-    ensure!(
-        output.status.success(),
-        "haptical diagnose, {withheld}: {said}"
-    );
-    Ok((read(&out.join("gap.json"))?, seconds))
-}
-
-fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let text = fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    serde_json::from_str(&text).with_context(|| path.display().to_string())
+    Ok((read_json(&out.join("gap.json"))?, seconds))
 }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use anyhow::{Context, Result};
+use xtask_blind::{Answer, Cause};
 
-use super::answers::{Case, Cause, Fit, Gap, Truth};
+use super::answers::{Case, Fit, Truth};
 
 /// One table of all cases.
 pub(super) fn table(truth: &Truth, cases: &[Case]) -> Result<String> {
@@ -21,7 +22,7 @@ pub(super) fn table(truth: &Truth, cases: &[Case]) -> Result<String> {
             text,
             "| {withheld} | MuJoCo sysid | {answer} | {says} | {seconds:.1} |"
         )?;
-        let (causes, verdict, seconds) = (causes(&case.gap), &case.gap.verdict, case.gap_s);
+        let (causes, verdict, seconds) = (causes(&case.gap), case.gap.verdict.text(), case.gap_s);
         writeln!(
             text,
             "| {withheld} | `haptical diagnose` | {causes} | {verdict} | {seconds:.1} |"
@@ -92,7 +93,7 @@ fn number(values: &BTreeMap<String, f64>, kind: &str, joint: usize) -> Result<f6
 }
 
 /// The causes in their order; of neighbours with one name the first has its parameters, the others their joints.
-fn causes(gap: &Gap) -> String {
+fn causes(gap: &Answer) -> String {
     let mut parts: Vec<String> = Vec::new();
     let mut rest = gap.causes.as_slice();
     while let Some((first, after)) = rest.split_first() {
@@ -124,7 +125,11 @@ fn one(cause: &Cause) -> String {
         let interval = size
             .ci95
             .map(|[low, high]| format!(" [{low:.3}, {high:.3}]"));
-        format!("{name} {:.3}{}", size.value, interval.unwrap_or_default())
+        format!(
+            "{name} {:.3}{}",
+            size.value.unwrap_or(f64::NAN),
+            interval.unwrap_or_default()
+        )
     });
     let sizes: Vec<String> = sizes.collect();
     let colon = if sizes.is_empty() { "" } else { ": " };
@@ -132,7 +137,7 @@ fn one(cause: &Cause) -> String {
         "{}{} {:.0} %{colon}{}",
         cause.effect,
         joint.unwrap_or_default(),
-        100.0 * cause.probability,
+        100.0 * cause.probability.unwrap_or(f64::NAN),
         sizes.join(", ")
     )
 }
@@ -184,13 +189,14 @@ mod tests {
 
     #[test]
     fn causes_of_one_name_are_one_part() {
-        let gap: Gap = serde_json::from_value(serde_json::json!({"verdict": "named", "causes": [
-            {"effect": "payload", "joint": null, "probability": 0.95,
-             "parameters": {"mass_kg": {"value": 1.01, "ci95": [0.98, 1.04]}}},
-            {"effect": "joint-friction", "joint": 1, "probability": 0.9, "parameters": {}},
-            {"effect": "joint-friction", "joint": 3, "probability": 0.9, "parameters": {}},
-        ]}))
-        .unwrap();
+        let gap: Answer =
+            serde_json::from_value(serde_json::json!({"verdict": "named", "causes": [
+                {"effect": "payload", "joint": null, "probability": 0.95,
+                 "parameters": {"mass_kg": {"value": 1.01, "ci95": [0.98, 1.04]}}},
+                {"effect": "joint-friction", "joint": 1, "probability": 0.9, "parameters": {}},
+                {"effect": "joint-friction", "joint": 3, "probability": 0.9, "parameters": {}},
+            ]}))
+            .unwrap();
         let words = causes(&gap);
         assert_eq!(
             words,

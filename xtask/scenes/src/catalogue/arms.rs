@@ -6,35 +6,21 @@ use haptical::simulator::{Settings, apply_deviations, simulate_transmission};
 use haptical::{Truth, simulate_postures};
 
 use crate::noise::Noise;
-use crate::scene::{DeviceFile, Identified, Made, Scene, fixture, root, scene};
+use crate::scene::{DeviceFile, Identified, Made, Scene, fixture, root, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[
-    scene("arm-urdf-sockets", &[], || {
-        six_axes("contact:2:0.05", "arm6-touches.csv")
-    }),
-    scene("arm-urdf-tracker-known", &[], || {
-        six_axes("pose", "arm6-poses.csv")
-    }),
-    scene("arm-camera", &["outliers"], camera),
-    scene("arm-two-hands", &["joint-compliance"], two_hands),
-    scene("arm-two-hands-elastic", &[], || {
-        Ok(two_hands()?.with_joint_compliance())
-    }),
-    scene("arm-slide-tracker", &[], slide),
-    scene("arm-mjcf-payload", &["payload", "armature"], mjcf),
-    scene(
-        "arm-slow-torques-payload",
-        &["payload", "joint-friction"],
-        payload,
-    ),
-    scene(
-        "arm-slow-torques-payload-second",
-        &["payload", "joint-friction"],
-        payload_and_none,
-    ),
-    scene("drive-alone", &[], drive),
-];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "arm-urdf-sockets" [] six_axes("contact:2:0.05", "arm6-touches.csv");
+    "arm-urdf-tracker-known" [] six_axes("pose", "arm6-poses.csv");
+    "arm-camera" ["outliers"] camera();
+    "arm-two-hands" ["joint-compliance"] two_hands();
+    "arm-two-hands-elastic" [] Ok(two_hands()?.with_joint_compliance());
+    "arm-slide-tracker" [] slide();
+    "arm-mjcf-payload" ["payload", "armature"] mjcf();
+    "arm-slow-torques-payload" ["payload", "joint-friction"] payload();
+    "arm-slow-torques-payload-second" ["payload", "joint-friction"] payload_and_none();
+    "drive-alone" [] drive();
+};
 
 /// Seed of every log that is simulated here.
 const SEED: u64 = 1;

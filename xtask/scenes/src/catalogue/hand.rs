@@ -7,69 +7,51 @@ use haptical::{Device, Diagnose, Identify, diagnose, identify};
 
 use crate::catalogue::rigs::haptic7_toml;
 use crate::noise::Noise;
-use crate::scene::{DeviceFile, Identified, Made, Scene, fixture, scene};
+use crate::scene::{DeviceFile, Identified, Made, Scene, fixture, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[
-    scene("hand-clean", &[], || made("", 1)),
-    scene("hand-second-recording", &["capstan-compliance"], || {
-        Ok(Made {
-            validate: Some(log(STRETCH, 2)?),
-            ..made(STRETCH, 1)?
-        })
-    }),
-    scene("hand-without-name", &[], || {
-        Ok(Made {
-            without: vec!["capstan-compliance"],
-            identify: Identified::Nothing,
-            ..made(STRETCH, 1)?
-        })
-    }),
-    scene("hand-two-logs", &["cable-latency"], || {
-        Ok(Made {
-            also: Some(log(LATE_CABLE, 2)?),
-            identify: Identified::Nothing,
-            ..made(LATE_CABLE, 1)?
-        })
-    }),
-    scene(
-        "hand-three-effects",
-        &["capstan-compliance", "backlash", "cable-exit-geometry"],
-        || made(&fixture("fixtures/effects/example.toml")?, 1),
-    ),
-    scene("hand-elastic-joints", &["joint-compliance"], || {
-        made(&fixture("fixtures/effects/elastic-joints.toml")?, 1)
-    }),
-    scene("hand-elastic-joints-fitted", &[], || {
-        let made = made(&fixture("fixtures/effects/elastic-joints.toml")?, 1)?;
-        Ok(made.with_joint_compliance())
-    }),
-    scene("hand-warming", &["thermal-drift"], || {
-        made(
-            "[[effect]]\nname = \"thermal-drift\"\nm_per_degc = 2e-5\n",
-            1,
-        )
-    }),
-    scene("hand-lost-counts", &["encoder-count-loss"], || {
-        let text =
-            "[[effect]]\nname = \"encoder-count-loss\"\njoint = 2\ncounts = 30\ntime_s = 20.0\n";
-        made(text, 1)
-    }),
-    scene("hand-hysteresis", &["hysteresis"], || {
-        let text = "[[effect]]\nname = \"hysteresis\"\njoint = 1\namplitude_rad = 3e-4\ntransition_rad = 0.003\n";
-        made(text, 1)
-    }),
-    scene("hand-unknown-dent", &[], dent),
-    scene("hand-noise-memory", &[], noise_memory),
-    scene("hand-earlier-model", &["joint-offset"], earlier_model),
-    scene("hand-corrected-device", &[], corrected),
-];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "hand-clean" [] made("", 1);
+    "hand-second-recording" ["capstan-compliance"] Ok(Made {
+        validate: Some(log(STRETCH, 2)?),
+        ..made(STRETCH, 1)?
+    });
+    "hand-without-name" [] Ok(Made {
+        without: vec!["capstan-compliance"],
+        identify: Identified::Nothing,
+        ..made(STRETCH, 1)?
+    });
+    "hand-two-logs" ["cable-latency"] Ok(Made {
+        also: Some(log(LATE_CABLE, 2)?),
+        identify: Identified::Nothing,
+        ..made(LATE_CABLE, 1)?
+    });
+    "hand-three-effects" ["capstan-compliance", "backlash", "cable-exit-geometry"]
+        made(&fixture("fixtures/effects/example.toml")?, 1);
+    "hand-elastic-joints" ["joint-compliance"] elastic_joints();
+    "hand-elastic-joints-fitted" [] Ok(elastic_joints()?.with_joint_compliance());
+    "hand-warming" ["thermal-drift"] made(WARMING, 1);
+    "hand-lost-counts" ["encoder-count-loss"] made(LOST_COUNTS, 1);
+    "hand-hysteresis" ["hysteresis"] made(HYSTERESIS, 1);
+    "hand-unknown-dent" [] dent();
+    "hand-noise-memory" [] noise_memory();
+    "hand-earlier-model" ["joint-offset"] earlier_model();
+    "hand-corrected-device" [] corrected();
+};
 
 /// The cable of joint 2 stretches.
 const STRETCH: &str =
     "[[effect]]\nname = \"capstan-compliance\"\njoint = 2\nstiffness_nm_per_rad = 260.0\n";
 /// The cable encoder is late.
 const LATE_CABLE: &str = "[[effect]]\nname = \"cable-latency\"\ndelay_s = 0.004\n";
+/// The measuring cable warms.
+const WARMING: &str = "[[effect]]\nname = \"thermal-drift\"\nm_per_degc = 2e-5\n";
+/// An encoder loses counts in the middle.
+const LOST_COUNTS: &str =
+    "[[effect]]\nname = \"encoder-count-loss\"\njoint = 2\ncounts = 30\ntime_s = 20.0\n";
+/// A loop at joint 1.
+const HYSTERESIS: &str =
+    "[[effect]]\nname = \"hysteresis\"\njoint = 1\namplitude_rad = 3e-4\ntransition_rad = 0.003\n";
 /// Length and rate of each recording.
 const SECONDS: f64 = 40.0;
 const RATE_HZ: f64 = 25.0;
@@ -102,6 +84,11 @@ fn log_of(truth: &Model, effects: &str, seed: u64) -> Result<Table> {
 fn made(effects: &str, seed: u64) -> Result<Made> {
     let device = DeviceFile::toml(haptic7_toml()?);
     Ok(Made::new(device, log(effects, seed)?))
+}
+
+/// Every joint yields.
+fn elastic_joints() -> Result<Made> {
+    made(&fixture("fixtures/effects/elastic-joints.toml")?, 1)
 }
 
 /// A dent of a drum, in no catalogue.

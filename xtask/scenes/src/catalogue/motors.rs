@@ -1,12 +1,12 @@
 //! Motors with currents and torques beside their angles, at 200 Hz.
 
 use crate::noise::Noise;
-use crate::scene::{DeviceFile, Identified, Made, Scene, scene};
+use crate::scene::{DeviceFile, Identified, Made, Scene, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[scene("motor-saturates", &["magnetic-saturation"], || {
-    Ok(made())
-})];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "motor-saturates" ["magnetic-saturation"] Ok(made());
+};
 
 const ROWS: usize = 4000;
 const STEP_S: f64 = 0.005;

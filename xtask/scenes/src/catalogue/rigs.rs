@@ -2,31 +2,19 @@
 
 use anyhow::Result;
 
-use crate::scene::{DeviceFile, Made, Scene, fixture, root, scene};
+use crate::scene::{DeviceFile, Made, Scene, fixture, root, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[
-    scene("rig-cable", &[], || haptic7("haptic7-sample.csv", None)),
-    scene("rig-two-cables", &[], || {
-        haptic7("two-cables.csv.gz", Some("two-cables"))
-    }),
-    scene("rig-tracker-unknown", &[], || {
-        haptic7("tracker.csv.gz", Some("tracker"))
-    }),
-    scene("rig-stands", &[], || {
-        haptic7("stands.csv.gz", Some("stands"))
-    }),
-    scene("rig-reflectors", &[], || {
-        haptic7("reflectors.csv.gz", Some("reflectors"))
-    }),
-    scene("rig-homing", &[], || {
-        Ok(haptic7("homing.csv.gz", Some("homing"))?.folds(5))
-    }),
-    scene("rig-planes", &[], || {
-        Ok(haptic7("planes.csv.gz", Some("planes"))?.folds(5))
-    }),
-    scene("rig-balls", &[], || haptic7("balls.csv.gz", Some("balls"))),
-];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "rig-cable" [] haptic7("haptic7-sample.csv", None);
+    "rig-two-cables" [] haptic7("two-cables.csv.gz", Some("two-cables"));
+    "rig-tracker-unknown" [] haptic7("tracker.csv.gz", Some("tracker"));
+    "rig-stands" [] haptic7("stands.csv.gz", Some("stands"));
+    "rig-reflectors" [] haptic7("reflectors.csv.gz", Some("reflectors"));
+    "rig-homing" [] Ok(haptic7("homing.csv.gz", Some("homing"))?.folds(5));
+    "rig-planes" [] Ok(haptic7("planes.csv.gz", Some("planes"))?.folds(5));
+    "rig-balls" [] haptic7("balls.csv.gz", Some("balls"));
+};
 
 /// Text of the device of the paper.
 pub(crate) fn haptic7_toml() -> Result<String> {

@@ -2,43 +2,20 @@
 
 use std::f64::consts::TAU;
 
+use anyhow::Result;
+
 use crate::noise::Noise;
-use crate::scene::{DeviceFile, Identified, Made, Scene, scene};
+use crate::scene::{DeviceFile, Identified, Made, Scene, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[
-    scene("servo-clean", &[], || Ok(made(&Servo::default()))),
-    scene("servo-late", &["command-latency"], || {
-        Ok(made(&Servo {
-            late_s: 0.08,
-            ..Servo::default()
-        }))
-    }),
-    scene("servo-late-then-later", &["command-latency"], || {
-        Ok(made(&Servo {
-            late_s: 0.04,
-            later_s: Some(0.1),
-            ..Servo::default()
-        }))
-    }),
-    scene(
-        "servo-dead-zone",
-        &["dead-zone", "joint-friction", "backlash"],
-        || {
-            Ok(made(&Servo {
-                width_rad: 0.02,
-                ..Servo::default()
-            }))
-        },
-    ),
-    scene("servo-offset-and-outputs", &["joint-offset"], || {
-        Ok(made(&Servo {
-            offset_rad: 0.03,
-            has_outputs: true,
-            ..Servo::default()
-        }))
-    }),
-];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "servo-clean" [] made(|_| {});
+    "servo-late" ["command-latency"] made(|own| own.late_s = 0.08);
+    "servo-late-then-later" ["command-latency"] made(|own| (own.late_s, own.later_s) = (0.04, Some(0.1)));
+    "servo-dead-zone" ["dead-zone", "joint-friction", "backlash"] made(|own| own.width_rad = 0.02);
+    "servo-offset-and-outputs" ["joint-offset"]
+        made(|own| (own.offset_rad, own.has_outputs) = (0.03, true));
+};
 
 /// What two servos do to their commands.
 #[derive(Debug, Clone, Copy, Default)]
@@ -72,7 +49,10 @@ fn device_toml(has_outputs: bool) -> String {
     format!("[device]\nname = \"two servos\"\ndof = 2\n{pan}{lift}")
 }
 
-fn made(servo: &Servo) -> Made {
+/// Two servos that have something of this.
+fn made(change: fn(&mut Servo)) -> Result<Made> {
+    let mut servo = Servo::default();
+    change(&mut servo);
     let mut noise = Noise::new(1);
     let count = TAU / 4096.0;
     let times: Vec<f64> = (0..ROWS).map(|row| row as f64 * STEP_S).collect();
@@ -105,12 +85,12 @@ fn made(servo: &Servo) -> Made {
             log.push(format!("out{joint}_rad"), outputs);
         }
     }
-    Made {
+    Ok(Made {
         identify: match servo.has_outputs {
             true => Identified::Geometry(Box::default()),
             false => Identified::Nothing,
         },
         links_follow: servo.offset_rad == 0.0,
         ..Made::new(DeviceFile::toml(device_toml(servo.has_outputs)), log)
-    }
+    })
 }

@@ -6,45 +6,23 @@ use anyhow::Result;
 use haptical::model::{MotionWork, RigidBodies};
 
 use crate::noise::Noise;
-use crate::scene::{DeviceFile, Identified, Made, Scene, scene};
+use crate::scene::{DeviceFile, Identified, Made, Scene, scenes};
 use crate::table::Table;
 
-pub(crate) const SCENES: &[Scene] = &[
-    scene("moving-clean", &[], || made(&Truth::default())),
-    scene("moving-payload", &["payload"], || {
-        let loaded = truth(|own| own.payload_kg = 0.8);
-        with_second(&loaded, &loaded)
-    }),
-    scene("moving-second-of-another", &["payload"], || {
-        with_second(&Truth::default(), &truth(|own| own.payload_kg = 2.0))
-    }),
-    scene("moving-stribeck", &["stribeck-friction"], || {
-        made(&truth(|own| own.stribeck_nm = 1.5))
-    }),
-    scene("moving-late-encoders", &["encoder-latency"], || {
-        made(&truth(|own| own.late_s = 0.012))
-    }),
-    scene("moving-saturation", &["torque-saturation"], || {
-        made(&truth(|own| own.end_nm = Some(4.0)))
-    }),
-    scene("moving-cogging", &["motor-cogging"], || {
-        made(&truth(|own| own.cogging_nm = 0.6))
-    }),
-    scene("moving-unknown", &[], || {
-        made(&truth(|own| own.dent_nm = 3.0))
-    }),
-    scene(
-        "link-elastic",
-        &["capstan-compliance", "joint-compliance"],
-        || made(&truth(|own| own.yields_nm_per_rad = Some(3000.0))),
-    ),
-    scene("link-play", &["backlash"], || {
-        made(&truth(|own| own.play_rad = Some(0.004)))
-    }),
-    scene("loop-late-commands", &["command-latency"], || {
-        made(&truth(|own| own.command_late_s = Some(0.04)))
-    }),
-];
+pub(crate) const SCENES: &[Scene] = scenes! {
+    "moving-clean" [] made(|_| {});
+    "moving-payload" ["payload"] with_second(|own| own.payload_kg = 0.8, |own| own.payload_kg = 0.8);
+    "moving-second-of-another" ["payload"] with_second(|_| {}, |own| own.payload_kg = 2.0);
+    "moving-stribeck" ["stribeck-friction"] made(|own| own.stribeck_nm = 1.5);
+    "moving-late-encoders" ["encoder-latency"] made(|own| own.late_s = 0.012);
+    "moving-saturation" ["torque-saturation"] made(|own| own.end_nm = Some(4.0));
+    "moving-cogging" ["motor-cogging"] made(|own| own.cogging_nm = 0.6);
+    "moving-unknown" [] made(|own| own.dent_nm = 3.0);
+    "link-elastic" ["capstan-compliance", "joint-compliance"]
+        made(|own| own.yields_nm_per_rad = Some(3000.0));
+    "link-play" ["backlash"] made(|own| own.play_rad = Some(0.004));
+    "loop-late-commands" ["command-latency"] made(|own| own.command_late_s = Some(0.04));
+};
 
 /// What the true arm has and its file does not say.
 #[derive(Debug, Clone, Copy, Default)]
@@ -246,19 +224,22 @@ fn add_friction(truth: &Truth, [first, second]: &[[f64; 3]; 2], torques: &mut [f
     torques[1] += 0.6 * side(second[1]) + 0.3 * second[1];
 }
 
-fn made(truth: &Truth) -> Result<Made> {
+/// An arm that has one thing of a truth.
+fn made(change: fn(&mut Truth)) -> Result<Made> {
+    let truth = truth(change);
     let device = DeviceFile::toml(device_toml([1.0, 1.0], 0.0, truth.has_outputs()));
     Ok(Made {
         identify: Identified::Dynamics,
         links_follow: truth.late_s == 0.0 && !truth.has_outputs(),
         is_of_true_geometry: truth.late_s == 0.0,
-        ..Made::new(device, log(truth, 1)?)
+        ..Made::new(device, log(&truth, 1)?)
     })
 }
 
-fn with_second(truth: &Truth, second: &Truth) -> Result<Made> {
+/// The same with a second recording of another truth.
+fn with_second(change: fn(&mut Truth), second: fn(&mut Truth)) -> Result<Made> {
     Ok(Made {
-        validate: Some(log(second, 2)?),
-        ..made(truth)?
+        validate: Some(log(&truth(second), 2)?),
+        ..made(change)?
     })
 }

@@ -72,11 +72,7 @@ fn renamed_description(text: &str, device: &haptical::Device) -> String {
 
 /// Degrees, millimetres, milliseconds and millinewtons, through a mapping file as another program's table.
 pub(super) fn other_units(made: &Made) -> Result<Option<Made>> {
-    let mut changed = made.clone();
-    changed.log = in_other_units(&made.log)?;
-    changed.also = made.also.as_ref().map(in_other_units).transpose()?;
-    changed.validate = made.validate.as_ref().map(in_other_units).transpose()?;
-    Ok(Some(changed))
+    made.with_each_log(in_other_units).map(Some)
 }
 
 fn in_other_units(log: &Table) -> Result<Table> {
@@ -154,11 +150,7 @@ pub(super) fn two_runs(made: &Made) -> Result<Option<Made>> {
             .push(("run".to_owned(), Column::Integers(runs.collect())));
         Ok(log)
     };
-    let mut changed = made.clone();
-    changed.log = cut(&made.log)?;
-    changed.also = made.also.as_ref().map(cut).transpose()?;
-    changed.validate = made.validate.as_ref().map(cut).transpose()?;
-    Ok(Some(changed))
+    made.with_each_log(cut).map(Some)
 }
 
 fn slowest(log: &Table) -> Option<usize> {
@@ -185,14 +177,14 @@ pub(super) fn later_start(made: &Made) -> Result<Option<Made>> {
     if !made.log.has("t_s") {
         return Ok(None);
     }
-    let mut changed = made.clone();
-    let further = changed.also.iter_mut().chain(&mut changed.validate);
-    for log in std::iter::once(&mut changed.log).chain(further) {
+    let later = |log: &Table| -> Result<Table> {
+        let mut log = log.clone();
         for time_s in log.numbers_mut("t_s")? {
             *time_s += LATER_S;
         }
-    }
-    Ok(Some(changed))
+        Ok(log)
+    };
+    made.with_each_log(later).map(Some)
 }
 
 /// Whether rows of a log may stand in any order: it has no time, no run, and no rig that counts its lines.

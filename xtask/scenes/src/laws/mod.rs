@@ -38,50 +38,29 @@ pub(super) enum Allows {
     SameIdentification,
 }
 
-/// All laws.
-pub(super) static LAWS: [Law; 16] = [
-    law("forces-of-nearly-zero", columns::forces, Allows::Same),
-    law("encoders-on-links", columns::outputs, Allows::Same),
-    law("tracker-on-handle", columns::tracker, Allows::Same),
-    law("torques-of-weights", columns::torques, Allows::Same),
-    law("commands-that-are-met", columns::commands, Allows::Same),
-    law("constant-temperature", columns::temperature, Allows::Same),
-    law("velocities", columns::velocities, Allows::Same),
-    law("currents-of-sound-motors", columns::currents, Allows::Same),
-    law(
-        "renamed-joints",
-        changes::renamed,
-        Allows::SameIdentification,
-    ),
-    law(
-        "other-units",
-        changes::other_units,
-        Allows::SameIdentification,
-    ),
-    law("two-runs", changes::two_runs, Allows::Same),
-    law("later-start", changes::later_start, Allows::OtherTimes),
-    law("three-threads", changes::as_it_is, Allows::SameBits),
-    law(
-        "other-order",
-        changes::other_order,
-        Allows::SameIdentification,
-    ),
-    law(
-        "each-row-twice",
-        changes::doubled,
-        Allows::NoNarrowerInterval,
-    ),
-    law(
-        "second-half-first",
-        changes::second_half_first,
-        Allows::SameIdentification,
-    ),
-];
-
-const fn law(name: &'static str, change: fn(&Made) -> Result<Option<Made>>, allows: Allows) -> Law {
-    Law {
-        name,
-        change,
-        allows,
-    }
+/// Laws, a row each: name, change, what it may do.
+macro_rules! laws {
+    ($($name:literal $change:path, $allows:ident;)*) => {
+        [$(Law { name: $name, change: $change, allows: Allows::$allows },)*]
+    };
 }
+
+/// All laws.
+pub(super) static LAWS: [Law; 16] = laws! {
+    "forces-of-nearly-zero" columns::forces, Same;
+    "encoders-on-links" columns::outputs, Same;
+    "tracker-on-handle" columns::tracker, Same;
+    "torques-of-weights" columns::torques, Same;
+    "commands-that-are-met" columns::commands, Same;
+    "constant-temperature" columns::temperature, Same;
+    "velocities" columns::velocities, Same;
+    "currents-of-sound-motors" columns::currents, Same;
+    "renamed-joints" changes::renamed, SameIdentification;
+    "other-units" changes::other_units, SameIdentification;
+    "two-runs" changes::two_runs, Same;
+    "later-start" changes::later_start, OtherTimes;
+    "three-threads" changes::as_it_is, SameBits;
+    "other-order" changes::other_order, SameIdentification;
+    "each-row-twice" changes::doubled, NoNarrowerInterval;
+    "second-half-first" changes::second_half_first, SameIdentification;
+};

@@ -4,7 +4,7 @@ use xtask_blind::{Rate, TrialScore, Verdict};
 
 use crate::batch::Case;
 use crate::calibration::{calibration_error, probabilities};
-use crate::measure::{Bar, Group, Measure, Value, mean, number, quantile};
+use crate::measure::{Bar, Group, Measure, Value, figures, mean, number, quantile};
 
 /// Clean recordings whose noise is not white, of the stated size and free of outliers.
 const ROUGH: [(&str, &str); 4] = [
@@ -72,11 +72,8 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
 fn answered(cases: &[Case]) -> Vec<Measure> {
     let mut group = Group::new("every trial");
     let answers = Rate::of_cases(cases.iter().map(|case| case.error.is_none()));
-    group.add(
-        "the diagnosis answers",
-        Value::Share(answers),
-        Bar::AtLeast(1.0),
-    );
+    let answers = Value::Share(answers);
+    group.add("the diagnosis answers", answers, Bar::AtLeast(1.0));
     group.measures
 }
 
@@ -119,34 +116,19 @@ pub(super) fn confidently_wrong(score: &TrialScore) -> bool {
 
 fn singles(cases: &[Case]) -> Vec<Measure> {
     let scores = scores_of(cases, &["s1"]);
-    let top = share(&scores, any, |score| score.top_right);
     let mut strong = Group::new("strong singles");
-    strong.add("detected", share(&scores, any, detected), None);
-    strong.add(
-        "answered `named`",
-        share(&scores, any, named),
-        Bar::AtLeast(0.7),
-    );
-    strong.add(
-        "size of the declared class",
-        class_sizes(&scores),
-        Bar::AtMost(2.0),
-    );
-    strong.add("top name alone right", top, Bar::AtLeast(0.8));
-    let family = share(&scores, detected, right);
-    let wrong = share(&scores, detected, confidently_wrong);
+    figures! { strong:
+        "detected", share(&scores, any, detected), None;
+        "answered `named`", share(&scores, any, named), Bar::AtLeast(0.7);
+        "size of the declared class", class_sizes(&scores), Bar::AtMost(2.0);
+        "top name alone right", share(&scores, any, |score| score.top_right), Bar::AtLeast(0.8);
+    }
     let mut seen = Group::new("detected singles");
-    seen.add(
-        "family right up to the declared class",
-        family,
-        Bar::AtLeast(0.97),
-    );
-    seen.add(
-        "joint right, of those found",
-        joints(&scores),
-        Bar::AtLeast(0.95),
-    );
-    seen.add("named and wrong", wrong, None);
+    figures! { seen:
+        "family right up to the declared class", share(&scores, detected, right), Bar::AtLeast(0.97);
+        "joint right, of those found", joints(&scores), Bar::AtLeast(0.95);
+        "named and wrong", share(&scores, detected, confidently_wrong), None;
+    }
     strong.measures.extend(seen.measures);
     strong.measures
 }
@@ -162,14 +144,12 @@ fn precision(cases: &[Case]) -> Vec<Measure> {
     let strong = scores_of(cases, &["s1"]);
     let everywhere = cases.iter().filter_map(|case| case.score.as_ref());
     let everywhere: Vec<&TrialScore> = everywhere.collect();
-    let bar = Bar::AtLeast(0.98);
-    group.add("strong singles", share(&strong, named, name_is_right), bar);
-    let all = share(&everywhere, named, name_is_right);
-    group.add("all suites together", all, bar);
-    let alone = share(&everywhere, named, |score| {
-        name_is_right(score) && score.false_causes == 0
-    });
-    group.add("all suites together, and nothing else named", alone, None);
+    let alone = |score: &TrialScore| name_is_right(score) && score.false_causes == 0;
+    figures! { group:
+        "strong singles", share(&strong, named, name_is_right), Bar::AtLeast(0.98);
+        "all suites together", share(&everywhere, named, name_is_right), Bar::AtLeast(0.98);
+        "all suites together, and nothing else named", share(&everywhere, named, alone), None;
+    }
     group.measures
 }
 
@@ -189,14 +169,11 @@ fn withheld(cases: &[Case]) -> Vec<Measure> {
             group.add(name, share(&scores, any, detected), None);
         }
         let bar = (!of_torques).then_some(Bar::AtLeast(0.92));
-        let name = format!("unknown or a twin class, {what}");
-        group.add(name, share(&scores, detected, right), bar);
         let wrong = share(&scores, detected, confidently_wrong);
-        group.add(
-            format!("confidently wrong, {what}"),
-            wrong,
-            Bar::AtMost(0.03),
-        );
+        figures! { group:
+            format!("unknown or a twin class, {what}"), share(&scores, detected, right), bar;
+            format!("confidently wrong, {what}"), wrong, Bar::AtMost(0.03);
+        }
     }
     let s3 = scores_of(cases, &["s3"]);
     let judged = s3.iter().filter_map(|score| score.dependence_right);
@@ -212,17 +189,14 @@ fn pairs(cases: &[Case]) -> Vec<Measure> {
         let counts = scores.iter().map(|score| score.false_causes as f64);
         number(&counts.collect::<Vec<f64>>(), 2, "", mean)
     };
-    let both = share(&scores, any, |score| score.groups_found == score.groups);
-    let one = share(&scores, any, |score| score.groups_found > 0);
-    group.add("both found", both, Bar::AtLeast(0.8));
-    group.add("at least one found", one, None);
-    group.add(
-        "false extra causes per set",
-        false_causes(&scores),
-        Bar::AtMost(0.15),
-    );
-    let single = false_causes(&scores_of(cases, &["s1"]));
-    group.add("false extra causes per strong single", single, None);
+    let all_found = |score: &TrialScore| score.groups_found == score.groups;
+    let singles = scores_of(cases, &["s1"]);
+    figures! { group:
+        "both found", share(&scores, any, all_found), Bar::AtLeast(0.8);
+        "at least one found", share(&scores, any, |score| score.groups_found > 0), None;
+        "false extra causes per set", false_causes(&scores), Bar::AtMost(0.15);
+        "false extra causes per strong single", false_causes(&singles), None;
+    }
     group.measures
 }
 
@@ -243,17 +217,12 @@ fn shrink(cases: &[Case]) -> Vec<Measure> {
     let median = |percents: Vec<f64>| number(&percents, 1, "%", |values| quantile(values, 0.5));
     let truly = median(strong.iter().map(|own| own.true_percent).collect());
     let stated = median(strong.iter().filter_map(|own| own.stated_percent).collect());
-    group.add(
-        "truly closed, median, strong singles",
-        truly,
-        Bar::AtLeast(90.0),
-    );
-    group.add("stated as closed, median, strong singles", stated, None);
-    let bar = Bar::AtLeast(0.9);
-    let name = "interval holds the true shrink, strong singles";
-    group.add(name, covered(&strong), bar);
-    let name = "interval holds the true shrink, all with names";
-    group.add(name, covered(&all), bar);
+    figures! { group:
+        "truly closed, median, strong singles", truly, Bar::AtLeast(90.0);
+        "stated as closed, median, strong singles", stated, None;
+        "interval holds the true shrink, strong singles", covered(&strong), Bar::AtLeast(0.9);
+        "interval holds the true shrink, all with names", covered(&all), Bar::AtLeast(0.9);
+    }
     group.measures
 }
 
@@ -261,10 +230,11 @@ fn calibration(cases: &[Case]) -> Vec<Measure> {
     let mut group = Group::new("expected calibration error, unknown included");
     let error =
         |suites: Option<&[&str]>| number(&probabilities(cases, suites), 3, "", calibration_error);
-    group.add("all suites together", error(None), Bar::AtMost(0.05));
-    group.add("strong singles", error(Some(&["s1"])), None);
-    let nameless = error(Some(&["s2", "s3"]));
-    group.add("withheld and never in the catalogue", nameless, None);
+    figures! { group:
+        "all suites together", error(None), Bar::AtMost(0.05);
+        "strong singles", error(Some(&["s1"])), None;
+        "withheld and never in the catalogue", error(Some(&["s2", "s3"])), None;
+    }
     group.measures
 }
 
@@ -276,30 +246,22 @@ fn parameters(cases: &[Case]) -> Vec<Measure> {
         let with_interval = all.filter(|one| !CHOICES.contains(&one.parameter.as_str()));
         Value::Share(Rate::of_cases(with_interval.map(|one| one.covered)))
     };
-    group.add(
-        "all suites with names",
-        covered(&NAMED),
-        Bar::Between(0.9, 0.99),
-    );
-    group.add("strong singles", covered(&["s1"]), None);
-    group.add("near-threshold singles", covered(&["s1n"]), None);
+    figures! { group:
+        "all suites with names", covered(&NAMED), Bar::Between(0.9, 0.99);
+        "strong singles", covered(&["s1"]), None;
+        "near-threshold singles", covered(&["s1n"]), None;
+    }
     group.measures
 }
 
 fn near(cases: &[Case]) -> Vec<Measure> {
     let mut group = Group::new("near-threshold effects");
     let scores = scores_of(cases, &["s1n"]);
-    group.add(
-        "detected",
-        share(&scores, any, detected),
-        Bar::AtLeast(0.85),
-    );
-    group.add(
-        "right, of detected",
-        share(&scores, detected, right),
-        Bar::AtLeast(0.9),
-    );
-    group.add("joint right, of those found", joints(&scores), None);
+    figures! { group:
+        "detected", share(&scores, any, detected), Bar::AtLeast(0.85);
+        "right, of detected", share(&scores, detected, right), Bar::AtLeast(0.9);
+        "joint right, of those found", joints(&scores), None;
+    }
     group.measures
 }
 
@@ -309,11 +271,12 @@ fn others(cases: &[Case]) -> Vec<Measure> {
     let flagged = scores_of(cases, &["s10"]);
     let flagged = flagged.iter().filter_map(|score| score.implausible_flagged);
     let plain = |suite: &str| share(&scores_of(cases, &[suite]), any, right);
-    group.add("twins: right up to the declared class", plain("s6"), None);
-    group.add("pathologies of the noise: right", plain("s7"), None);
-    group.add("ablation: every missing base term named", plain("s8"), None);
-    let flagged = Value::Share(Rate::of_cases(flagged));
-    group.add("impossible magnitudes flagged", flagged, None);
-    group.add("force and torque: right", plain("sf"), None);
+    figures! { group:
+        "twins: right up to the declared class", plain("s6"), None;
+        "pathologies of the noise: right", plain("s7"), None;
+        "ablation: every missing base term named", plain("s8"), None;
+        "impossible magnitudes flagged", Value::Share(Rate::of_cases(flagged)), None;
+        "force and torque: right", plain("sf"), None;
+    }
     group.measures
 }

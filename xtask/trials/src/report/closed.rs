@@ -5,6 +5,7 @@ use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Answer, Rate, Verdict};
 
 use crate::batch::Case;
+use crate::closing::Closing;
 use crate::measure::{Bar, Measure, Value, number, quantile};
 
 /// Suites of the loop: one effect, two effects.
@@ -48,14 +49,11 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
         let scored = of(suites);
         let scored = scored.iter().filter(|case| Apart::of(case).is_none());
         let closings: Vec<_> = scored.filter_map(|case| case.closing.as_ref()).collect();
-        let shares: Vec<f64> = closings
-            .iter()
-            .filter_map(|own| own.closed_percent)
-            .collect();
+        let shares = closings.iter().filter_map(|own| own.closed_percent);
+        let shares: Vec<f64> = shares.collect();
         let at = |share: f64| number(&shares, 1, "%", move |values| quantile(values, share));
-        let quiet = closings
-            .iter()
-            .map(|own| own.again.verdict == Verdict::NoGap);
+        let is_quiet = |own: &&Closing| own.again.verdict == Verdict::NoGap;
+        let quiet = closings.iter().map(is_quiet);
         let bar = |least: f64| is_judged.then_some(Bar::AtLeast(least));
         let mut put = |name: &str, value: Value, bar: Option<Bar>| {
             all.push(Measure::new(group, format!("{name}, {what}"), value, bar));
@@ -64,20 +62,15 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
         put("gap closed, worst tenth", at(0.1), bar(75.0));
         let quiet = Value::Share(Rate::of_cases(quiet));
         put("then no gap against it", quiet, bar(0.9));
-        let by_c: Vec<_> = closings
-            .iter()
-            .filter_map(|own| own.by_c.as_ref())
-            .collect();
+        let by_c = closings.iter().filter_map(|own| own.by_c.as_ref());
+        let by_c: Vec<_> = by_c.collect();
         let shares: Vec<f64> = by_c.iter().filter_map(|own| own.closed_percent).collect();
         let median = number(&shares, 1, "%", |values| quantile(values, 0.5));
         put("gap closed by the exported C, median", median, None);
         let same = by_c.iter().map(|own| own.apart <= SAME);
         let same = Value::Share(Rate::of_cases(same));
-        put(
-            "the exported C predicts what --replay does, to 1e-9",
-            same,
-            None,
-        );
+        let name = "the exported C predicts what --replay does, to 1e-9";
+        put(name, same, None);
     };
     add("all", &LOOPS.map(|(suite, _)| suite), true);
     for (suite, what) in LOOPS {
@@ -146,10 +139,7 @@ pub(crate) fn table(cases: &[Case]) -> Result<Table, ReportError> {
             _ => continue,
         };
         table.push(vec![
-            Cell::Text(format!(
-                "--suite {} --first {} --count 1",
-                case.suite, case.index
-            )),
+            Cell::Text(case.arguments()),
             Cell::Text(super::wrong::truth(case)),
             Cell::Text(effects.join(", ")),
             closed.map_or(Cell::Missing, |closed| Cell::Text(format!("{closed:.1} %"))),

@@ -6,7 +6,7 @@ use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Rate, TrialScore};
 
 use crate::batch::Case;
-use crate::measure::{Bar, Group, Measure, Value, number, quantile};
+use crate::measure::{Bar, Group, Measure, Value, figures, number, quantile};
 use crate::report::bars::{any, confidently_wrong, detected, named, right, scores_of, share};
 
 /// The suite, and that of clean arms whose noise has a memory.
@@ -84,14 +84,13 @@ pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
 
 fn clean(cases: &[Case], group: &mut Group) {
     let own = scores(&of(cases, &[Stratum::Clean]));
-    let alarms = share(&own, any, detected);
-    group.add("clean: any verdict but no-gap", alarms, Bar::AtMost(0.03));
-    group.add("clean: named", share(&own, any, named), Bar::AtMost(0.01));
     let memory = scores_of(cases, &[MEMORY]);
-    let is_named = share(&memory, any, named);
-    group.add("noise with a memory: named", is_named, Bar::AtMost(0.02));
-    let name = "noise with a memory: any verdict but no-gap";
-    group.add(name, share(&memory, any, detected), None);
+    figures! { group:
+        "clean: any verdict but no-gap", share(&own, any, detected), Bar::AtMost(0.03);
+        "clean: named", share(&own, any, named), Bar::AtMost(0.01);
+        "noise with a memory: named", share(&memory, any, named), Bar::AtMost(0.02);
+        "noise with a memory: any verdict but no-gap", share(&memory, any, detected), None;
+    }
 }
 
 /// Effects that the catalogue has.
@@ -102,27 +101,19 @@ fn listed(cases: &[Case], group: &mut Group) {
     let pairs = scores(&of(cases, &[Stratum::Pair]));
     let joints = strong.iter().filter_map(|score| score.joint_right);
     let joints = Value::Share(Rate::of_cases(joints));
-    let most = Bar::AtLeast(0.9);
     let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
     let both = share(&pairs, any, |score| score.groups_found == score.groups);
-    let is_wrong = share(&strong, detected, confidently_wrong);
-    group.add("strong: detected", share(&strong, any, detected), None);
-    group.add("strong: right, of detected", right_of(&strong), most);
-    group.add(
-        "strong: joint right, of those found",
-        joints,
-        Bar::AtLeast(0.95),
-    );
-    group.add(
-        "strong: confidently wrong, of detected",
-        is_wrong,
-        Bar::AtMost(0.03),
-    );
-    let name = "strong, name right: gap stated as closed, median";
-    group.add(name, stated(&strong_cases), None);
-    group.add("weak: detected", share(&weak, any, detected), None);
-    group.add("weak: right, of detected", right_of(&weak), most);
-    group.add("two effects: both found", both, Bar::AtLeast(0.8));
+    let wrong = share(&strong, detected, confidently_wrong);
+    figures! { group:
+        "strong: detected", share(&strong, any, detected), None;
+        "strong: right, of detected", right_of(&strong), Bar::AtLeast(0.9);
+        "strong: joint right, of those found", joints, Bar::AtLeast(0.95);
+        "strong: confidently wrong, of detected", wrong, Bar::AtMost(0.03);
+        "strong, name right: gap stated as closed, median", stated(&strong_cases), None;
+        "weak: detected", share(&weak, any, detected), None;
+        "weak: right, of detected", right_of(&weak), Bar::AtLeast(0.9);
+        "two effects: both found", both, Bar::AtLeast(0.8);
+    }
 }
 
 /// Effects that the catalogue does not have, and torques that no effect makes.
@@ -132,21 +123,15 @@ fn nameless(cases: &[Case], group: &mut Group) {
     let both = scores(&of(cases, &[Stratum::Withheld, Stratum::Foreign]));
     let sloppy = scores(&of(cases, &[Stratum::Sloppy]));
     let right_of = |scores: &[&TrialScore]| share(scores, detected, right);
-    let name = "withheld: unknown or a twin class, of detected";
-    group.add(name, right_of(&withheld), None);
-    let name = "in no catalogue: unknown, of detected";
-    group.add(name, right_of(&foreign), None);
-    let name = "no name is right: unknown, of detected";
-    group.add(name, right_of(&both), Bar::AtLeast(0.9));
-    let name = "no name is right: confidently wrong, of detected";
     let wrong = share(&both, detected, confidently_wrong);
-    group.add(name, wrong, Bar::AtMost(0.03));
     let unknown = share(&sloppy, any, right);
-    group.add(
-        "torques of something else: unknown",
-        unknown,
-        Bar::AtLeast(1.0),
-    );
+    figures! { group:
+        "withheld: unknown or a twin class, of detected", right_of(&withheld), None;
+        "in no catalogue: unknown, of detected", right_of(&foreign), None;
+        "no name is right: unknown, of detected", right_of(&both), Bar::AtLeast(0.9);
+        "no name is right: confidently wrong, of detected", wrong, Bar::AtMost(0.03);
+        "torques of something else: unknown", unknown, Bar::AtLeast(1.0);
+    }
 }
 
 /// Stated reduction of the gap on the second recording, where the first name is right.
@@ -179,14 +164,12 @@ pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
                  | confidently wrong | answered first";
     let mut table = Table::with_heads("", heads);
     for (label, own) in by_label {
-        let scores: Vec<&TrialScore> = own.iter().filter_map(|case| case.score.as_ref()).collect();
+        let scores = scores(&own);
         let count = |is: fn(&TrialScore) -> bool| {
             Cell::number(scores.iter().filter(|score| is(score)).count() as f64, 0)
         };
-        let joints: Vec<bool> = scores
-            .iter()
-            .filter_map(|score| score.joint_right)
-            .collect();
+        let joints = scores.iter().filter_map(|score| score.joint_right);
+        let joints: Vec<bool> = joints.collect();
         let at_joint = joints.iter().filter(|right| **right).count();
         let changes: Vec<f64> = own.iter().filter_map(|case| change(case)).collect();
         let changes: Vec<&f64> = changes.iter().collect();
@@ -206,12 +189,9 @@ pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
             Cell::Text(answers(&scores)),
         ])?;
     }
-    table.notes.push(
-        "Change: of the torque, filtered at 10 Hz, root mean square over the noise, worst joint, against the same arm and \
-         controller without the effect; of what shows on second encoders or in lost rows it says nothing."
-            .to_owned(),
-    );
-    Ok(Some(table))
+    let note = "Change: of the torque, filtered at 10 Hz, root mean square over the noise, worst joint, against the same arm and \
+         controller without the effect; of what shows on second encoders or in lost rows it says nothing.";
+    Ok(Some(table.with_note(note)))
 }
 
 /// The larger of the changes against the arm and, where the log has a command, the controller.

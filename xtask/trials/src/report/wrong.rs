@@ -85,21 +85,14 @@ pub(crate) fn table(
     found.sort_by_key(|(fault, _)| *fault);
     let mut table = Table::with_heads(title, "fault | trial | device | truth | verdict | answer");
     for (fault, case) in found {
+        let answer = case.answer.as_ref();
         table.push(vec![
             fault.words().into(),
-            Cell::Text(format!(
-                "--suite {} --first {} --count 1",
-                case.suite, case.index
-            )),
+            Cell::Text(case.arguments()),
             Cell::Text(case.truth.device.clone()),
             Cell::Text(truth(case)),
-            Cell::Text(
-                case.answer
-                    .as_ref()
-                    .map_or("none", |answer| answer.verdict.text())
-                    .to_owned(),
-            ),
-            Cell::Text(match (&case.answer, &case.error) {
+            answer.map_or("none", |answer| answer.verdict.text()).into(),
+            Cell::Text(match (answer, &case.error) {
                 (Some(answer), _) => answered(answer),
                 (None, Some(error)) => error.clone(),
                 (None, None) => String::new(),
@@ -114,62 +107,49 @@ pub(super) fn truth(case: &Case) -> String {
     if case.truth.effects.is_empty() || case.suite == "s8" {
         return case.truth.name.clone();
     }
-    let effects: Vec<String> = case
-        .truth
-        .effects
-        .iter()
-        .map(|effect| {
-            let joint = effect
-                .joint
-                .map_or(String::new(), |joint| format!(" joint {joint}"));
-            let size = if effect.size == 1.0 {
-                String::new()
-            } else {
-                format!(" x {:.2}", effect.size)
-            };
-            format!("{}{joint}{size}", effect.effect)
-        })
-        .collect();
-    let withheld = if case.truth.without.is_empty() {
-        String::new()
-    } else {
-        format!(" (without {})", case.truth.without.join(", "))
-    };
-    effects.join(" + ") + &withheld
+    let effects = case.truth.effects.iter().map(|effect| {
+        let size = Some(effect.size).filter(|size| *size != 1.0);
+        let size = size.map(|size| format!(" x {size:.2}"));
+        effect.effect.clone() + &at_joint(effect.joint) + &size.unwrap_or_default()
+    });
+    let effects: Vec<String> = effects.collect();
+    let without = &case.truth.without;
+    effects.join(" + ") + &listed(" (without ", without, ")")
+}
+
+/// ` joint 3`; nothing without a joint.
+fn at_joint(joint: Option<usize>) -> String {
+    joint.map_or(String::new(), |joint| format!(" joint {joint}"))
+}
+
+/// Names between two texts; nothing without names.
+fn listed(before: &str, names: &[String], after: &str) -> String {
+    match names {
+        [] => String::new(),
+        names => format!("{before}{}{after}", names.join(", ")),
+    }
 }
 
 /// `backlash joint 3, p 0.93, or hysteresis; cable-drift, p 0.99`.
 fn answered(answer: &Answer) -> String {
-    let causes: Vec<String> = answer
-        .causes
-        .iter()
-        .map(|cause| {
-            let joint = cause
-                .joint
-                .map_or(String::new(), |joint| format!(" joint {joint}"));
-            let probability = cause
-                .probability
-                .map_or(String::new(), |probability| format!(", p {probability:.2}"));
-            let class = if cause.confusable_with.is_empty() {
-                String::new()
-            } else {
-                format!(", or {}", cause.confusable_with.join(", "))
-            };
-            format!("{}{joint}{probability}{class}", cause.effect)
-        })
-        .collect();
+    let causes = answer.causes.iter().map(|cause| {
+        let probability = cause.probability.map(|p| format!(", p {p:.2}"));
+        cause.effect.clone()
+            + &at_joint(cause.joint)
+            + &probability.unwrap_or_default()
+            + &listed(", or ", &cause.confusable_with, "")
+    });
+    let causes: Vec<String> = causes.collect();
     let place = answer.place.as_ref().map_or(String::new(), |place| {
+        let joint = place.joint.map(|joint| format!(", joint {joint}"));
+        let columns = match place.depends_on.is_empty() {
+            true => "nothing".to_owned(),
+            false => place.depends_on.join(", "),
+        };
         format!(
-            "in {}{}, depends on {}",
+            "in {}{}, depends on {columns}",
             place.channel.as_deref().unwrap_or("no channel"),
-            place
-                .joint
-                .map_or(String::new(), |joint| format!(", joint {joint}")),
-            if place.depends_on.is_empty() {
-                "nothing".to_owned()
-            } else {
-                place.depends_on.join(", ")
-            }
+            joint.unwrap_or_default()
         )
     });
     let unknown = answer

@@ -12,7 +12,7 @@ use xtask_blind::Suite;
 use xtask_output::Progress;
 
 use self::trial::{Outcome, Settled, settled};
-use super::threads::in_parallel;
+use super::threads::{in_parallel, jobs};
 
 /// Suites whose trials are drawn in turn: weak effects, a ladder of sizes, structural twins.
 const SUITES: [Suite; 3] = [Suite::NearSingles, Suite::Ladder, Suite::Twins];
@@ -48,10 +48,7 @@ pub struct Arguments {
 /// A trial cannot be drawn, or the page not written. That the bar is missed is a result.
 pub fn settle(arguments: &Arguments) -> Result<()> {
     ensure!(arguments.count > 0, "--count is 0: a check needs a trial");
-    let jobs = match arguments.jobs {
-        Some(jobs) => jobs,
-        None => std::thread::available_parallelism().map_or(1, usize::from),
-    };
+    let jobs = jobs(arguments.jobs);
     // a long check is of use before its end: the page so far is there after each batch
     let write = |found: &[Settled], drawn: usize| -> Result<String> {
         let page = page::page(arguments, found, drawn)?;

@@ -1,18 +1,14 @@
 //! The arms that are tried, as their makers describe them.
 
 mod file;
-mod seven;
-mod six;
-mod slider;
+mod makes;
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::moving::motion::rigid::{Chain, Link};
 
 pub(crate) use file::{OUTPUT_COUNTS, device_toml, urdf};
-pub(crate) use seven::SEVEN;
-pub(crate) use six::SIX;
-pub(crate) use slider::SLIDER;
+pub(crate) use makes::{SEVEN, SIX, SLIDER};
 
 /// Gravity in the frame of a base that stands upright \[m/s^2\].
 pub(crate) const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];

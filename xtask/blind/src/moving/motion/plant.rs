@@ -2,7 +2,7 @@
 
 use crate::moving::laws::{Drawn, Instant, Levels, Sliding};
 use crate::moving::motion::rigid::{At, solve};
-use crate::moving::motion::specimen::{Friction, Specimen};
+use crate::moving::motion::specimen::{Friction, Sense, Specimen};
 
 /// Angles and rates: of the bodies, then of a motor that a soft drive has apart from its link.
 #[derive(Debug, Clone, PartialEq)]
@@ -185,14 +185,7 @@ impl<'a> Plant<'a> {
     fn settle(&mut self) {
         for joint in 0..self.bristle.len() {
             let angle = self.motor(&self.state.angle, joint);
-            let (stood, from) = self.bristle[joint];
-            let sense = self.specimen.friction[joint].sense;
-            self.bristle[joint] = match sense {
-                crate::moving::motion::specimen::Sense::Bristle { .. } => {
-                    (sense.at(stood, angle - from, 0.0), angle)
-                }
-                _ => (0.0, angle),
-            };
+            self.follow(joint, angle);
         }
     }
 
@@ -200,10 +193,7 @@ impl<'a> Plant<'a> {
     pub(crate) fn follow(&mut self, joint: usize, angle: f64) {
         let (stood, from) = self.bristle[joint];
         let sense = self.specimen.friction[joint].sense;
-        if matches!(
-            sense,
-            crate::moving::motion::specimen::Sense::Bristle { .. }
-        ) {
+        if matches!(sense, Sense::Bristle { .. }) {
             self.bristle[joint] = (sense.at(stood, angle - from, 0.0), angle);
         }
     }

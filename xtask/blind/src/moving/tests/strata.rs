@@ -108,7 +108,7 @@ fn an_arm_without_effect_is_not_changed() {
     for index in [1, 4, 9, 14] {
         let mut random = Suite::Moving.random(index, 23);
         let plan = plan(index, &mut random);
-        let moving = make(&plan, 0.0, ("moving", index, 23), &mut random).unwrap();
+        let moving = make(&plan, 0.0, Suite::Moving.id(index, 23), &mut random).unwrap();
         assert!(
             moving.change.arm.over_noise < 0.15,
             "{index}: {:?}",

@@ -54,24 +54,13 @@ impl Axis {
         let pole = TAU * ACTUATOR_HZ;
         let mode = (fixture_n_per_m / HANDLE_KG).sqrt();
         // [A b; 0 0]: its exponential holds both matrices of the sampled system
-        let continuous = Matrix4::new(
-            -pole,
-            0.0,
-            0.0,
-            pole, //
-            0.0,
-            0.0,
-            1.0,
-            0.0, //
-            mode * mode,
-            -mode * mode,
-            -2.0 * damping * mode,
-            0.0, //
-            0.0,
-            0.0,
-            0.0,
-            0.0,
-        );
+        let rows = [
+            [-pole, 0.0, 0.0, pole],
+            [0.0, 0.0, 1.0, 0.0],
+            [mode * mode, -mode * mode, -2.0 * damping * mode, 0.0],
+            [0.0; 4],
+        ];
+        let continuous = Matrix4::from_row_slice(rows.as_flattened());
         let sampled = (continuous * SAMPLE_S).exp();
         Self {
             step: sampled.fixed_view::<3, 3>(0, 0).into_owned(),
@@ -142,9 +131,8 @@ pub(crate) fn run(
     wanted: &[Vector6<f64>],
     noise: &[Vector6<f64>],
 ) -> Wrenches {
-    let mut actuator = Vector6::zeros();
-    let mut fixture = Vector6::zeros();
-    let mut rate = Vector6::zeros();
+    // force of the actuators, force in the fixture, its rate
+    let mut state = [Vector6::zeros(); 3];
     let mut waiting = Vector6::zeros();
     let mut integral: Vector6<f64> = Vector6::zeros();
     let mut before: Vector6<f64> = Vector6::zeros();
@@ -153,7 +141,7 @@ pub(crate) fn run(
         commanded: Vec::with_capacity(wanted.len()),
     };
     for (wanted, noise) in wanted.iter().zip(noise) {
-        let felt: Vector6<f64> = fixture;
+        let felt: Vector6<f64> = state[1];
         found.measured.push(felt);
         // what was commanded one sample ago acts now, through the true device
         let acting = transmission * waiting;
@@ -165,11 +153,8 @@ pub(crate) fn run(
             + (error - before) * (law.derivative_s / SAMPLE_S);
         before = error;
         found.commanded.push(waiting);
-        let (a, f, r) = (actuator, fixture, rate);
-        let (s, b) = (&axis.step, &axis.input);
-        actuator = a * s[(0, 0)] + f * s[(0, 1)] + r * s[(0, 2)] + acting * b[0];
-        fixture = a * s[(1, 0)] + f * s[(1, 1)] + r * s[(1, 2)] + acting * b[1];
-        rate = a * s[(2, 0)] + f * s[(2, 1)] + r * s[(2, 2)] + acting * b[2];
+        let (s, b, [a, f, r]) = (&axis.step, &axis.input, state);
+        state = [0, 1, 2].map(|k| a * s[(k, 0)] + f * s[(k, 1)] + r * s[(k, 2)] + acting * b[k]);
     }
     found
 }

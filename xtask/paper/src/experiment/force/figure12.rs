@@ -3,7 +3,7 @@
 use anyhow::Result;
 use haptical_model::kinematics::nalgebra::{Vector3, Vector6};
 use haptical_model::{Device, Evaluation, ForceTransmission};
-use haptical_report::{Figure, FigureGrid, Mark, Series};
+use haptical_report::{Figure, FigureGrid};
 use xtask_blind::Random;
 
 use super::closed_loop::{Axis, Law, SAMPLE_S, run};
@@ -55,14 +55,12 @@ pub(crate) fn course(
         })
         .collect();
     let mut random = Random::new(seed, 1);
+    let mut sensed = |axis: usize| match axis {
+        0..3 => SENSOR_SD_N * random.normal(),
+        _ => 0.0,
+    };
     let noise: Vec<Vector6<f64>> = (0..samples)
-        .map(|_| {
-            let mut sensed = Vector6::zeros();
-            for force in 0..3 {
-                sensed[force] = SENSOR_SD_N * random.normal();
-            }
-            sensed
-        })
+        .map(|_| Vector6::from_fn(|axis, _| sensed(axis)))
         .collect();
     let turn = at_truth.pose()?.rotation.transpose();
     let law = Law::proportional(gain);
@@ -70,13 +68,7 @@ pub(crate) fn course(
         .measured
         .iter()
         .zip(&noise)
-        .map(|(wrench, noise)| {
-            turn * Vector3::new(
-                wrench[0] + noise[0],
-                wrench[1] + noise[1],
-                wrench[2] + noise[2],
-            )
-        })
+        .map(|(wrench, noise)| turn * (wrench + noise).fixed_rows::<3>(0))
         .collect();
     Ok(Course {
         wanted_n,
@@ -86,37 +78,31 @@ pub(crate) fn course(
 
 /// Three forces before and after, side by side.
 pub(crate) fn figure(before: &Course, after: &Course) -> FigureGrid {
-    let panels = [
-        ("before calibration", before),
-        ("after full calibration", after),
-    ]
-    .into_iter()
-    .map(|(name, course)| {
+    let panel = |(name, course): (&str, &Course)| {
         let mut figure = Figure::new(name, "time [s]", "force [N]");
+        let drawn = |force_n: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+            let samples = (0..course.wanted_n.len()).step_by(DRAWN);
+            samples
+                .map(|sample| (sample as f64 * SAMPLE_S, force_n(sample)))
+                .collect()
+        };
         for (axis, label) in ["F_x measured", "F_y measured", "F_z measured"]
             .iter()
             .enumerate()
         {
-            let points = course
-                .measured_n
-                .iter()
-                .enumerate()
-                .step_by(DRAWN)
-                .map(|(sample, force)| (sample as f64 * SAMPLE_S, force[axis]))
-                .collect();
-            figure
-                .series
-                .push(Series::new(*label, Mark::Line, axis, points));
+            figure.line(
+                *label,
+                axis,
+                drawn(&|sample| course.measured_n[sample][axis]),
+            );
         }
-        let wanted = course.wanted_n.iter().enumerate().step_by(DRAWN);
-        let wanted = wanted
-            .map(|(sample, force)| (sample as f64 * SAMPLE_S, *force))
-            .collect();
+        figure.line("F_z wanted", 3, drawn(&|sample| course.wanted_n[sample]));
         figure
-            .series
-            .push(Series::new("F_z wanted", Mark::Line, 3, wanted));
-        figure
-    })
-    .collect();
+    };
+    let courses = [
+        ("before calibration", before),
+        ("after full calibration", after),
+    ];
+    let panels = courses.map(panel).to_vec();
     FigureGrid::new("The virtual wall, 2 N along the handle's z", 1, panels)
 }

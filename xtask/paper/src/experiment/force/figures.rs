@@ -39,34 +39,15 @@ pub(crate) fn stability() -> FigureGrid {
     for (colour, stiffness) in FIXTURES_N_PER_M.into_iter().enumerate() {
         let name = format!("{:.0} kN/m", 1e-3 * stiffness);
         let axis = Axis::new(stiffness, DAMPING);
-        let points = along(0.0, LARGEST_GAIN, |gain| {
-            axis.spectral_radius(&Law::proportional(gain))
-        });
-        radius
-            .series
-            .push(Series::new(&name, Mark::Line, colour, points));
-        let (low, high) = DAMPING_RANGE;
-        let points = along(low, high, |damping| {
-            Axis::new(stiffness, damping).largest_gain()
-        });
-        largest
-            .series
-            .push(Series::new(&name, Mark::Line, colour, points));
         let limit = axis.largest_gain();
-        let label = format!("limit {limit:.3}");
-        let at_one = vec![(limit, 1.0)];
-        radius
-            .series
-            .push(Series::new(label, Mark::Points, colour, at_one));
-        let assumed = vec![(DAMPING, limit)];
-        let label = if colour == 0 {
-            "damping as assumed"
-        } else {
-            ""
-        };
-        largest
-            .series
-            .push(Series::new(label, Mark::Points, colour, assumed));
+        let of_gain = |gain| axis.spectral_radius(&Law::proportional(gain));
+        radius.line(&name, colour, along(0.0, LARGEST_GAIN, of_gain));
+        radius.points(format!("limit {limit:.3}"), colour, vec![(limit, 1.0)]);
+        let (low, high) = DAMPING_RANGE;
+        let of_damping = |damping| Axis::new(stiffness, damping).largest_gain();
+        largest.line(&name, colour, along(low, high, of_damping));
+        let label = ["damping as assumed", "", ""][colour];
+        largest.points(label, colour, vec![(DAMPING, limit)]);
     }
     radius.series.push(Series::reference("", 6, 1.0));
     FigureGrid::new(
@@ -92,35 +73,15 @@ pub(crate) fn laws(
     let course = |instants: &[Instant], of: fn(&Instant) -> f64| -> Vec<(f64, f64)> {
         instants.iter().map(|at| (at.time_s, of(at))).collect()
     };
-    for (label, mark, colour, points) in [
-        (
-            "exerted by the drives, P",
-            Mark::Line,
-            0,
-            course(proportional, |at| at.drives_n),
-        ),
-        (
-            "exerted by the drives, PI",
-            Mark::Line,
-            1,
-            course(integral, |at| at.drives_n),
-        ),
-        (
-            "wanted by the wall, P",
-            Mark::DashedLine,
-            5,
-            course(proportional, |at| at.wanted_n),
-        ),
-        (
-            "wanted by the wall, PI",
-            Mark::DashedLine,
-            4,
-            course(integral, |at| at.wanted_n),
-        ),
-    ] {
-        letting_go
-            .series
-            .push(Series::new(label, mark, colour, points));
+    for (name, colour, instants) in [("P", 0, proportional), ("PI", 1, integral)] {
+        let drives = course(instants, |at| at.drives_n);
+        letting_go.line(format!("exerted by the drives, {name}"), colour, drives);
+    }
+    for (name, colour, instants) in [("P", 5, proportional), ("PI", 4, integral)] {
+        let wanted = course(instants, |at| at.wanted_n);
+        let label = format!("wanted by the wall, {name}");
+        let series = Series::new(label, Mark::DashedLine, colour, wanted);
+        letting_go.series.push(series);
     }
     let mut noisy = Figure::new(
         format!(
@@ -134,34 +95,17 @@ pub(crate) fn laws(
     noisy.y_log = true;
     let axis = Axis::new(FIXTURE_N_PER_M, DAMPING);
     let end_s = DERIVATIVE_SHARE * largest_derivative_s;
-    let found: Vec<(f64, f64, f64)> = along(0.0, end_s, |x| x)
-        .into_iter()
-        .step_by(4)
-        .map(|(derivative_s, _)| {
-            let law = Law {
-                derivative_s,
-                ..Law::proportional(gain)
-            };
-            let found = noise(&axis, &law, seed);
-            (
-                1e3 * derivative_s,
-                1e3 * found.command_n,
-                1e3 * found.handle_n,
-            )
-        })
-        .collect();
-    let points = |of: fn(&(f64, f64, f64)) -> f64| found.iter().map(|at| (at.0, of(at))).collect();
-    noisy.series.push(Series::new(
-        "commanded force",
-        Mark::Line,
-        1,
-        points(|at| at.1),
-    ));
-    noisy.series.push(Series::new(
-        "force at the handle",
-        Mark::Line,
-        0,
-        points(|at| at.2),
-    ));
+    let (mut commanded, mut at_handle) = (Vec::new(), Vec::new());
+    for (derivative_s, _) in along(0.0, end_s, |x| x).into_iter().step_by(4) {
+        let law = Law {
+            derivative_s,
+            ..Law::proportional(gain)
+        };
+        let found = noise(&axis, &law, seed);
+        commanded.push((1e3 * derivative_s, 1e3 * found.command_n));
+        at_handle.push((1e3 * derivative_s, 1e3 * found.handle_n));
+    }
+    noisy.line("commanded force", 1, commanded);
+    noisy.line("force at the handle", 0, at_handle);
     FigureGrid::new("Why the law is proportional", 1, vec![letting_go, noisy])
 }

@@ -5,7 +5,7 @@ use haptical_calibration::{ParameterFit, TransmissionFit};
 use haptical_metrics::rms;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation, ForceTransmission, Recording, handle_force_n};
-use haptical_simulator::{Sampling, simulate};
+use haptical_simulator::Sampling;
 use rayon::prelude::*;
 use xtask_output::Progress;
 
@@ -107,13 +107,8 @@ pub(crate) fn measured_n(
     let Some(found) = transmission(truth, controller) else {
         return Ok(None);
     };
-    Ok(handle_force_n(
-        &found,
-        truth,
-        controller,
-        WALL_FORCE_N,
-        gain,
-    )?)
+    let force_n = handle_force_n(&found, truth, controller, WALL_FORCE_N, gain);
+    Ok(force_n?)
 }
 
 /// Transverse forces \[N\] of several controllers in the poses that none of them leaves out, with the row of
@@ -181,13 +176,11 @@ pub(crate) fn calibrate(scenario: &Scenario, seed: u64, sampling: StepOne) -> Re
         first.settings.uniform_share = 1.0;
     }
     let (compensated, transmissions, _) = step_one(&first, seed)?;
-    let range_rad = transmissions
-        .get(POLYNOMIAL)
-        .context("no fourth transmission")?
-        .range_rad;
+    let fourth = transmissions.get(POLYNOMIAL);
+    let range_rad = fourth.context("no fourth transmission")?.range_rad;
     let full = step_two(scenario, &compensated, seed)?;
     let alone = step_two(scenario, &scenario.nominal, seed)?.device;
-    let rows = simulate(&scenario.truth, &scenario.settings, scenario.poses, seed)?;
+    let rows = scenario.simulate(scenario.poses, seed)?;
     let outside = rows.joint[POLYNOMIAL].iter();
     Ok(Calibrated {
         seed,
@@ -216,15 +209,12 @@ pub(crate) fn calibrations(
     sampling: StepOne,
     progress: &Progress,
 ) -> Vec<Calibrated> {
-    let found: Vec<Option<Calibrated>> = (0..seeds as u64)
-        .into_par_iter()
-        .map(|index| {
-            let found = calibrate(scenario, first_seed.wrapping_add(index), sampling).ok();
-            progress.step();
-            found
-        })
-        .collect();
-    found.into_iter().flatten().collect()
+    let of_seed = |index| calibrate(scenario, first_seed.wrapping_add(index), sampling);
+    progress
+        .over(seeds, of_seed)
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// The forces of the three controllers of one seed.
@@ -287,13 +277,10 @@ impl Kind {
         calibrated: &[Calibrated],
         gain: f64,
     ) -> Result<Self> {
-        let samples: Result<Vec<Sample>> = calibrated
-            .par_iter()
-            .map(|calibrated| sample(scenario, calibrated, gain))
-            .collect();
+        let of_one = |calibrated| sample(scenario, calibrated, gain);
         Ok(Self {
             name: name.to_owned(),
-            samples: samples?,
+            samples: calibrated.par_iter().map(of_one).collect::<Result<_>>()?,
         })
     }
 

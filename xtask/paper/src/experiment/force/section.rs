@@ -10,7 +10,7 @@ use super::other_laws::other_laws;
 use super::sample::{Kind, POLYNOMIAL, Sample, StepOne, calibrations, typical_posture, unsettled};
 use super::{figure12, figures, table};
 use crate::experiment::truth;
-use crate::monte_carlo::Spread;
+use crate::monte_carlo::{Spread, largest};
 use crate::published::Paper;
 use crate::scenario::Scenario;
 
@@ -240,8 +240,4 @@ fn formula(output: &mut Output, scenario: &Scenario, seed: u64) -> Result<()> {
         100.0 * whole.difference,
     ));
     Ok(())
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, f64::max)
 }

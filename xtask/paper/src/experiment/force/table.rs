@@ -5,11 +5,7 @@ use haptical_metrics::{median, quantile, rms};
 use haptical_report::{Cell, Table};
 
 use super::sample::{CONTROLLERS, Kind, Sample};
-use crate::monte_carlo::Spread;
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(0.0, f64::max)
-}
+use crate::monte_carlo::{Spread, largest};
 
 /// Over seeds: RMS and peak of the poses of each seed.
 pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {

@@ -4,14 +4,14 @@ use std::hint::black_box;
 
 use anyhow::{Context, Result};
 use haptical_batch::{DistanceModel, PoseBatch, TileRows};
-use haptical_calibration::{Channel, DeviceProblem, ReducedProblem, Weights};
+use haptical_calibration::{DeviceProblem, ReducedProblem};
 use haptical_identification::{Method, Settings, TriangleProblem, solve};
 use haptical_linalg::{Matrix, Reduction, Triangle};
-use haptical_model::{Device, ParameterId, Recording};
-use haptical_simulator::simulate;
-use xtask_paper::{Paper, Scenario, nominal_device};
+use haptical_model::ParameterId;
+use xtask_blind::rows;
 
-use super::{Job, Workload, spread, workloads};
+use super::{Job, Workload, spread};
+use crate::bench_peers::files::DataSet;
 
 /// Poses of one pass.
 const POSES: usize = 4096;
@@ -19,51 +19,25 @@ const POSES: usize = 4096;
 const FIT_POSES: usize = 200;
 /// Free parameters.
 const COLUMNS: usize = 28;
-const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 5] = workloads! {
-    "derivatives-cached" "residuals and 28 derivatives of distances, sines held", "pose" POSES, false, derivatives;
-    "pass-cached" "one pass of a fit: derivatives and their reduction, sines held", "pose" POSES, false, pass;
-    "reduction-tiles" "reduction of rows of 28 columns to a triangle, tile by tile", "row" POSES, false, reduction_in_tiles;
-    "reduction-dense" "QR of a whole matrix of 200 rows and 28 columns", "row" FIT_POSES, false, dense_reduction;
-    "fit-200-poses" "the 28-parameter fit of a problem of 200 poses from the nominal values, its lanes and sines included", "pose" FIT_POSES, false, fit;
+pub(crate) const WORKLOADS: [Workload; 5] = rows! {
+    Workload {name what unit units is_long prepare}
+    "derivatives-cached", "residuals and 28 derivatives of distances, sines held", "pose", POSES as u64, false, derivatives;
+    "pass-cached", "one pass of a fit: derivatives and their reduction, sines held", "pose", POSES as u64, false, pass;
+    "reduction-tiles", "reduction of rows of 28 columns to a triangle, tile by tile", "row", POSES as u64, false, reduction_in_tiles;
+    "reduction-dense", "QR of a whole matrix of 200 rows and 28 columns", "row", FIT_POSES as u64, false, dense_reduction;
+    "fit-200-poses", "the 28-parameter fit of a problem of 200 poses from the nominal values, its lanes and sines included", "pose", FIT_POSES as u64, false, fit;
 };
 
-/// Distances of the paper's simulated device without transmission errors.
-struct Distances {
-    nominal: Device,
-    recording: Recording,
-    parameters: Vec<ParameterId>,
-}
-
-const CHANNELS: [Channel; 1] = [Channel::Cable { index: 0 }];
-
-impl Distances {
-    fn simulate(poses: usize) -> Result<Self> {
-        let paper = Paper::load()?;
-        let mut scenario = Scenario::paper(nominal_device(None)?, &paper, false)?;
-        let nominal = &scenario.nominal;
-        for (truth, joint) in scenario.truth.joints.iter_mut().zip(&nominal.joints) {
-            truth.transmission_error = joint.transmission_error.clone();
-        }
-        let recording = simulate(&scenario.truth, &scenario.settings, poses, SEED)?;
-        let ids = paper.table3.iter().map(|row| nominal.parameter(&row.name));
-        Ok(Self {
-            parameters: ids.collect::<Result<_, _>>()?,
-            nominal: scenario.nominal,
-            recording,
-        })
-    }
-}
-
 fn derivatives() -> Result<Job> {
-    let Distances {
+    let DataSet {
         nominal,
         recording,
-        parameters,
-    } = Distances::simulate(POSES)?;
+        free,
+        sd_m,
+    } = DataSet::simulate(POSES)?;
     let motions = nominal.motions();
-    let chosen: Vec<_> = parameters
+    let chosen: Vec<_> = free
         .iter()
         .filter_map(|id| match *id {
             ParameterId::Link { row, parameter } => Some((row, parameter)),
@@ -72,7 +46,6 @@ fn derivatives() -> Result<Job> {
         .collect();
     let model = DistanceModel::new(nominal.convention, &nominal.links, &motions, [0.0; 3])?;
     let model = model.with_parameters(&chosen)?;
-    let sd_m = nominal.cable_sd_m(0).context("the cable has no sd")?;
     let joints = nominal.joints.iter().zip(&recording.joint);
     let joints: Vec<Vec<f64>> = joints
         .map(|(joint, column)| column.iter().map(|angle| angle + joint.home_rad).collect())
@@ -91,10 +64,10 @@ fn derivatives() -> Result<Job> {
 
 /// The problem of a simulated device, kept for as long as the process that counts.
 fn problem(poses: usize) -> Result<&'static DeviceProblem<'static>> {
-    let data: &'static Distances = Box::leak(Box::new(Distances::simulate(poses)?));
-    let (device, recording) = (&data.nominal, &data.recording);
-    let weights = Weights::stated(device, &CHANNELS);
-    let problem = DeviceProblem::new(device, recording, &CHANNELS, &data.parameters, &weights)?;
+    let data: &'static DataSet = Box::leak(Box::new(DataSet::simulate(poses)?));
+    let (device, recording, weights) = (&data.nominal, &data.recording, data.weights());
+    let channels = DataSet::channels();
+    let problem = DeviceProblem::new(device, recording, &channels, &data.free, &weights)?;
     Ok(Box::leak(Box::new(problem)))
 }
 

@@ -5,16 +5,18 @@ use std::hint::black_box;
 use anyhow::{Context, Result};
 use haptical_calibration::{Degree, Options, Weighting, fit_device};
 use haptical_simulator::{simulate, simulate_transmission};
+use xtask_blind::rows;
 use xtask_paper::{Paper, Scenario, nominal_device, step_one_on, step_two_on};
 
 use super::recordings::{LOG_ROWS, log};
-use super::{Job, Workload, workloads};
+use super::{Job, Workload};
 
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 2] = workloads! {
-    "two-step-device" "both steps for one device: 200 samples for each of 4 transmissions, 200 poses, rank and intervals", "device" 1, false, two_steps;
-    "joint-fit" "transmissions and links at once from a log of 60 s at 100 Hz, polynomial of degree 10, stated noise", "row" LOG_ROWS, true, joint_fit;
+pub(crate) const WORKLOADS: [Workload; 2] = rows! {
+    Workload {name what unit units is_long prepare}
+    "two-step-device", "both steps for one device: 200 samples for each of 4 transmissions, 200 poses, rank and intervals", "device", 1, false, two_steps;
+    "joint-fit", "transmissions and links at once from a log of 60 s at 100 Hz, polynomial of degree 10, stated noise", "row", LOG_ROWS as u64, true, joint_fit;
 };
 
 fn two_steps() -> Result<Job> {

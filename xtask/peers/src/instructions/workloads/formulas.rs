@@ -7,9 +7,10 @@ use haptical_batch::PoseLanes;
 use haptical_model::kinematics::{Chain, PreparedChain, Twist};
 use haptical_model::transmission::{Capstan, CapstanError};
 use haptical_runtime::Inputs;
+use xtask_blind::rows;
 use xtask_paper::nominal_device;
 
-use super::{Job, Workload, spread, workloads};
+use super::{Job, Workload, spread};
 
 /// As `haptical export --format rust` writes it, joint 4 a polynomial.
 #[allow(
@@ -35,13 +36,14 @@ const JOINTS: usize = 7;
 /// Calls of one formula, all at other arguments.
 const CALLS: usize = 1000;
 
-pub(crate) const WORKLOADS: [Workload; 6] = workloads! {
-    "capstan-error" "error of a capstan with slope and six derivatives, eq. (1)", "call" CALLS, false, capstan_error;
-    "capstan-inverse" "encoder angle for an angle of the output", "call" CALLS, false, capstan_inverse;
-    "pose-and-jacobian" "PreparedChain, 7 joints, one posture after the other", "pose" CALLS, false, pose_and_jacobian;
-    "pose-lanes" "PoseLanes, 7 joints, all postures at once", "pose" CALLS, false, pose_lanes;
-    "runtime-step" "one step of the control loop of the 7-joint device, with torques", "step" CALLS, false, runtime_step;
-    "runtime-step-effects" "the same of the device with three effects at each of three joints", "step" CALLS, false, runtime_step_effects;
+pub(crate) const WORKLOADS: [Workload; 6] = rows! {
+    Workload {name what unit units is_long prepare}
+    "capstan-error", "error of a capstan with slope and six derivatives, eq. (1)", "call", CALLS as u64, false, capstan_error;
+    "capstan-inverse", "encoder angle for an angle of the output", "call", CALLS as u64, false, capstan_inverse;
+    "pose-and-jacobian", "PreparedChain, 7 joints, one posture after the other", "pose", CALLS as u64, false, pose_and_jacobian;
+    "pose-lanes", "PoseLanes, 7 joints, all postures at once", "pose", CALLS as u64, false, pose_lanes;
+    "runtime-step", "one step of the control loop of the 7-joint device, with torques", "step", CALLS as u64, false, runtime_step;
+    "runtime-step-effects", "the same of the device with three effects at each of three joints", "step", CALLS as u64, false, runtime_step_effects;
 };
 
 fn drive() -> Result<(Capstan, CapstanError)> {

@@ -21,23 +21,8 @@ pub(crate) struct Workload {
     pub(crate) units: u64,
     /// Takes valgrind more than ten seconds.
     pub(crate) is_long: bool,
-    prepare: fn() -> Result<Job>,
+    pub(crate) prepare: fn() -> Result<Job>,
 }
-
-/// Workloads, a row each: name, what it is, the unit and how many there are, whether it is long, how it is prepared.
-macro_rules! workloads {
-    ($($name:literal $what:literal, $unit:literal $units:expr, $is_long:literal, $prepare:ident;)*) => {
-        [$(Workload {
-            name: $name,
-            what: $what,
-            unit: $unit,
-            units: $units as u64,
-            is_long: $is_long,
-            prepare: $prepare,
-        },)*]
-    };
-}
-use workloads;
 
 impl Workload {
     /// Makes what the work needs; that is not counted.

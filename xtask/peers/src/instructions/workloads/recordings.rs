@@ -7,9 +7,10 @@ use haptical_data::{LogShape, read_log_from, write_log_to};
 use haptical_diagnosis::{Options, diagnose};
 use haptical_model::{Device, Recording};
 use haptical_simulator::{Effect, Effects, HandMotion, MotionSettings, record_motion};
+use xtask_blind::rows;
 use xtask_paper::{Paper, nominal_device, true_device};
 
-use super::{Job, Workload, workloads};
+use super::{Job, Workload};
 
 /// Rows of a log of 60 s at 100 Hz.
 pub(crate) const LOG_ROWS: usize = 6000;
@@ -19,9 +20,10 @@ const DIAGNOSED_ROWS: usize = 600;
 const LOG_S: f64 = 60.0;
 const SEED: u64 = 1;
 
-pub(crate) const WORKLOADS: [Workload; 2] = workloads! {
-    "csv-rows" "reading a log of 60 s at 100 Hz, in memory", "row" LOG_ROWS, false, csv_rows;
-    "diagnosis" "diagnosis of a log of 60 s at 10 Hz with a yielding cable at joint 2", "row" DIAGNOSED_ROWS, true, diagnosis;
+pub(crate) const WORKLOADS: [Workload; 2] = rows! {
+    Workload {name what unit units is_long prepare}
+    "csv-rows", "reading a log of 60 s at 100 Hz, in memory", "row", LOG_ROWS as u64, false, csv_rows;
+    "diagnosis", "diagnosis of a log of 60 s at 10 Hz with a yielding cable at joint 2", "row", DIAGNOSED_ROWS as u64, true, diagnosis;
 };
 
 /// The nominal device, and 60 s of one with the paper's deviations and these effects, guided by hand.
