@@ -115,11 +115,8 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         curves.push((name, one, many));
     }
     output.table("basin", table)?;
-    output.figure(
-        "basin",
-        "Found devices against the size of the start's error",
-        &figure(&curves),
-    )?;
+    let caption = "Found devices against the size of the start's error";
+    output.figure("basin", caption, &figure(&curves))?;
     output.verdict(
         silent == 0,
         format!("no fit ends at a wrong minimum without a word: {silent} of {all} do"),

@@ -26,21 +26,15 @@ pub(super) fn report(
     let columns = "trial | poses | quantities | devices | failed | with held weak parameters | mean coverage [%] | \
              lowest [%] | of | highest [%] | of | least p, corrected | rejected";
     let mut table = Table::with_heads("Coverage of 95 % intervals", columns);
-    let share = |quantity: &Quantity| 100.0 * quantity.held as f64 / quantity.devices as f64;
+    let share = Quantity::percent;
     for (index, trial) in TRIALS.iter().enumerate() {
         let own: Vec<usize> = (0..quantities.len())
             .filter(|&k| quantities[k].trial == index)
             .collect();
         let by =
             |a: &&usize, b: &&usize| share(&quantities[**a]).total_cmp(&share(&quantities[**b]));
-        let lowest = own
-            .iter()
-            .min_by(by)
-            .context("a trial without quantities")?;
-        let highest = own
-            .iter()
-            .max_by(by)
-            .context("a trial without quantities")?;
+        let ends = own.iter().min_by(by).zip(own.iter().max_by(by));
+        let (lowest, highest) = ends.context("a trial without quantities")?;
         let mean = own.iter().map(|&k| share(&quantities[k])).sum::<f64>() / own.len() as f64;
         let least = own.iter().map(|&k| adjusted[k]).fold(1.0, f64::min);
         let rejected = own.iter().filter(|&&k| adjusted[k] < ALPHA).count();
@@ -61,11 +55,8 @@ pub(super) fn report(
         ])?;
     }
     output.table("intervals", table)?;
-    output.figure(
-        "intervals",
-        "Coverage of every quantity",
-        &figure(quantities)?,
-    )?;
+    let figure = figure(quantities)?;
+    output.figure("intervals", "Coverage of every quantity", &figure)?;
     let rejected: Vec<String> = (0..quantities.len())
         .filter(|&k| adjusted[k] < ALPHA)
         .map(|k| {
@@ -147,12 +138,7 @@ fn figure(quantities: &[Quantity]) -> Result<Figure> {
         let own = quantities.iter().enumerate();
         let points = own
             .filter(|(_, quantity)| quantity.trial == index)
-            .map(|(k, quantity)| {
-                (
-                    k as f64,
-                    100.0 * quantity.held as f64 / quantity.devices as f64,
-                )
-            });
+            .map(|(k, quantity)| (k as f64, quantity.percent()));
         figure.points(trial.name, index, points.collect());
     }
     if let Some(most) = quantities.iter().map(|quantity| quantity.devices).max() {

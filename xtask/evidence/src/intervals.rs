@@ -70,6 +70,13 @@ pub(super) struct Quantity {
     pub(super) devices: usize,
 }
 
+impl Quantity {
+    /// How often its interval holds the truth.
+    pub(super) fn percent(&self) -> f64 {
+        100.0 * self.held as f64 / self.devices as f64
+    }
+}
+
 /// Writes the section.
 pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     output.section("Intervals");

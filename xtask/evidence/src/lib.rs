@@ -83,23 +83,18 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     }
     // that they run: so few devices say nothing, and the document keeps what many said
     let mut unread = Output::default();
-    let many = if arguments.quick {
-        &mut unread
-    } else {
-        &mut output
+    let (many, devices) = match arguments.quick {
+        true => (&mut unread, QUICK_DEVICES),
+        false => (&mut output, arguments.devices),
     };
-    let devices = if arguments.quick {
-        QUICK_DEVICES
-    } else {
-        arguments.devices
-    };
+    let long = |name: &str| runs(name) && !arguments.quick;
     if runs("intervals") {
         intervals::section(many, devices)?;
     }
-    if runs("noise-memory") && !arguments.quick {
+    if long("noise-memory") {
         noise_memory::section(many, devices.min(200))?;
     }
-    if runs("effects") && !arguments.quick {
+    if long("effects") {
         let page = root().join("docs/evidence/effects.md");
         let held = std::fs::read_to_string(page).unwrap_or_default();
         effects::section(many, devices.min(500), (&arguments.kinds, &held))?;
@@ -110,26 +105,26 @@ pub fn evidence(arguments: &Arguments) -> Result<()> {
     if runs("parallel-joints") {
         parallel_joints::section(&mut output)?;
     }
-    if runs("poses") && !arguments.quick {
+    if long("poses") {
         poses::section(&mut output, devices.min(200))?;
     }
-    if runs("watch") && !arguments.quick {
+    if long("watch") {
         watch::section(&mut output, devices.min(200))?;
         watch_day::day(&mut output)?;
     }
-    if runs("formats") && !arguments.quick {
+    if long("formats") {
         project::cargo_test::formats(&mut output, &root())?;
     }
-    if runs("fuzz") && !arguments.quick {
+    if long("fuzz") {
         project::cargo_test::fuzz(&mut output, &root(), FUZZ_SECONDS)?;
     }
-    if runs("python") && !arguments.quick {
+    if long("python") {
         project::python::section(&mut output, &root())?;
     }
     if runs("licences") {
         project::licences::section(&mut output)?;
     }
-    if runs("coverage") && !arguments.quick {
+    if long("coverage") {
         project::quality::coverage(&mut output, &arguments.out)?;
     }
     output.write(&arguments.out, "Evidence", LEAD)?;

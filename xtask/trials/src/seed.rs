@@ -74,18 +74,14 @@ fn of_commit(root: &Path) -> Result<Seed> {
         let words = words.iter().chain(further).map(|&word| word.to_owned());
         words.chain(judged.iter().cloned()).collect()
     };
-    let changed = git(
-        root,
-        &with_paths(&["status", "--porcelain", "--"], &[GENERATOR]),
-    )?;
+    let status = with_paths(&["status", "--porcelain", "--"], &[GENERATOR]);
+    let changed = git(root, &status)?;
     ensure!(
         changed.is_empty(),
         "--seed commit needs these committed, for a scored batch is one that can be repeated:\n{changed}"
     );
-    let commit = git(
-        root,
-        &[&["log", "-1", "--format=%H", "--"][..], &THRESHOLDS].concat(),
-    )?;
+    let last = [&["log", "-1", "--format=%H", "--"][..], &THRESHOLDS].concat();
+    let commit = git(root, &last)?;
     let Some(digits) = commit.get(..DIGITS) else {
         bail!("--seed commit: no commit has changed crates/*/src/thresholds.rs");
     };

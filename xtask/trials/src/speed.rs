@@ -51,17 +51,11 @@ pub(crate) fn alone(seed: u64) -> Result<Vec<Measure>> {
         let value = number(times_s, 2, "s", |values| quantile(values, 0.5));
         Measure::new(GROUP, name, value, Some(Bar::AtMost(limit_s)))
     };
+    let usual = format!("median, {ROWS} rows, on {cores} cores");
+    let long = format!("{LONG_ROWS} rows, on {cores} cores");
     Ok(vec![
-        measure(
-            format!("median, {ROWS} rows, on {cores} cores"),
-            &times_s,
-            1.0,
-        ),
-        measure(
-            format!("{LONG_ROWS} rows, on {cores} cores"),
-            &[long_s],
-            15.0,
-        ),
+        measure(usual, &times_s, 1.0),
+        measure(long, &[long_s], 15.0),
     ])
 }
 

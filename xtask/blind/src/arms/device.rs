@@ -7,7 +7,6 @@ use haptical_model::Device;
 
 use crate::error::BlindError;
 use crate::random::Random;
-use crate::rows;
 
 /// One row of a data sheet: lengths relative to the arm's scale.
 struct Row {

@@ -135,10 +135,8 @@ impl Plan {
             }
         }
         let mut deviating = Deviating::draw(self.wrong, &arm.truth, random);
-        let over_noise = random.around(
-            libm::sqrt(OVER_NOISE[0] * OVER_NOISE[1]),
-            OVER_NOISE[1] / OVER_NOISE[0],
-        );
+        let [least, most] = OVER_NOISE;
+        let over_noise = random.around(libm::sqrt(least * most), most / least);
         let gap_m = GAP * arm.scale_m * random.around(1.0, 4.0);
         deviating.scale_to(gap_m, &arm.truth, &tracker, &postures);
         let stated_m = gap_m / over_noise;

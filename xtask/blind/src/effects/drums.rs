@@ -105,12 +105,8 @@ pub(crate) fn external_eccentricity(draw: &mut Draw<'_>) -> Effect {
         libm::atan2(eccentricity * sin, 1.0 + eccentricity * cos)
     };
     let name = "external-encoder-eccentricity";
-    of_angle(
-        draw.at_joint(name, &[name]),
-        Stage::External,
-        facts,
-        profile,
-    )
+    let info = draw.at_joint(name, &[name]);
+    of_angle(info, Stage::External, facts, profile)
 }
 
 /// The measuring cable's drum sits off its axis: the distance from the guide to a tangent point of a circle whose centre runs

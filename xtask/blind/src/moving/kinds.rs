@@ -4,7 +4,6 @@ use self::Need::{Command, NoOutputs, Nothing, Outputs};
 use self::Site::{Any, Link, Loaded, Pair, Proximal, Whole};
 use crate::moving::arms::Arm;
 use crate::moving::laws::{Draw, Drawn, contact, drives, friction, masses, sensing, torques};
-use crate::rows;
 
 /// Where a kind can act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

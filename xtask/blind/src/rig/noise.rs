@@ -1,6 +1,7 @@
 //! Noise of the external encoders and of the cable: size, colour, outliers, rounding.
 
 use crate::random::Random;
+use crate::rig::readings::rounded;
 
 /// Noise of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,6 +89,21 @@ impl ChannelNoise {
                 }
             })
             .collect()
+    }
+}
+
+impl ChannelNoise {
+    /// The same with the digits of a log.
+    pub(crate) fn read(
+        &self,
+        clean: &[f64],
+        speed: &[f64],
+        sd: f64,
+        count: Option<f64>,
+        random: &mut Random,
+    ) -> Vec<f64> {
+        let read = self.add(clean, speed, sd, count, random).into_iter();
+        read.map(|value| rounded(value, 1e7)).collect()
     }
 }
 

@@ -23,45 +23,32 @@ impl Scene<'_> {
         into: &mut Recorded,
     ) {
         for (index, (joint, clean)) in self.device.joints.iter().zip(clean).enumerate() {
-            let Some(sd) = joint.output_sd_rad() else {
-                into.log.output.push(None);
-                into.clean.output_rad.push(None);
-                continue;
-            };
-            let count = joint
-                .external_encoder_counts_per_rev
-                .map(|counts| TAU / counts);
+            let counts = joint.external_encoder_counts_per_rev;
+            let count = counts.map(|counts| TAU / counts);
             let mut random = Random::new(self.seed(), stream::OUTPUT + index as u64);
-            let speed = &self.motion.rate_rad_s[index];
-            let mut read = noise.output[index].add(&clean, speed, sd, count, &mut random);
-            read.iter_mut()
-                .for_each(|value| *value = rounded(*value, 1e7));
-            into.log.output.push(Some(read));
-            into.clean.output_rad.push(Some(clean));
+            let read = joint.output_sd_rad().map(|sd| {
+                let speed = &self.motion.rate_rad_s[index];
+                noise.output[index].read(&clean, speed, sd, count, &mut random)
+            });
+            into.clean.output_rad.push(read.is_some().then_some(clean));
+            into.log.output.push(read);
         }
     }
 
     pub(crate) fn read_cables(&self, clean: Vec<Vec<f64>>, noise: &NoisePlan, into: &mut Recorded) {
         for (index, clean) in clean.into_iter().enumerate() {
             let cable = &self.device.cables[index];
-            let count = cable
-                .drum_radius_m
-                .zip(cable.counts_per_rev)
-                .map(|(radius, counts)| TAU * radius / counts);
-            let Some(sd) = self.device.cable_sd_m(index) else {
-                into.log.cable_m.push(None);
-                into.clean.cable_m.push(None);
-                continue;
-            };
-            let speed: Vec<f64> = (0..clean.len())
-                .map(|row| clean[(row + 1).min(clean.len() - 1)] - clean[row.saturating_sub(1)])
-                .collect();
+            let drum = cable.drum_radius_m.zip(cable.counts_per_rev);
+            let count = drum.map(|(radius, counts)| TAU * radius / counts);
             let mut random = Random::new(self.seed(), stream::CABLE + 1000 * index as u64);
-            let mut read = noise.cable.add(&clean, &speed, sd, count, &mut random);
-            read.iter_mut()
-                .for_each(|value| *value = rounded(*value, 1e7));
-            into.log.cable_m.push(Some(read));
-            into.clean.cable_m.push(Some(clean));
+            let read = self.device.cable_sd_m(index).map(|sd| {
+                let last = clean.len().saturating_sub(1);
+                let speed = |row: usize| clean[(row + 1).min(last)] - clean[row.saturating_sub(1)];
+                let speed: Vec<f64> = (0..clean.len()).map(speed).collect();
+                noise.cable.read(&clean, &speed, sd, count, &mut random)
+            });
+            into.clean.cable_m.push(read.is_some().then_some(clean));
+            into.log.cable_m.push(read);
         }
     }
 

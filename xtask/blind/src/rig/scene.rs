@@ -215,16 +215,11 @@ impl<'d> Scene<'d> {
         }
         let path = self.cable_path(&link, &flex);
         let clean_cable = self.cable_lengths(effects, path.as_ref());
+        let time_s = self.motion.time_s.iter().map(|time| rounded(*time, 1e3));
         let mut recorded = Recorded {
             log: Recording {
                 line: (0..self.len() as u64).map(|row| row + 2).collect(),
-                time_s: Some(
-                    self.motion
-                        .time_s
-                        .iter()
-                        .map(|t| rounded(*t, 1e3))
-                        .collect(),
-                ),
+                time_s: Some(time_s.collect()),
                 run: (self.motion.run.last() != Some(&0)).then(|| self.motion.run.clone()),
                 joint,
                 ..Recording::default()

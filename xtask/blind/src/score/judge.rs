@@ -103,25 +103,11 @@ pub fn judge(
     let names_causes = matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous);
     let causes: &[Cause] = if names_causes { &answer.causes } else { &[] };
     let in_group = |name: &str, group: &[String]| group.iter().any(|right| right == name);
-    let is_acceptable = |cause: &Cause| {
-        cause
-            .names()
-            .any(|name| truth.acceptable.iter().any(|accepted| accepted == name))
-    };
-    let finds = |group: &[String]| -> Option<&Cause> {
-        causes
-            .iter()
-            .find(|cause| cause.names().any(|name| in_group(name, group)))
-    };
-    let groups_found = truth
-        .right
-        .iter()
-        .filter(|group| finds(group).is_some())
-        .count();
-    let belongs = |cause: &Cause| {
-        let mut names = cause.names();
-        names.any(|name| truth.right.iter().any(|group| in_group(name, group)))
-    };
+    let is_of = |cause: &Cause, group: &[String]| cause.names().any(|name| in_group(name, group));
+    let is_acceptable = |cause: &Cause| is_of(cause, &truth.acceptable);
+    let is_found = |group: &&Vec<String>| causes.iter().any(|cause| is_of(cause, group));
+    let groups_found = truth.right.iter().filter(is_found).count();
+    let belongs = |cause: &Cause| truth.right.iter().any(|group| is_of(cause, group));
     let false_causes = causes
         .iter()
         .filter(|cause| !belongs(cause) && !is_acceptable(cause))
@@ -147,11 +133,9 @@ pub fn judge(
             return detected.then_some(place.joint == Some(joint));
         }
         // of several causes with the right name the one at the right joint counts
-        finds(group)?;
-        let at_joint = causes.iter().any(|cause| {
-            cause.joint == Some(joint) && cause.names().any(|name| in_group(name, group))
-        });
-        Some(at_joint)
+        let mut named = causes.iter().filter(|cause| is_of(cause, group)).peekable();
+        named.peek()?;
+        Some(named.any(|cause| cause.joint == Some(joint)))
     });
     TrialScore {
         suite: truth.suite.clone(),

@@ -16,7 +16,6 @@ use crate::rig::motion::{Motion, MotionPlan};
 use crate::rig::noise::ChannelNoise;
 use crate::rig::readings::rounded;
 use crate::rig::scene::CleanChannels;
-use crate::rows;
 use crate::trial::{Trial, TrialId};
 
 use drives::{Size, Wrist};
@@ -147,8 +146,7 @@ impl Rig {
             let is_seen = joint >= self.first;
             log.output.push(is_seen.then(|| {
                 let speed = &motion.rate_rad_s[joint];
-                let read = noise.add(&truth, speed, self.noise_sd_rad, None, &mut random);
-                read.into_iter().map(|value| rounded(value, 1e7)).collect()
+                noise.read(&truth, speed, self.noise_sd_rad, None, &mut random)
             }));
             clean.output_rad.push(is_seen.then_some(truth));
         }

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use cargo_metadata::{MetadataCommand, Target};
 use haptical_report::{Cell, Table};
 use serde::Deserialize;
-use xtask_output::Output;
+use xtask_output::{Output, or_none, read_json, said};
 
 /// Least share of a library crate's lines that its tests run.
 const COVERED_PERCENT: f64 = 90.0;
@@ -28,16 +28,9 @@ exec "$@"
 "#;
 /// cargo-tarpaulin with its version, if it is installed.
 fn version() -> Option<String> {
-    let found = Command::new("cargo")
-        .args(["tarpaulin", "--version"])
-        .output()
-        .ok()?;
-    let text = String::from_utf8(found.stdout).ok()?;
+    let text = said(Command::new("cargo").args(["tarpaulin", "--version"])).ok()?;
     let version = text.split_whitespace().last()?;
-    found
-        .status
-        .success()
-        .then(|| format!("cargo-tarpaulin {version}"))
+    Some(format!("cargo-tarpaulin {version}"))
 }
 
 /// Library crates that others can depend on: package and folder, in alphabetical order.
@@ -76,17 +69,9 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
     let mut command = Command::new("cargo");
     command
         .current_dir(crate::root())
-        .args([
-            "tarpaulin",
-            "--engine",
-            "llvm",
-            "--locked",
-            "--skip-clean",
-            "--no-fail-fast",
-            // counting unoptimised code takes the tests of the diagnosis half an hour
-            "--profile",
-            "jobs",
-        ])
+        .args(["tarpaulin", "--engine", "llvm", "--locked", "--skip-clean"])
+        // counting unoptimised code takes the tests of the diagnosis half an hour
+        .args(["--no-fail-fast", "--profile", "jobs"])
         .args(["--lib", "--tests", "--timeout", SECONDS_OF_A_TEST_BINARY])
         .args(["--out", "json", "--output-dir"])
         .arg(folder)
@@ -103,9 +88,7 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
     command.args(["--", "--test-threads=1"]);
     let status = command.status().context("cargo tarpaulin")?;
     ensure!(status.success(), "cargo tarpaulin ended with {status}");
-    let path = folder.join("tarpaulin-report.json");
-    let report = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    serde_json::from_str(&report).with_context(|| path.display().to_string())
+    read_json(&folder.join("tarpaulin-report.json"))
 }
 
 /// Writes the coverage section.
@@ -149,11 +132,7 @@ pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
          is covered where a test of any of them runs it. Examples, documentation tests and the command's own tests do not count."
     ));
     output.table("coverage", table)?;
-    let named = if below.is_empty() {
-        "none".to_owned()
-    } else {
-        below.join(", ")
-    };
+    let named = or_none(&below);
     output.verdict(
         below.is_empty(),
         format!("crates below {COVERED_PERCENT} % of their lines: {named}"),

@@ -214,18 +214,13 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
         );
     }
     let samples = &results.runs.samples;
-    let fixed: Vec<f64> = samples
-        .iter()
-        .flat_map(|sample| &sample.capstans)
-        .map(|capstan| capstan.standard_deviations[2] * 1e6)
-        .collect();
+    let capstans = samples.iter().flat_map(|sample| &sample.capstans);
+    let fixed = capstans.map(|capstan| capstan.standard_deviations[2] * 1e6);
+    let fixed: Vec<f64> = fixed.collect();
     let published = &results.paper.table2.ri_mm;
-    let errors: Vec<f64> = published
-        .identified
-        .iter()
-        .zip(&published.assigned)
-        .map(|(found, assigned)| (found - assigned) * 1e3)
-        .collect();
+    let pairs = published.identified.iter().zip(&published.assigned);
+    let errors = pairs.map(|(found, assigned)| (found - assigned) * 1e3);
+    let errors: Vec<f64> = errors.collect();
     output.words(format!(
         "The r_i puzzle. With eq. (1) as printed the input drum's eccentricity acts through r_i / D: \
          5 um over 67.5 mm is 0.07 mrad, below the 0.105 mrad of the encoder's noise, so 200 samples \
@@ -242,12 +237,8 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
 
 pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Table 3: kinematic parameters");
-    let made = table3::table3(
-        &results.paper,
-        &results.scenario.nominal,
-        &results.run,
-        &results.runs,
-    )?;
+    let nominal = &results.scenario.nominal;
+    let made = table3::table3(&results.paper, nominal, &results.run, &results.runs)?;
     output.words(
         "\"Two steps\" is the procedure of Figure 6: what step 1 gets wrong leaks into step 2. \
          \"Angles known\" leaves that leak out; the published errors are compared with it, because \
@@ -256,11 +247,8 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     );
     output.terminal_table(&made.table, &[0, 1, 2, 3, 4, 6, 7, 8, 10, 13, 14]);
     output.table("table3", made.table)?;
-    output.figure(
-        "table3",
-        "Improvement of each kinematic parameter.",
-        &made.figure,
-    )?;
+    let caption = "Improvement of each kinematic parameter.";
+    output.figure("table3", caption, &made.figure)?;
     let chi = made.chi_square;
     let effective = chi_square_p_value(chi.median, EFFECTIVE_DEGREES_OF_FREEDOM)?;
     output.verdict(
@@ -279,20 +267,14 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
          over all geometries is largest at 9.1 um (docs/assumptions.md, A24), the paper states 9.87 um.",
         chi.median, chi.low, chi.high, made.p_value, effective
     ));
-    let weak: Vec<&(String, f64, f64)> = made
-        .medians
-        .iter()
-        .filter(|(_, known, _)| *known < 97.0)
-        .collect();
-    let names: Vec<String> = weak
-        .iter()
-        .map(|(name, known, both)| format!("{name} {known:.0} ({both:.0})"))
-        .collect();
+    let weak = made.medians.iter().filter(|(_, known, _)| *known < 97.0);
+    let said = |(name, known, both): &(String, f64, f64)| format!("{name} {known:.0} ({both:.0})");
+    let names: Vec<String> = weak.clone().map(said).collect();
     let expected = [
         "alpha4", "alpha5", "alpha6", "theta3", "theta4", "theta5", "theta6", "theta7",
     ];
     output.verdict(
-        weak.iter().map(|(name, ..)| name.as_str()).eq(expected),
+        weak.map(|(name, ..)| name.as_str()).eq(expected),
         format!(
             "weakest, median I at known angles (after both steps): {}; all others at least 97 %",
             names.join(", ")
@@ -313,11 +295,8 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
 pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Figure 7: parallelogram");
     let (figure, table) = figures::figure7(&results.scenario, &results.paper, &results.run)?;
-    output.figure(
-        "figure7",
-        "Literal eq. (1): the ripple of the input drum is invisible.",
-        &figure,
-    )?;
+    let caption = "Literal eq. (1): the ripple of the input drum is invisible.";
+    output.figure("figure7", caption, &figure)?;
     output.table("figure7", table)?;
     let mut preset = results.scenario.clone();
     preset.truth.joints[3].input_drum_denominator_m =
@@ -331,11 +310,8 @@ pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     )?;
     output.table("figure7_preset", table)?;
     output.section("Figure 8: pose errors");
-    output.grid(
-        "figure8",
-        "200 poses that the fit did not see.",
-        &figures::figure8(&results.run),
-    )?;
+    let grid = figures::figure8(&results.run);
+    output.grid("figure8", "200 poses that the fit did not see.", &grid)?;
     let table = figures::pose_table(&results.run, &results.runs)?;
     output.terminal_table(&table, &[0, 1, 2, 3, 4, 7]);
     output.table("figure8", table)?;
@@ -367,29 +343,20 @@ pub(crate) fn choices(output: &mut Output, results: &Results) -> Result<()> {
     let (table, figure) =
         sweeps::degrees(scenario, seeds, &Progress::new("polynomial degrees", 11))?;
     output.table("degrees", table)?;
-    output.figure(
-        "degrees",
-        "Degree of the polynomial, medians over seeds.",
-        &figure,
-    )?;
+    let caption = "Degree of the polynomial, medians over seeds.";
+    output.figure("degrees", caption, &figure)?;
     let (table, figure) =
         sweeps::poses(scenario, paper, seeds, &Progress::new("number of poses", 6))?;
     output.table("poses", table)?;
     output.figure("poses", "Number of poses, medians over seeds.", &figure)?;
     let table = sweeps::methods(scenario, paper, seeds, &Progress::new("search methods", 5))?;
     output.table("methods", table)?;
-    let (table, figure) = ladder::ladder(
-        scenario,
-        seeds,
-        &Progress::new("what each correction buys", 6),
-    )?;
+    let progress = Progress::new("what each correction buys", 6);
+    let (table, figure) = ladder::ladder(scenario, seeds, &progress)?;
     output.terminal_table(&table, &[0, 1, 2, 4, 5, 6, 7]);
     output.table("ladder", table)?;
-    output.figure(
-        "ladder",
-        "Offsets alone are what the vendors' software calibrates.",
-        &figure,
-    )
+    let caption = "Offsets alone are what the vendors' software calibrates.";
+    output.figure("ladder", caption, &figure)
 }
 
 pub(crate) fn sensitivity(output: &mut Output, results: &Results, nominal: &Device) -> Result<()> {

@@ -66,21 +66,19 @@ impl Ours {
 
     fn cells(&self, row: &Published) -> Result<Vec<Cell>> {
         let length = matches!(row.name.as_bytes(), [b'a' | b'd', b'0'..=b'9', ..]);
+        let recomputed = |value: f64| -> Result<Cell> {
+            let percent = parameter_improvement_percent(row.assigned, value, 0.0)?;
+            Ok(Cell::number(percent, 2))
+        };
         Ok(vec![
             row.name.clone().into(),
             if length { "mm" } else { "mrad" }.into(),
             Cell::number(row.assigned * 1e3, 3),
             Cell::number(row.identified * 1e3, 3),
             Cell::number(row.improvement_percent, 2),
-            Cell::number(
-                parameter_improvement_percent(row.assigned, row.identified, 0.0)?,
-                2,
-            ),
+            recomputed(row.identified)?,
             Cell::number(self.found * 1e3, 3),
-            Cell::number(
-                parameter_improvement_percent(row.assigned, self.found, 0.0)?,
-                2,
-            ),
+            recomputed(self.found)?,
             Cell::number(self.two_steps.median, 2),
             Cell::interval(self.two_steps.low, self.two_steps.high, 1),
             Cell::number(self.known.median, 2),
@@ -149,14 +147,9 @@ fn figure(paper: &Paper, rows: &[Ours]) -> Figure {
         rows.iter()
             .enumerate()
             .map(|(index, ours)| {
-                let spread = pick(ours);
-                let x = index as f64 + shift;
-                (
-                    x,
-                    spread.low.max(FLOOR),
-                    spread.median.max(FLOOR),
-                    spread.high.max(FLOOR),
-                )
+                let Spread { median, low, high } = pick(ours);
+                let [low, median, high] = [low, median, high].map(|end| end.max(FLOOR));
+                (index as f64 + shift, low, median, high)
             })
             .collect()
     };
@@ -168,16 +161,13 @@ fn figure(paper: &Paper, rows: &[Ours]) -> Figure {
         .collect();
     let known = intervals(-0.15, |ours| ours.known);
     let two_steps = intervals(0.15, |ours| ours.two_steps);
+    let cut = "ours, two steps: median, 95 % of runs (cut at 40)";
     let mut figure = Figure::new("Table 3: improvement", "parameter", "improvement I [%]");
     figure.categories = Some(paper.table3.iter().map(|row| row.name.clone()).collect());
     figure.y_range = Some((FLOOR, 102.0));
     figure.series = vec![
         Series::intervals("ours, joint angles known: median, 95 % of runs", 2, &known),
-        Series::intervals(
-            "ours, two steps: median, 95 % of runs (cut at 40)",
-            0,
-            &two_steps,
-        ),
+        Series::intervals(cut, 0, &two_steps),
         Series::new("paper", Mark::Points, 1, published),
     ];
     figure

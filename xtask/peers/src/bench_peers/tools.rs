@@ -7,6 +7,8 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result};
 
+use xtask_output::said;
+
 use super::peer::Program;
 
 /// A peer that can be started, or why not and what to do about it.
@@ -39,14 +41,7 @@ pub(crate) fn source(name: &str) -> PathBuf {
 }
 
 fn runs(program: impl AsRef<OsStr>, arguments: &[&str]) -> Option<String> {
-    let output = Command::new(program)
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stderr(Stdio::null())
-        .output()
-        .ok()?;
-    let text = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-    output.status.success().then_some(text)
+    said(Command::new(program).args(arguments).stdin(Stdio::null())).ok()
 }
 
 impl Tools {

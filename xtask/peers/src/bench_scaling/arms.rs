@@ -39,11 +39,8 @@ impl Arm {
             row: joints,
             parameter: Parameter::Alpha,
         };
-        let mut nominal = Device::new(
-            Convention::Standard,
-            nominal,
-            vec![Joint::default(); joints],
-        );
+        let drives = vec![Joint::default(); joints];
+        let mut nominal = Device::new(Convention::Standard, nominal, drives);
         nominal.cables.push(Cable {
             distance_sd_m: Some(SD_M),
             ..Cable::default()

@@ -71,11 +71,8 @@ pub fn measure(arguments: &Arguments) -> Result<()> {
         panel("by parameters", "log10 of the parameters", &by_parameters),
     ];
     let grid = FigureGrid::new("Time of one fit, one thread", 2, panels);
-    output.grid(
-        "scaling",
-        "Time of one fit over poses and parameters",
-        &grid,
-    )?;
+    let caption = "Time of one fit over poses and parameters";
+    output.grid("scaling", caption, &grid)?;
     let lead = "How time and memory of the 28-parameter distance identification grow, on the machine that ran it. Times \
                 are the least of several; exponents are slopes of straight lines through logarithms.";
     output.write(&arguments.out, "Scaling", lead)
@@ -170,16 +167,14 @@ fn parameters_section(
         let (one_s, steps) = fit_s(&arm, &batch, 1)?;
         let each_s = one_s / (steps + 1) as f64;
         points.push((arm.free.len() as f64, each_s));
+        let over_floor = each_s * peak / ARM_POSES as f64 / flops(joints, arm.free.len());
         table.push(vec![
             Cell::number(joints as f64, 0),
             Cell::number(arm.free.len() as f64, 0),
             Cell::number(1e3 * one_s, 3),
             Cell::number(steps as f64, 0),
             Cell::number(1e9 * each_s / ARM_POSES as f64, 1),
-            Cell::number(
-                each_s * peak / ARM_POSES as f64 / flops(joints, arm.free.len()),
-                2,
-            ),
+            Cell::number(over_floor, 2),
         ])?;
         progress.step();
     }

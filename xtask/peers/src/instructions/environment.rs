@@ -52,9 +52,7 @@ pub(crate) fn compiler(verbose: &str) -> Option<(String, String, String)> {
 }
 
 fn said(program: &str, argument: &str) -> Option<String> {
-    let output = Command::new(program).arg(argument).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
+    xtask_output::said(Command::new(program).arg(argument)).ok()
 }
 
 /// Lanes that this process is offered: valgrind shows its guests AVX2 at most, and nothing that the processor

@@ -17,10 +17,8 @@ const NAMELESS: [&str; 4] = ["A+", "A-", "?", "0"];
 /// as `named`, by its number; then come `ambiguous` (with and without the truth), `unknown` and `no-gap`.
 /// The text is the count, the shade its share of the row.
 pub(crate) fn confusion(title: &str, cases: &[&Case]) -> Option<(HeatMap, String)> {
-    let scores: Vec<&TrialScore> = cases
-        .iter()
-        .filter_map(|case| case.score.as_ref())
-        .collect();
+    let scores = cases.iter().filter_map(|case| case.score.as_ref());
+    let scores: Vec<&TrialScore> = scores.collect();
     let mut rows: Vec<&str> = Vec::new();
     for score in &scores {
         if !rows.contains(&score.name.as_str()) {
@@ -41,11 +39,8 @@ pub(crate) fn confusion(title: &str, cases: &[&Case]) -> Option<(HeatMap, String
         }
     }
     let number = |name: &str| rows.iter().position(|row| *row == name);
-    let foreign: Vec<&str> = named
-        .iter()
-        .copied()
-        .filter(|name| number(name).is_none())
-        .collect();
+    let foreign = named.iter().copied();
+    let foreign: Vec<&str> = foreign.filter(|name| number(name).is_none()).collect();
     let label = |name: &str| {
         let at = number(name).or_else(|| {
             let place = foreign.iter().position(|other| *other == name)?;
@@ -74,14 +69,11 @@ pub(crate) fn confusion(title: &str, cases: &[&Case]) -> Option<(HeatMap, String
         map.rows
             .push((name, counts.into_iter().map(cell).collect()));
     }
-    let more: Vec<String> = foreign
-        .iter()
-        .map(|name| format!("{} {name}", label(name)))
-        .collect();
-    let more = if more.is_empty() {
-        String::new()
-    } else {
-        format!(" Further names: {}.", more.join(", "))
+    let more = foreign.iter().map(|name| format!("{} {name}", label(name)));
+    let more: Vec<String> = more.collect();
+    let more = match more.is_empty() {
+        true => String::new(),
+        false => format!(" Further names: {}.", more.join(", ")),
     };
     let caption = format!(
         "Rows: what was put in. Columns: the name that was answered as `named`, by its number; A+ and A-: \
@@ -111,9 +103,8 @@ pub(crate) fn reliability(bins: &[Bin]) -> Figure {
     figure.x_range = Some((0.0, 1.0));
     figure.y_range = Some((0.0, 1.0));
     let ideal = vec![(0.0, 0.0), (1.0, 1.0)];
-    figure
-        .series
-        .push(Series::new("as stated", Mark::DashedLine, 6, ideal));
+    let ideal = Series::new("as stated", Mark::DashedLine, 6, ideal);
+    figure.series.push(ideal);
     let points: Vec<(f64, f64, f64, f64)> = bins
         .iter()
         .filter_map(|bin| {
@@ -121,9 +112,8 @@ pub(crate) fn reliability(bins: &[Bin]) -> Figure {
             Some((bin.probability, low, bin.happened.share?, high))
         })
         .collect();
-    figure
-        .series
-        .push(Series::intervals("answers, 95 % interval", 0, &points));
+    let answers = Series::intervals("answers, 95 % interval", 0, &points);
+    figure.series.push(answers);
     figure
 }
 

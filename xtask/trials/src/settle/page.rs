@@ -36,11 +36,8 @@ pub(super) fn page(arguments: &Arguments, found: &[Settled], drawn: usize) -> Re
         found.len(),
         arguments.rows
     )?;
-    writeln!(
-        page,
-        "| further recording | settled | 95 % interval | named wrongly | open |"
-    )?;
-    writeln!(page, "| :--- | ---: | :--- | ---: | ---: |")?;
+    page += "| further recording | settled | 95 % interval | named wrongly | open |\n";
+    page += "| :--- | ---: | :--- | ---: | ---: |\n";
     let kinds: [(&str, OutcomeOf); 3] = [
         ("chosen by `plan --settle`", |one| &one.chosen),
         ("motions at random", |one| &one.at_random),
@@ -76,11 +73,8 @@ pub(super) fn page(arguments: &Arguments, found: &[Settled], drawn: usize) -> Re
         share(all),
         share(apart)
     )?;
-    writeln!(
-        page,
-        "| trial | truth | candidates | odds promised | chosen | at random | by hand |"
-    )?;
-    writeln!(page, "| :--- | :--- | :--- | ---: | :--- | :--- | :--- |")?;
+    page += "| trial | truth | candidates | odds promised | chosen | at random | by hand |\n";
+    page += "| :--- | :--- | :--- | ---: | :--- | :--- | :--- |\n";
     for one in found {
         let odds = match one.expected_nats {
             _ if one.has_inseparable => "too little for some".to_owned(),

@@ -3,7 +3,6 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::{Arm, Axis};
-use crate::rows;
 
 const ALIKE: [f64; 3] = [0.0; 3];
 const DOWN: [f64; 3] = [-FRAC_PI_2, 0.0, 0.0];

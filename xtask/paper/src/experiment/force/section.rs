@@ -88,21 +88,13 @@ fn walls(
     let turned = of(&twisted, StepOne::AsScenario);
     let swept = of(scenario, StepOne::WholeRange);
     let loops = format!("G = {gain:.2}");
+    let off = format!("{loops}, alpha7 off by 1.7 mrad");
+    let whole = format!("{loops}, step 1 from limit to limit");
     let kinds = [
         Kind::new("no loop (G = 0)", scenario, &drawn, 0.0)?,
         Kind::new(&loops, scenario, &drawn, gain)?,
-        Kind::new(
-            &format!("{loops}, alpha7 off by 1.7 mrad"),
-            &twisted,
-            &turned,
-            gain,
-        )?,
-        Kind::new(
-            &format!("{loops}, step 1 from limit to limit"),
-            scenario,
-            &swept,
-            gain,
-        )?,
+        Kind::new(&off, &twisted, &turned, gain)?,
+        Kind::new(&whole, scenario, &swept, gain)?,
     ];
     let table = table::over_seeds(&kinds)?;
     output.terminal_table(&table, &[0, 1, 2, 4, 6, 8, 9]);
