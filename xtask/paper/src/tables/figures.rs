@@ -202,8 +202,9 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
         "error | distance from home | rank correlation | 95 % of runs | paper's limit | poses beyond it \
                   [%]",
     );
-    type Beyond = fn(&FarFromHome) -> f64;
-    let rows: [(&str, fn(&FarFromHome) -> [f64; 2], &str, Beyond); 2] = [
+    type Of<T> = fn(&FarFromHome) -> T;
+    type Row = (&'static str, Of<[f64; 2]>, &'static str, Of<f64>);
+    let rows: [Row; 2] = [
         ("position", |f| f.position, "8 mm", |f| f.beyond_8_mm),
         (
             "orientation",
