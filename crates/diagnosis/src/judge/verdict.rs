@@ -29,7 +29,9 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
         });
     }
     let is_hedged = first.is_some_and(|cause| kinds_beside(cause) >= MOST_NAMES);
-    let is_void = base_terms.terms.is_empty() && !first.is_some_and(is_credible)
+    // next to numbers of the base model that changed a cause may have no size; unseen rows are not to speak against it
+    let is_void = first.is_some_and(|own| !is_borne_out(own))
+        || base_terms.terms.is_empty() && !first.is_some_and(is_credible)
         || contradicted(findings, causes).is_some();
     let is_of_cables = (findings.partial.as_ref()).is_some_and(|partial| partial.is_of_cables);
     let is_likely = first.is_some_and(|cause| {

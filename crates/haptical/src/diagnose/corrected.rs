@@ -1,6 +1,6 @@
 //! The text of corrected.toml: the device with the causes.
 
-use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, Verdict};
+use haptical_diagnosis::{ChannelGap, Diagnosis, Verdict};
 use haptical_effects::structure::JOINT_COMPLIANCE;
 use haptical_model::{Device as Model, stiffness_key};
 

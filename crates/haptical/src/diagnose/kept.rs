@@ -85,6 +85,8 @@ pub(super) fn said_of_second(diagnosis: &Diagnosis) -> String {
 
 #[cfg(test)]
 mod tests {
+    use haptical_diagnosis::SecondChannel;
+
     use super::*;
     use crate::diagnose::example_tests::named;
     use crate::diagnose::words::verdict_sentence;
@@ -118,5 +120,24 @@ mod tests {
         }
         diagnosis.gap.channels[1].reduction_percent = Some(97.0);
         assert!(!verdict_sentence(&diagnosis).contains("keeps a gap"));
+        // nearly all closes, and yet far more is left than of the log itself
+        for (rms_of_log, is_kept) in [(1.1e-4, true), (9e-4, false)] {
+            let channel = SecondChannel {
+                channel: "out2".to_owned(),
+                joint: Some(2),
+                rms: 1.1e-3,
+                noise_floor: 1e-4,
+                rms_of_log,
+                unit: "rad".to_owned(),
+                has_gap: true,
+                is_extrapolated: false,
+            };
+            diagnosis.second = Some(SecondAnswer {
+                channels: vec![channel],
+                ..SecondAnswer::default()
+            });
+            let said = verdict_sentence(&diagnosis);
+            assert_eq!(said.contains("keeps a gap"), is_kept, "{said}");
+        }
     }
 }

@@ -473,3 +473,17 @@ fn a_channel_that_is_read_seldom_is_judged() {
     );
     assert_eq!(monitor.shifts(0)[0].component, 1);
 }
+
+#[test]
+fn blocks_without_a_reading_are_not_judged() {
+    let mut noise = Noise::new(15, 0.0);
+    let mut monitor = watching(settings(1), &mut noise);
+    for row in 0..5000 {
+        monitor.push(f64::from(row), &[f64::NAN]).unwrap();
+    }
+    assert_eq!(monitor.blocks_judged(), 0);
+    for row in 0..5000 {
+        monitor.push(f64::from(row), &[noise.next()]).unwrap();
+    }
+    assert!(monitor.blocks_judged() > 0);
+}

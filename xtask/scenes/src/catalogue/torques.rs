@@ -13,6 +13,7 @@ pub(crate) const SCENES: &[Scene] = scenes! {
     "moving-clean" [] made(|_| {});
     "moving-payload" ["payload"] with_second(|own| own.payload_kg = 0.8, |own| own.payload_kg = 0.8);
     "moving-second-of-another" ["payload"] with_second(|_| {}, |own| own.payload_kg = 2.0);
+    "moving-payload-friction-in-file" ["payload"] with_friction(|own| own.payload_kg = 0.8);
     "moving-stribeck" ["stribeck-friction"] made(|own| own.stribeck_nm = 1.5);
     "moving-late-encoders" ["encoder-latency"] made(|own| own.late_s = 0.012);
     "moving-saturation" ["torque-saturation"] made(|own| own.end_nm = Some(4.0));
@@ -234,6 +235,18 @@ fn made(change: fn(&mut Truth)) -> Result<Made> {
         is_of_true_geometry: truth.late_s == 0.0,
         ..Made::new(device, log(&truth, 1)?)
     })
+}
+
+/// The same of a device file that has the friction of its drives, as an identification writes it.
+fn with_friction(change: fn(&mut Truth)) -> Result<Made> {
+    let mut made = made(change)?;
+    for (joint, coulomb_nm, viscous) in [(1, 1.5, 0.8), (2, 0.6, 0.3)] {
+        made.device.text += &format!(
+            "[[effect]]\nname = \"joint-friction\"\njoint = {joint}\ncoulomb_nm = {coulomb_nm}\nstribeck_nm = 0.0\n\
+             transition_rad_per_s = 0.006\nviscous_nm_s_per_rad = {viscous}\n"
+        );
+    }
+    Ok(made)
 }
 
 /// The same with a second recording of another truth.
