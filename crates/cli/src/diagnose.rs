@@ -81,6 +81,6 @@ impl ResultCommand for DiagnoseArguments {
             true => gap.brief(),
             false => gap.to_string(),
         };
-        Ok(MadeResult::of(gap.files()?, gap.warnings(), summary))
+        Ok(MadeResult::of(gap.files()?, gap.warnings(), &summary))
     }
 }

@@ -49,7 +49,7 @@ impl MadeResult {
     pub(crate) fn of(
         files: Vec<NewFile<'static>>,
         warnings: &[String],
-        summary: impl ToString,
+        summary: &dyn ToString,
     ) -> Self {
         Self {
             files,

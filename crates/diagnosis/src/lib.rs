@@ -40,7 +40,7 @@ pub use diagnose::diagnose;
 pub use error::DiagnosisError;
 pub use force::asked::{AskedOfTorques, ask_torques};
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
-pub use moving::between::effects_between;
+pub use moving::between::{NumberOfCause, effects_between};
 pub use moving::with_carried_loads;
 pub use noise::NoiseSource;
 pub use options::{Catalogue, Options};

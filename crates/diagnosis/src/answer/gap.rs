@@ -114,6 +114,15 @@ impl ChannelGap {
         }
     }
 
+    /// The same where nothing closes.
+    pub(crate) fn without_causes(mut self) -> Self {
+        self.rms_after = self.rms_before;
+        self.rms_fit = self.rms_fit.map(|_| self.rms_before);
+        self.reduction_percent = self.has_gap.then_some(0.0);
+        self.reduction_ci95 = None;
+        self
+    }
+
     /// Nothing is said of a gap in it.
     pub(crate) fn without_gap(mut self) -> Self {
         self.has_gap = false;

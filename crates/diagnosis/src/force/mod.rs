@@ -65,10 +65,15 @@ pub(crate) fn examine_both(
         context,
         (second, without),
     )?;
-    match may_be_held(context) && !free.0.is_explained() {
-        true => examined(Recorded::new(context), context, (second, without)),
-        false => Ok(free),
+    if !may_be_held(context) || free.0.is_explained() {
+        return Ok(free);
     }
+    let held = examined(Recorded::new(context), context, (second, without))?;
+    let is_by_hand = free.0.significant && !held.0.significant && held.0.findings.is_empty();
+    Ok(match is_by_hand {
+        true => (free.0.caused_by_hand(held.0), held.1),
+        false => held,
+    })
 }
 
 /// What the torques say, and what is left of those of a second recording.

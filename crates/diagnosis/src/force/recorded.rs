@@ -25,6 +25,22 @@ fn hand_force(recording: &Recording) -> Option<Vec<Vector3<f64>>> {
     (!is_zero).then(|| (0..recording.len()).map(at).collect())
 }
 
+/// Joints whose torque was measured, or why there is none.
+fn measured(context: &Context<'_>) -> Result<Vec<usize>, String> {
+    let torques = (0..context.device.joints.len())
+        .filter_map(|joint| Some((joint, context.recorded_torque_nm(joint)?)));
+    let torques: Vec<(usize, &[f64])> = torques.collect();
+    if torques.is_empty() {
+        return Err("no column torque1_nm, torque2_nm, ...".to_owned());
+    }
+    let measured = torques.into_iter().filter(|(_, values)| varies(values));
+    let measured: Vec<usize> = measured.map(|(joint, _)| joint).collect();
+    match measured.is_empty() {
+        true => Err(MotionError::Constant.to_string()),
+        false => Ok(measured),
+    }
+}
+
 /// Whether a column has more than one value: nothing was measured where it has not.
 fn varies(values: &[f64]) -> bool {
     let mut known = values.iter().filter(|value| value.is_finite());
@@ -107,18 +123,7 @@ impl<'a> Recorded<'a> {
         let motion: Option<Vec<LocalMotion>> =
             joints.map(|joint| context.drive_motion(joint)).collect();
         let motion = motion.ok_or_else(|| "no column t_s".to_owned())?;
-        let channels: Vec<usize> = (0..device.joints.len())
-            .filter(|&joint| context.recorded_torque_nm(joint).is_some())
-            .collect();
-        if channels.is_empty() {
-            return Err("no column torque1_nm, torque2_nm, ...".to_owned());
-        }
-        let channels: Vec<usize> = (channels.into_iter())
-            .filter(|&joint| context.recorded_torque_nm(joint).is_some_and(varies))
-            .collect();
-        if channels.is_empty() {
-            return Err(MotionError::Constant.to_string());
-        }
+        let channels = measured(context)?;
         if device.gravity_mps2.is_none() {
             return Err("no [gravity] in the device file".to_owned());
         }

@@ -99,12 +99,15 @@ fn is_beyond_one_law(findings: &[Finding]) -> bool {
     has(Form::Play) || (has(Form::Delay) && has(Form::Spring)) || findings.iter().any(hardens)
 }
 
+/// A number of a cause, and the ends of its interval.
+pub type NumberOfCause = (f64, [Option<f64>; 2]);
+
 /// Device effects of a cause between motor and link (joint from 0), with its numbers and the ends of their intervals: a play is at the side
 /// of its load, with the spring behind it.
 pub fn effects_between(
     name: &str,
     joint: Option<usize>,
-    number: &dyn Fn(&str) -> Option<(f64, [Option<f64>; 2])>,
+    number: &dyn Fn(&str) -> Option<NumberOfCause>,
 ) -> Vec<DeviceEffect> {
     // a law has one name of its number at joints that turn and at those that slide: the first; a spring that hardens is straight
     let of = |name: &str, keys: [&str; 2]| {

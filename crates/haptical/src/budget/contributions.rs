@@ -135,7 +135,8 @@ fn shift(recording: &mut Recording, own: &Instrument, size: f64) -> Option<()> {
     };
     if own.acts_on == "position" {
         let axes = recording.position_m.as_mut()?;
-        return Some(axes.iter_mut().for_each(apply));
+        axes.iter_mut().for_each(apply);
+        return Some(());
     }
     let column = match own.acts_on.strip_prefix("position.") {
         Some(axis) => LogColumn::Position("xyz".find(axis)?),

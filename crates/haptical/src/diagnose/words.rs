@@ -85,6 +85,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
             let gap = match diagnosis.closed_unseen_share {
                 Some(_) => "a part of the gap",
                 None if !kept_by_second(diagnosis).is_empty() => "the gap of the log alone",
+                None if is_undetermined(causes) => "the gap of the rows of its fit",
                 None => "the gap",
             };
             format!("{} {verb} {gap}.{}", listed(&names), besides(&of_data))
@@ -111,6 +112,12 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
+}
+
+/// Whether no row that the fit did not see says whether the first cause closes anything.
+fn is_undetermined(causes: &[CauseAnswer]) -> bool {
+    let held_out = causes.first().and_then(|first| first.held_out.as_ref());
+    held_out.is_some_and(|own| own.no_reduction == Some(NoReduction::Undetermined))
 }
 
 /// What the model leaves passes for noise, by which tests.

@@ -49,7 +49,7 @@ impl Page {
         }
     }
 
-    pub(crate) fn to_html(self, title: String) -> String {
+    pub(crate) fn into_html(self, title: String) -> String {
         Document::new(title, "", self.0).to_html()
     }
 }

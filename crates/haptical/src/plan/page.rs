@@ -76,7 +76,7 @@ pub(super) fn page(plan: &Planned, picture: &str) -> Result<String, Error> {
         page.fold(format!("Rig {}", rig.measure), blocks);
     }
     page.fold("How this came about", vec![plan.provenance.table()?.into()]);
-    Ok(page.to_html(format!("Plan for {}", plan.device)))
+    Ok(page.into_html(format!("Plan for {}", plan.device)))
 }
 
 /// How many parameters each rig tells.

@@ -108,6 +108,24 @@ impl ForceAnswer {
         is_tested && is_whole && self.closed_unseen_share.is_none() && self.unexplained().is_none()
     }
 
+    /// A gap that a hand may cause whose force nobody measured: it has no name. `held`: the answer with such a force allowed for.
+    pub(crate) fn caused_by_hand(self, held: Self) -> Self {
+        let why = "the torques show a gap, and a force at the hand that is not in the log would look like this: log fx_n, fy_n, \
+                   fz_n, or leave the torques out";
+        let channels = self.channels.into_iter();
+        Self {
+            channels: channels.map(ChannelGap::without_causes).collect(),
+            findings: Vec::new(),
+            untestable: held.untestable,
+            unexplained_share: 1.0,
+            not_tested: None,
+            closed_unseen_share: None,
+            warnings: vec![why.to_owned()],
+            changes: Vec::new(),
+            ..self
+        }
+    }
+
     /// The torques with the largest gap, where they show one that no finding explains.
     pub(crate) fn unexplained(&self) -> Option<&ChannelGap> {
         let is_open = self.significant && self.findings.is_empty();
@@ -347,7 +365,11 @@ fn weights(
     total: f64,
 ) -> Result<Option<(CauseAnswer, Vec<f64>)>, DiagnosisError> {
     let recorded = effects.along.recorded;
-    if !trust::weighs(base) || effects.is_left_out(UNBALANCED_GRAVITY.name) {
+    // a hand bears weights, and with moments that no force at the handle has
+    if recorded.hand_is_unknown()
+        || !trust::weighs(base)
+        || effects.is_left_out(UNBALANCED_GRAVITY.name)
+    {
         return Ok(None);
     }
     let row_sd: Vec<f64> = (0..recorded.channels.len())

@@ -66,6 +66,12 @@ pub(super) fn untestable(
         };
         of_force().for_each(|spec| because(spec.name, why));
         because(GRIP_FORCE.name, why);
+        if recorded.hand_is_unknown() {
+            because(
+                UNBALANCED_GRAVITY.name,
+                "no columns fx_n, fy_n, fz_n: a hand may bear a weight",
+            );
+        }
     } else {
         if !recorded.force_varies() {
             let driven = of_force().filter(|spec| spec.follows == Follows::Force);

@@ -61,7 +61,7 @@ pub(in crate::diagnose) fn page(
     }
     let tables = [besides.record.table()?, provenance(diagnosis)?];
     page.fold("Provenance", tables.map(Block::Table).into());
-    Ok(page.to_html(format!("Diagnosis of {}", diagnosis.device.name)))
+    Ok(page.into_html(format!("Diagnosis of {}", diagnosis.device.name)))
 }
 
 /// What the answer rests on, in a sentence.

@@ -49,7 +49,7 @@ pub(super) fn page(result: &IdentifiedDynamics) -> Result<String, Error> {
     page.fold("What was fitted", vec![facts("", settings)?.into()]);
     page.warnings(&result.warnings);
     page.fold("Provenance", vec![result.provenance.table()?.into()]);
-    Ok(page.to_html(format!("Dynamics of {}", result.device)))
+    Ok(page.into_html(format!("Dynamics of {}", result.device)))
 }
 
 /// The share of each torque that is not explained, before and after.

@@ -59,7 +59,7 @@ pub(super) fn page(
     page.fold("Correlations", vec![correlations]);
     page.warnings(&result.warnings);
     page.fold("Provenance", provenance(result)?);
-    Ok(page.to_html(format!("Identification of {}", calibration.nominal.name)))
+    Ok(page.into_html(format!("Identification of {}", calibration.nominal.name)))
 }
 
 /// What came out, the picture of it, what moved most, and what to do next.
