@@ -42,6 +42,8 @@ pub(crate) const OMNIBUS_DEVIATIONS: f64 = 6.0;
 /// Least structure that is a gap: its mean square over that of a row's noise, all channels together. Angles and
 /// lengths that other effects falsify leave less.
 pub(crate) const LEAST_STRUCTURE: f64 = 0.2;
+/// A gap that wrong angles may cause is said to be dropped where a torque shows so many times its noise.
+pub(crate) const SAID_BEYOND: f64 = 2.0;
 /// Part of the structure that named effects may leave.
 pub(crate) const UNEXPLAINED_SHARE: f64 = 0.1;
 /// Standard deviations of slow energy above noise that are noise still.

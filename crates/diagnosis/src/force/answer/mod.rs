@@ -23,8 +23,8 @@ use crate::force::select::Selection;
 use crate::force::{gravity, grip, trust};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
-    BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, STRAINED,
-    UNEXPLAINED_SHARE,
+    BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, SAID_BEYOND,
+    STRAINED, UNEXPLAINED_SHARE,
 };
 
 /// What the torques say.
@@ -85,7 +85,8 @@ impl ForceAnswer {
             .map(|gap| gap.rms_before.powi(2) - gap.noise_floor.powi(2));
         let found = squares.map(|square| square.max(0.0)).sum::<f64>().sqrt();
         if found < BEYOND_WRONG_ANGLES * torque_nm {
-            let has_gap = self.significant || !self.findings.is_empty();
+            let is_loud = |own: &ChannelGap| own.rms_before > SAID_BEYOND * own.noise_floor;
+            let has_gap = self.significant && self.channels.iter().any(is_loud);
             self.findings.clear();
             self.warnings.clear();
             self.significant = false;
