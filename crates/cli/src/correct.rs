@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use crate::arguments::above_zero;
 use crate::failure::Failure;
+use crate::flags::outputs::Outputs;
 use crate::flags::{DeviceOptions, OverwriteOptions};
-use crate::outputs::Outputs;
 use crate::terminal::{self, Progress};
 
 /// Its name.

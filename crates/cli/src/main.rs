@@ -13,7 +13,6 @@ mod import;
 mod init;
 mod interrupt;
 mod next;
-mod outputs;
 mod plan;
 mod play;
 mod report;

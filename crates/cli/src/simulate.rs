@@ -19,8 +19,8 @@ use serde::Serialize;
 
 use crate::arguments::{above_zero, whole_number};
 use crate::failure::Failure;
+use crate::flags::outputs::{Outputs, RECORD};
 use crate::flags::{DeviceOptions, OverwriteOptions};
-use crate::outputs::{Outputs, RECORD};
 use crate::terminal;
 
 use self::truth::truth_text;

@@ -1,7 +1,7 @@
 //! Columns and motion that an effect needs in a recording to be tested.
 
 use haptical_calibration::Channel;
-use haptical_model::Recording;
+use haptical_model::{Recording, varies};
 
 use crate::clock::OtherClock;
 use crate::context::{Context, Stream};
@@ -198,10 +198,4 @@ fn force_is_missing(recording: &Recording) -> Option<String> {
         Some(axes) => (!axes.iter().any(|axis| varies(axis)))
             .then(|| "the hand's force is constant".to_owned()),
     }
-}
-
-fn varies(values: &[f64]) -> bool {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    high > low
 }

@@ -17,7 +17,7 @@ pub(crate) fn columns_of(channel: Channel) -> Vec<LogColumn> {
     }
 }
 
-/// All numbers that a recording has beside its joints.
+/// All numbers that a recording has besides its joints.
 pub(crate) fn measured_columns(recording: &Recording) -> Vec<LogColumn> {
     let outputs = (0..recording.output.len()).map(LogColumn::Output);
     let cables = (0..recording.cable_m.len()).map(LogColumn::Cable);

@@ -216,3 +216,17 @@ impl AddedReadings {
 fn take<T: Clone>(column: &[T], indices: &[usize]) -> Vec<T> {
     indices.iter().map(|&index| column[index].clone()).collect()
 }
+
+/// Whether a column has more than one value: where it has not, nothing was measured. Cells that are empty do not count.
+///
+/// ```
+/// use haptical_model::varies;
+///
+/// assert!(varies(&[f64::NAN, 0.1, 0.2]));
+/// assert!(!varies(&[0.1, f64::NAN, 0.1]) && !varies(&[]));
+/// ```
+pub fn varies(values: &[f64]) -> bool {
+    let mut known = values.iter().filter(|value| value.is_finite());
+    let first = known.next();
+    known.any(|value| Some(value) != first)
+}

@@ -1,6 +1,6 @@
 //! A recording's torques as they were read, and without what the device's effects add to them.
 
-use haptical_model::{Device, Recording, Statics};
+use haptical_model::{Device, Recording, Statics, varies};
 use nalgebra::Vector3;
 
 /// A joint's recorded torque without what the device's effects add to it ([`Recording::added`]); none where it was not recorded. A
@@ -12,9 +12,7 @@ pub fn torque_nm_without_effects(
     joint: usize,
 ) -> Option<Vec<f64>> {
     let mut torque_nm = recording.torque_nm.get(joint)?.clone()?;
-    let mut values = torque_nm.iter().filter(|value| value.is_finite());
-    let first = values.next();
-    if values.all(|value| Some(value) == first) {
+    if !varies(&torque_nm) {
         return Some(torque_nm);
     }
     let column = device.joints[joint].torque_column(joint + 1);

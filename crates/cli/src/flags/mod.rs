@@ -3,6 +3,7 @@
 mod device;
 mod hold;
 mod method;
+pub(crate) mod outputs;
 mod overwrite;
 
 use std::path::Path;

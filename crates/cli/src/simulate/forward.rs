@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::{COMMAND, SimulateArguments, effects_refusal};
 use crate::failure::Failure;
-use crate::outputs::Outputs;
+use crate::flags::outputs::Outputs;
 use crate::terminal::{self, Progress};
 
 /// End of the name of the page.

@@ -13,8 +13,8 @@ use haptical_simulator::{
 
 use super::SimulateArguments;
 use crate::failure::Failure;
+use crate::flags::outputs::Outputs;
 use crate::interrupt::Writing;
-use crate::outputs::Outputs;
 use crate::terminal::Progress;
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.

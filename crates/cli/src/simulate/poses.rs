@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::truth::truth_text;
 use super::{COMMAND, SimulateArguments};
 use crate::failure::Failure;
-use crate::outputs::Outputs;
+use crate::flags::outputs::Outputs;
 use crate::terminal::{self, Progress};
 
 /// What was written.
@@ -34,7 +34,7 @@ struct Written<'a> {
     provenance: Record,
 }
 
-/// Ends of the names of the files beside the log: the true device, the rig.
+/// Ends of the names of the files next to the log: the true device, the rig.
 const BESIDE: [&str; 2] = [".truth.toml", ".rig.toml"];
 
 /// Runs the command.

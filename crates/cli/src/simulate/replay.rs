@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::{COMMAND, SimulateArguments};
 use crate::failure::Failure;
-use crate::outputs::Outputs;
+use crate::flags::outputs::Outputs;
 use crate::terminal::{self, Progress};
 
 /// End of the name of the table of all readings.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
-use haptical_model::{Recording, RigidBodies};
+use haptical_model::{Recording, RigidBodies, varies};
 use haptical_motion::{MotionError, torque_nm_without_effects};
 use nalgebra::{DMatrix, Vector3};
 
@@ -39,14 +39,6 @@ fn measured(context: &Context<'_>) -> Result<Vec<usize>, String> {
         true => Err(MotionError::Constant.to_string()),
         false => Ok(measured),
     }
-}
-
-/// Whether a column has more than one value: nothing was measured where it has not.
-fn varies(values: &[f64]) -> bool {
-    let mut known = values.iter().filter(|value| value.is_finite());
-    known
-        .next()
-        .is_some_and(|first| known.any(|value| value != first))
 }
 
 /// Whether a hand that nobody measures may hold the handle: where one may, it also moves the handle against a gauge, which is a cable, a

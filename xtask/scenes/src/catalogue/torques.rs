@@ -13,7 +13,8 @@ pub(crate) const SCENES: &[Scene] = scenes! {
     "moving-clean" [] made(|_| {});
     "moving-payload" ["payload"] with_second(|own| own.payload_kg = 0.8, |own| own.payload_kg = 0.8);
     "moving-second-of-another" ["payload"] with_second(|_| {}, |own| own.payload_kg = 2.0);
-    "moving-payload-friction-in-file" ["payload"] with_friction(|own| own.payload_kg = 0.8);
+    "moving-payload-friction-in-file" ["payload"]
+        with_friction(|own| (own.payload_kg, own.play_rad) = (0.8, Some(0.0)));
     "moving-stribeck" ["stribeck-friction"] made(|own| own.stribeck_nm = 1.5);
     "moving-late-encoders" ["encoder-latency"] made(|own| own.late_s = 0.012);
     "moving-saturation" ["torque-saturation"] made(|own| own.end_nm = Some(4.0));
@@ -42,7 +43,7 @@ pub(crate) struct Truth {
     dent_nm: f64,
     /// Stiffness of the first drive, where links have encoders.
     yields_nm_per_rad: Option<f64>,
-    /// Play of the first drive, where links have encoders.
+    /// Play of the first drive, where links have encoders; 0 is encoders alone.
     play_rad: Option<f64>,
     /// How late the drives follow, where commands are logged.
     command_late_s: Option<f64>,

@@ -25,19 +25,19 @@ pub(crate) struct Outputs<'a> {
 }
 
 impl<'a> Outputs<'a> {
-    /// Refuses what must not be written: the file, its record, and those whose names are its own with these ends.
+    /// Refuses to go on where a file must not be written: the log, its record, or one whose name is the log's with one of these ends.
     pub(crate) fn check(out: &'a Path, rule: WriteRule, ends: &[&str]) -> Result<Self, Failure> {
         let (folder, name) = folder_and_name(out)?;
-        let own = Self {
+        let outputs = Self {
             out,
             folder,
             name,
             rule,
         };
-        let mut all = vec![own.place(RECORD), out.to_owned()];
-        all.extend(ends.iter().map(|end| own.place(end)));
-        own.rule.check(&all)?;
-        Ok(own)
+        let mut all = vec![outputs.place(RECORD), out.to_owned()];
+        all.extend(ends.iter().map(|end| outputs.place(end)));
+        outputs.rule.check(&all)?;
+        Ok(outputs)
     }
 
     /// Name of a further file.
