@@ -4,6 +4,7 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
+use crate::signal::link::Link;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::samples::Samples;
 use crate::thresholds::signal::{LOADS_CUTOFF_HZ, LOADS_OF_RATE};
@@ -17,18 +18,19 @@ use crate::thresholds::signal::{LOADS_CUTOFF_HZ, LOADS_OF_RATE};
 pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f64>>, MotionError> {
     let arm = Arm::new(device)?;
     let samples = Samples::new(recording, false)?;
-    let local = LocalPolynomial::new(
-        samples.step_s,
-        LOADS_CUTOFF_HZ.min(LOADS_OF_RATE * samples.rate_hz()),
-    );
+    let cutoff_hz = LOADS_CUTOFF_HZ.min(LOADS_OF_RATE * samples.rate_hz());
+    let local = LocalPolynomial::new(samples.step_s, cutoff_hz);
     let joints = arm.joints();
+    let links: Vec<Option<Link>> = (0..joints)
+        .map(|joint| Link::new(&samples, joint, cutoff_hz))
+        .collect();
     let nominal = arm.nominal();
     let columns = nominal.len();
     let mut work = arm.work();
     let mut regressor = vec![0.0; joints * columns];
     let mut found = vec![vec![f64::NAN; recording.len()]; joints];
     let mut at = [vec![0.0; joints], vec![0.0; joints], vec![0.0; joints]];
-    for piece in &samples.pieces {
+    for (number, piece) in samples.pieces.iter().enumerate() {
         if piece.length <= 2 * local.half {
             continue;
         }
@@ -37,8 +39,9 @@ pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f6
             let inner = k.clamp(local.half, piece.length - 1 - local.half);
             for (order, values) in at.iter_mut().enumerate() {
                 for joint in 0..joints {
-                    let own = piece.link[joint].as_ref().unwrap_or(&piece.motor[joint]);
-                    values[joint] = local.at(order, own, inner);
+                    let link = links[joint].as_ref().map(|link| &link.pieces[number]);
+                    let positions = link.unwrap_or(&piece.motor[joint]);
+                    values[joint] = local.at(order, positions, inner);
                 }
             }
             arm.bodies

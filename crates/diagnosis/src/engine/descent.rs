@@ -73,7 +73,8 @@ impl Fitting<'_> {
             let has_moved = taken.is_some();
             here = taken.unwrap_or(here);
             moved += if has_moved { step.size } else { 0.0 };
-            let is_slow = gain < 0.5 * promised;
+            // at a minimum, rounding may promise less than nothing
+            let is_slow = is_at_minimum || gain < 0.5 * promised;
             // a promise that the way does not keep: a valley of the base model, along which no cause changes
             let is_flat = is_fresh && is_slow && has_settled(gain, here.cost, freedom);
             if is_flat && (are_causes_still || !has_moved) {

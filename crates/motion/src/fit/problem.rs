@@ -432,7 +432,16 @@ fn noises(
         .map(|noise| states.behind(noise))
         .collect();
     let positions: Vec<f64> = (channels.iter())
-        .map(|&joint| (inertia[joint] + arm.likely_armature[joint]) * states.acceleration_sd[joint])
+        .map(|&joint| {
+            let link = states.link_noise[joint];
+            let on_motor = arm.likely_armature[joint]
+                + match link.is_apart {
+                    true => 0.0,
+                    false => inertia[joint],
+                };
+            let of_motor = on_motor * states.acceleration_sd[joint];
+            of_motor.hypot(inertia[joint] * link.acceleration_sd)
+        })
         .collect();
     // a torque that is computed and not measured has no noise at all: its rounding then
     let torques = (channels.iter().zip(torques))

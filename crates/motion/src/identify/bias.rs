@@ -17,6 +17,7 @@ use crate::identify::estimate::least_squares;
 use crate::identify::fit::Settled;
 use crate::identify::loaded::Loaded;
 use crate::identify::numbers::{Number, columns};
+use crate::signal::states::States;
 use crate::thresholds::identify::NOISE_DRAWS;
 
 /// Seed of the first; the others follow it.
@@ -57,13 +58,16 @@ pub(crate) fn of_noise(
     known: &Known<'_>,
     base: &Combinations,
     values: &[f64],
-    sds: &[f64],
+    states: &States,
 ) -> Result<Vec<f64>, MotionError> {
     let mut sum = vec![0.0; values.len()];
     for draw in 0..NOISE_DRAWS {
         let mut random = ChaCha8Rng::seed_from_u64(NOISE_SEED + draw);
         let mut noisy = known.recording.clone();
-        for (column, sd) in noisy.joint.iter_mut().zip(sds) {
+        let motors = noisy.joint.iter_mut().zip(&states.position_sd);
+        let links = (noisy.output.iter_mut().zip(&states.link_noise))
+            .filter_map(|(column, noise)| Some((column.as_mut()?, &noise.position_sd)));
+        for (column, sd) in motors.chain(links) {
             for value in column {
                 let normal: f64 = StandardNormal.sample(&mut random);
                 *value += sd * normal;

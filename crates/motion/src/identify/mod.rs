@@ -137,7 +137,7 @@ fn pass(
     let base = Combinations::new(&numbers, &columns, &target, rows)?;
     let plain = least_squares(&base, &columns, &target, rows)?;
     let position_sd = problem.states.position_sd.clone();
-    let bias = of_noise(&known, &base, plain.values.as_slice(), &position_sd).ok();
+    let bias = of_noise(&known, &base, plain.values.as_slice(), &problem.states).ok();
     let with = with_instruments(&known, &problem, &base, (&columns, &target));
     let chosen = Chosen::new(plain, bias, with);
     let (estimate, bias) = (&chosen.estimate, chosen.bias.as_deref());

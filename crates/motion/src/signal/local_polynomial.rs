@@ -11,8 +11,9 @@ use crate::thresholds::signal::LOCAL_DEGREE;
 pub(crate) struct LocalPolynomial {
     /// Samples on each side.
     pub(crate) half: usize,
-    /// Of position, velocity \[1/s\] and acceleration \[1/s^2\], each of 2 `half` + 1 samples.
-    pub(crate) weights: [Vec<f64>; 3],
+    /// Of position, velocity \[1/s\], acceleration \[1/s^2\] and the higher derivatives, each of 2 `half` + 1 samples.
+    pub(crate) weights: [Vec<f64>; LOCAL_DEGREE + 1],
+    step_s: f64,
 }
 
 impl LocalPolynomial {
@@ -27,17 +28,32 @@ impl LocalPolynomial {
         });
         let gram = powers.transpose() * &powers;
         let unit = step_s * half as f64;
-        let weights = [0, 1, 2].map(|order: usize| {
+        let weights = std::array::from_fn(|order| {
             let mut wanted = DVector::zeros(LOCAL_DEGREE + 1);
-            // the derivative of x^k at 0 is k!; one and two are their own factorials
-            wanted[order] = order.max(1) as f64 / unit.powi(order as i32);
+            // the derivative of x^k at 0 is k!
+            let factorial: f64 = (1..=order).map(|k| k as f64).product();
+            wanted[order] = factorial / unit.powi(order as i32);
             let solved = gram.clone().cholesky().map(|own| own.solve(&wanted));
             (&powers * solved.unwrap_or(wanted)).as_slice().to_vec()
         });
-        Self { half, weights }
+        Self {
+            half,
+            weights,
+            step_s,
+        }
     }
 
-    /// The value of one of the three at a sample that has `half` neighbours on each side.
+    /// The smoothed value at any sample of at least 2 `half` + 1: near an end, that of the last polynomial that has all its samples.
+    pub(crate) fn smoothed(&self, samples: &[f64], index: usize) -> f64 {
+        let centre = index.clamp(self.half, samples.len() - 1 - self.half);
+        let ahead_s = (index as f64 - centre as f64) * self.step_s;
+        // Taylor's series of the polynomial, by Horner's rule
+        (0..=LOCAL_DEGREE).rev().fold(0.0, |sum, order| {
+            self.at(order, samples, centre) + sum * ahead_s / (order + 1) as f64
+        })
+    }
+
+    /// The value of a derivative at a sample that has `half` neighbours on each side.
     pub(crate) fn at(&self, order: usize, samples: &[f64], index: usize) -> f64 {
         let window = &samples[index - self.half..=index + self.half];
         haptical_linalg::dot(&self.weights[order], window)
@@ -63,6 +79,10 @@ mod tests {
                 let found = local.at(order, &samples, index);
                 assert!((found - wanted).abs() < 1e-8, "{order}: {found}, {wanted}");
             }
+        }
+        for index in [0, 1, 20, 40] {
+            let (found, wanted) = (local.smoothed(&samples, index), samples[index]);
+            assert!((found - wanted).abs() < 1e-8, "{index}: {found}, {wanted}");
         }
     }
 

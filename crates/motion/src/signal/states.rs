@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use haptical_linalg::dot;
 
+use crate::signal::link::Link;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
@@ -31,7 +32,7 @@ pub(crate) struct States {
     /// Motors' speeds with as little smoothing as the noise of the positions allows: friction changes sides faster than the band, and a
     /// speed that is smoothed to the band changes sides too early at the end of a motion that sticks.
     pub(crate) sliding: Vec<Vec<f64>>,
-    /// Links' side: the encoder there where a joint has one, else the motor's.
+    /// Links' side: by the encoder there where a joint has one, else the motor's.
     pub(crate) link: Side,
     /// Fine step in the middle of each row.
     pub(crate) centre: Vec<usize>,
@@ -45,6 +46,19 @@ pub(crate) struct States {
     pub(crate) position_sd: Vec<f64>,
     /// Standard deviation of a row of a joint's acceleration, from the noise of its positions; motors' side.
     pub(crate) acceleration_sd: Vec<f64>,
+    /// Noise of the links' positions.
+    pub(crate) link_noise: Vec<LinkNoise>,
+}
+
+/// Noise of a link's positions where it is not that of its motor's alone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct LinkNoise {
+    /// Whether the motor's positions are not part of the link's.
+    pub(crate) is_apart: bool,
+    /// Standard deviation of a reading of the encoder on the link; 0 without one.
+    pub(crate) position_sd: f64,
+    /// What it adds to the standard deviation of a row of the acceleration.
+    pub(crate) acceleration_sd: f64,
 }
 
 impl States {
@@ -85,7 +99,11 @@ impl States {
             weights,
             position_sd: position_sds(samples, &local),
             acceleration_sd: Vec::new(),
+            link_noise: Vec::new(),
         };
+        let links: Vec<Option<Link>> = (0..joints)
+            .map(|joint| Link::new(samples, joint, SMOOTHED_BEYOND * edge_hz))
+            .collect();
         // by the narrowest window: the band's own would take what friction does to a motion for noise
         let noise = position_sds(samples, &LocalPolynomial::new(step_s, 0.5 / step_s));
         let of = |sd: &f64| sharpest(step_s, SMOOTHED_BEYOND * edge_hz, *sd);
@@ -104,7 +122,7 @@ impl States {
                     .extend(joint, &local, motor, (0..count).map(at));
                 let sliding = (0..count).map(|k| sharp[joint].at(1, motor, at(k)));
                 states.sliding[joint].extend(sliding);
-                let link = piece.link[joint].as_ref().unwrap_or(motor);
+                let link = (links[joint].as_ref()).map_or(motor, |link| &link.pieces[number]);
                 states.link.extend(joint, &local, link, (0..count).map(at));
             }
             for k in 0..count {
@@ -118,8 +136,20 @@ impl States {
         if states.centre.is_empty() {
             return None;
         }
-        states.acceleration_sd =
-            acceleration_sds(&states.position_sd, &local, &states.weights, stride);
+        let gain = |smoother: Option<&LocalPolynomial>| {
+            acceleration_gain(&local, smoother, &states.weights, stride)
+        };
+        let motor = gain(None);
+        states.acceleration_sd = states.position_sd.iter().map(|sd| motor * sd).collect();
+        let noise = |link: &Option<Link>| match link {
+            None => LinkNoise::default(),
+            Some(link) => LinkNoise {
+                is_apart: link.smoother.is_none(),
+                position_sd: link.sd,
+                acceleration_sd: link.sd * gain(link.smoother.as_ref()),
+            },
+        };
+        states.link_noise = links.iter().map(noise).collect();
         Some(states)
     }
 
@@ -268,22 +298,31 @@ fn position_sds(samples: &Samples, local: &LocalPolynomial) -> Vec<f64> {
     (0..joints).map(noise).collect()
 }
 
-/// Noise of the positions, carried through the second derivative and the low pass.
-fn acceleration_sds(
-    position_sds: &[f64],
+/// What the second derivative and the low pass leave of the standard deviation of white noise of positions, which may be smoothed
+/// before.
+fn acceleration_gain(
     local: &LocalPolynomial,
+    smoother: Option<&LocalPolynomial>,
     weights: &[f64],
     stride: usize,
-) -> Vec<f64> {
-    let reach = local.half + stride * (weights.len() / 2);
-    let mut kernel = vec![0.0; 2 * reach + 1];
+) -> f64 {
+    let mut strided = vec![0.0; stride * (weights.len() - 1) + 1];
     for (k, weight) in weights.iter().enumerate() {
-        for (i, own) in local.weights[2].iter().enumerate() {
-            kernel[k * stride + i] += weight * own;
-        }
+        strided[k * stride] = *weight;
     }
-    let gain = dot(&kernel, &kernel).sqrt();
-    position_sds.iter().map(|sd| gain * sd).collect()
+    let mut kernel = convolved(&strided, &local.weights[2]);
+    if let Some(smoother) = smoother {
+        kernel = convolved(&kernel, &smoother.weights[0]);
+    }
+    dot(&kernel, &kernel).sqrt()
+}
+
+fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut found = vec![0.0; a.len() + b.len() - 1];
+    for (k, factor) in a.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+        (found[k..].iter_mut().zip(b)).for_each(|(into, value)| *into += factor * value);
+    }
+    found
 }
 
 #[cfg(test)]

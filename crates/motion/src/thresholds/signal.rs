@@ -51,6 +51,12 @@ pub(crate) const SLIDING_NOISE: f64 = 1e-3;
 /// Most rows of a joint: longer logs keep every second one, or fewer.
 pub(crate) const MOST_JOINT_ROWS: usize = 12_000;
 
+// `signal::link`
+/// The difference between an encoder on a link and that of its motor is smoothed up to the cutoff over two to this power at least.
+pub(crate) const DIFFERENCE_HALVINGS: i32 = 3;
+/// Standard deviations of chance by which a smoother difference may differ from the one that is smoothed as positions are.
+pub(crate) const DIFFERENCE_SDS: f64 = 3.0;
+
 // `signal::noise`
 /// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
 pub(crate) const NOISE_SEGMENT: usize = 48;

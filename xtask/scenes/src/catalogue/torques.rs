@@ -62,6 +62,10 @@ const STEP_S: f64 = 0.005;
 /// Noise of a torque, of a link's encoder.
 const TORQUE_SD_NM: f64 = 0.1;
 const OUTPUT_SD_RAD: f64 = 5e-5;
+/// Motors' inertias.
+const ARMATURES_KGM2: [f64; 2] = [0.3, 0.1];
+/// Step of the differences that make speeds and accelerations of what a drive yields.
+const APART_S: f64 = 1e-4;
 /// Gains of the controller \[N m/rad, N m s/rad\].
 const GAINS: [[f64; 2]; 2] = [[900.0, 60.0], [400.0, 25.0]];
 
@@ -77,6 +81,7 @@ fn device_toml(factors: [f64; 2], payload_kg: f64, has_outputs: bool) -> String 
     let centre = (0.15 * second + 0.3 * payload_kg) / whole;
     let apart = second * (centre - 0.15_f64).powi(2) + payload_kg * (0.3 - centre).powi(2);
     let about = 0.02 + apart;
+    let [shoulder, elbow] = ARMATURES_KGM2;
     format!(
         "[device]\nname = \"two links\"\ndof = 2\n[gravity]\nvector_mps2 = [0.0, -9.81, 0.0]\n\
          [[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n\
@@ -84,8 +89,8 @@ fn device_toml(factors: [f64; 2], payload_kg: f64, has_outputs: bool) -> String 
          inertia_kgm2 = [0.002, 0.05, 0.05, 0.0, 0.0, 0.0]\n\
          [[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\nmass_kg = {whole}\ncentre_of_mass_m = [{centre}, 0.0, 0.0]\n\
          inertia_kgm2 = [0.001, {about}, {about}, 0.0, 0.0, 0.0]\n\
-         [[joint]]\nname = \"shoulder\"\narmature_kgm2 = 0.3\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}\
-         [[joint]]\nname = \"elbow\"\narmature_kgm2 = 0.1\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}"
+         [[joint]]\nname = \"shoulder\"\narmature_kgm2 = {shoulder}\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}\
+         [[joint]]\nname = \"elbow\"\narmature_kgm2 = {elbow}\nlower_rad = -3.0\nupper_rad = 3.0\n{encoder}"
     )
 }
 
@@ -126,17 +131,45 @@ struct Arm<'t> {
 }
 
 impl Arm<'_> {
-    fn states(&self, time_s: f64) -> [[f64; 3]; 2] {
+    /// Links' angles, speeds and accelerations.
+    fn links(&self, time_s: f64) -> [[f64; 3]; 2] {
         [0, 1].map(|joint: usize| self.courses[joint].at(time_s))
     }
 
-    /// What the drives exert.
-    fn torques(&mut self, time_s: f64) -> Result<[f64; 2]> {
-        let states = self.states(time_s);
+    /// What the links ask of their drives, motors' inertias left out.
+    fn loads(&mut self, time_s: f64) -> Result<[f64; 2]> {
+        let states = self.links(time_s);
         let of = |order: usize| states.map(|state| state[order]);
         let mut torques = [0.0; 2];
         let bodies = &self.bodies;
         bodies.torques(&of(0), &of(1), &of(2), &mut self.work, &mut torques)?;
+        Ok([0, 1].map(|joint: usize| torques[joint] - ARMATURES_KGM2[joint] * states[joint][2]))
+    }
+
+    /// Motors' angles, speeds and accelerations: before the links by what the first drive yields.
+    fn states(&mut self, time_s: f64) -> Result<[[f64; 3]; 2]> {
+        let mut states = self.links(time_s);
+        if let Some(nm_per_rad) = self.truth.yields_nm_per_rad {
+            let mut yields = |at_s: f64| self.loads(at_s).map(|loads| loads[0] / nm_per_rad);
+            let [before, now, after] = [
+                yields(time_s - APART_S)?,
+                yields(time_s)?,
+                yields(time_s + APART_S)?,
+            ];
+            let speed = (after - before) / (2.0 * APART_S);
+            let acceleration = (after - 2.0 * now + before) / (APART_S * APART_S);
+            let more = [now, speed, acceleration];
+            (states[0].iter_mut().zip(more)).for_each(|(state, more)| *state += more);
+        }
+        Ok(states)
+    }
+
+    /// What the drives exert.
+    fn torques(&mut self, time_s: f64) -> Result<[f64; 2]> {
+        let states = self.states(time_s)?;
+        let loads = self.loads(time_s)?;
+        let mut torques =
+            [0, 1].map(|joint: usize| loads[joint] + ARMATURES_KGM2[joint] * states[joint][2]);
         add_friction(self.truth, &states, &mut torques);
         Ok(torques)
     }
@@ -144,7 +177,7 @@ impl Arm<'_> {
     /// What each controller was sent, so that it exerts these torques once it hears it.
     fn commands(&mut self, time_s: f64, late_s: f64) -> Result<[f64; 2]> {
         let heard_s = time_s + late_s;
-        let (torques, states) = (self.torques(heard_s)?, self.states(heard_s));
+        let (torques, states) = (self.torques(heard_s)?, self.states(heard_s)?);
         Ok([0, 1].map(|joint: usize| {
             let [stiffness, damping] = GAINS[joint];
             states[joint][0] + (torques[joint] + damping * states[joint][1]) / stiffness
@@ -169,7 +202,8 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
     let mut follows = 0.0;
     for &time_s in &times {
         let torques = arm.torques(time_s)?;
-        let logged = arm.states(time_s - truth.late_s).map(|state| state[0]);
+        let logged = arm.states(time_s - truth.late_s)?.map(|state| state[0]);
+        let links = arm.links(time_s).map(|state| state[0]);
         let [angles, readings, outputs, commands] = &mut columns;
         for joint in 0..2 {
             let count = TAU / 400_000.0;
@@ -180,10 +214,9 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
         }
         if has_outputs {
             let half = 0.5 * truth.play_rad.unwrap_or(0.0);
-            follows = f64::clamp(follows, logged[0] - half, logged[0] + half);
-            let yields = truth.yields_nm_per_rad.map_or(0.0, |own| torques[0] / own);
-            outputs[0].push(follows - yields + noise.normal(OUTPUT_SD_RAD));
-            outputs[1].push(logged[1] + noise.normal(OUTPUT_SD_RAD));
+            follows = f64::clamp(follows, links[0] - half, links[0] + half);
+            outputs[0].push(follows + noise.normal(OUTPUT_SD_RAD));
+            outputs[1].push(links[1] + noise.normal(OUTPUT_SD_RAD));
         }
         if let Some(late_s) = truth.command_late_s {
             for (column, command) in commands.iter_mut().zip(arm.commands(time_s, late_s)?) {

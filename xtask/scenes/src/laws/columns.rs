@@ -11,8 +11,9 @@ use crate::table::{Column, Table};
 const SEED: u64 = 5;
 /// Noise of a force sensor that touches nothing \[N\].
 const FORCE_SD_N: f64 = 0.1;
-/// Noise of an encoder on a link \[rad\], \[m\].
+/// Noise of an encoder on a link \[rad\], \[m\], and of a coarse one.
 const OUTPUT_SD: f64 = 2e-5;
+const COARSE_OUTPUT_SD: f64 = 2e-4;
 /// Noise of a torque \[N m\].
 const TORQUE_SD_NM: f64 = 0.01;
 /// A motor \[N m/A\], noise of its current's sensor \[A\], and its supply \[V\].
@@ -58,12 +59,21 @@ pub(super) fn forces(made: &Made) -> Result<Option<Made>> {
 
 /// Encoders on the links, where those are where the motors say.
 pub(super) fn outputs(made: &Made) -> Result<Option<Made>> {
+    outputs_with(made, OUTPUT_SD)
+}
+
+/// The same with coarse encoders, whose noise an acceleration carries into the torques.
+pub(super) fn coarse_outputs(made: &Made) -> Result<Option<Made>> {
+    outputs_with(made, COARSE_OUTPUT_SD)
+}
+
+fn outputs_with(made: &Made, sd: f64) -> Result<Option<Made>> {
     if !made.links_follow {
         return Ok(None);
     }
     to_each(made, |log, noise| {
         for (joint, unit, angles) in joints(log) {
-            let read = angles.iter().map(|angle| angle + noise.normal(OUTPUT_SD));
+            let read = angles.iter().map(|angle| angle + noise.normal(sd));
             log.push(format!("out{joint}_{unit}"), read.collect());
         }
         Ok(true)

@@ -46,9 +46,10 @@ macro_rules! laws {
 }
 
 /// All laws.
-pub(super) static LAWS: [Law; 16] = laws! {
+pub(super) static LAWS: [Law; 17] = laws! {
     "forces-of-nearly-zero" columns::forces, Same;
     "encoders-on-links" columns::outputs, Same;
+    "coarse-encoders-on-links" columns::coarse_outputs, Same;
     "tracker-on-handle" columns::tracker, Same;
     "torques-of-weights" columns::torques, Same;
     "commands-that-are-met" columns::commands, Same;
