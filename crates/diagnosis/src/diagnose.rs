@@ -24,7 +24,7 @@ use crate::judge::findings::{Findings, Inputs};
 use crate::judge::too_coarse::Corrected;
 use crate::log::{Log, thinned};
 use crate::moving::between::{Links, of_links};
-use crate::moving::{of_moving_arm, with_link_torques};
+use crate::moving::{carries_links_alone, of_moving_arm, with_link_torques};
 use crate::noise::cleaning::without_readings;
 use crate::noise::measured::KnownNoise;
 use crate::noise::stated::is_stated;
@@ -149,7 +149,10 @@ fn diagnose_all(
     let moving = of_moving_arm(model, &recording, validation.as_deref(), &options.without);
     options.interrupt.check()?;
     // the load between motor and link is that of the bodies that the torques show
-    let shown = (moving.as_ref()).map(|(torques, _)| changed(model, &torques.changes).0);
+    let carried = moving
+        .as_ref()
+        .filter(|(torques, _)| carries_links_alone(&recording, torques));
+    let shown = carried.map(|(torques, _)| changed(model, &torques.changes).0);
     let loaded = |recording: &Recording| with_link_torques(shown.as_ref()?, recording);
     let second = validation.as_deref().and_then(loaded);
     let loaded = loaded(&recording);

@@ -4,14 +4,15 @@ use haptical_model::{Device, Recording};
 
 use crate::MotionError;
 use crate::arm::Arm;
+use crate::recorded::hand_torques;
 use crate::signal::link::Link;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::samples::Samples;
 use crate::thresholds::signal::{LOADS_CUTOFF_HZ, LOADS_OF_RATE};
 
 /// Torques of the rigid bodies of a device along a recording, joint by joint and row by row, armatures and friction left out:
-/// what a spring between motor and link carries. Positions are those of the links' encoders where there are any. A row that no
-/// piece without a gap reaches has NaN.
+/// what a spring between motor and link carries, the force of a hand that is in the recording included. Positions are those of the
+/// links' encoders where there are any. A row that no piece without a gap reaches has NaN.
 ///
 /// # Errors
 /// As [`crate::examine`].
@@ -52,6 +53,9 @@ pub fn link_torques(device: &Device, recording: &Recording) -> Result<Vec<Vec<f6
                 }
             }
         }
+    }
+    for (load, of_hand) in found.iter_mut().zip(hand_torques(device, recording)) {
+        (load.iter_mut().zip(of_hand)).for_each(|(load, of_hand)| *load += of_hand);
     }
     Ok(found)
 }

@@ -36,17 +36,27 @@ pub(crate) fn without_effects(device: &Device, recording: &Recording) -> Recordi
     bare
 }
 
-/// Takes the torques that hold the force of the hand off those of the drives: the principle of virtual work at each row (Craig 2018,
-/// section 5.10). A row without a reading of the force, or at which the device has no value, has no torque.
+/// Takes the torques that hold the force of the hand off those of the drives. A row without a reading of the force, or at which the
+/// device has no value, has no torque.
 fn take_off_hand(device: &Device, recording: &mut Recording) {
-    let Some(axes) = recording.force_n.take() else {
-        return;
-    };
-    if !device.has_links() {
-        return;
+    let of_hand = hand_torques(device, recording);
+    recording.force_n = None;
+    for (column, of_hand) in recording.torque_nm.iter_mut().zip(of_hand) {
+        for (torque, of_hand) in column.iter_mut().flatten().zip(of_hand) {
+            *torque -= of_hand;
+        }
     }
+}
+
+/// Torques that hold the recorded force of the hand, joint by joint and row by row: the principle of virtual work (Craig 2018, section
+/// 5.10). NaN at a row without a reading of the force, or at which the device has no value; no joints without a force or links.
+pub(crate) fn hand_torques(device: &Device, recording: &Recording) -> Vec<Vec<f64>> {
+    let Some(axes) = recording.force_n.as_ref().filter(|_| device.has_links()) else {
+        return Vec::new();
+    };
     let mut statics = Statics::new(device);
     let mut angles = vec![0.0; device.joints.len()];
+    let mut found = vec![vec![0.0; recording.len()]; device.joints.len()];
     for row in 0..recording.len() {
         let force_n = Vector3::from(axes.each_ref().map(|axis| axis[row]));
         if force_n == Vector3::zeros() {
@@ -63,12 +73,12 @@ fn take_off_hand(device: &Device, recording: &mut Recording) {
         let is_read = force_n.iter().all(|force| force.is_finite());
         let both = torques(Some(force_n)).zip(torques(None));
         let both = both.filter(|_| is_read);
-        for (joint, column) in recording.torque_nm.iter_mut().enumerate() {
-            let of_hand =
+        for (joint, column) in found.iter_mut().enumerate() {
+            column[row] =
                 (both.as_ref()).map_or(f64::NAN, |(with, bare)| with[joint] - bare[joint]);
-            column.iter_mut().for_each(|column| column[row] -= of_hand);
         }
     }
+    found
 }
 
 /// A log and a second one, as they were read and without what the device's effects add to their torques.

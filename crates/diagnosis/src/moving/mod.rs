@@ -7,7 +7,8 @@ mod warnings;
 mod words;
 
 use haptical_effects::force::in_motion::SAMPLING;
-use haptical_model::{Device, Recording};
+use haptical_effects::{Form, law};
+use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 
 use self::followed::followed;
@@ -62,36 +63,51 @@ pub(crate) fn base_of_moving_arm(
     Some(answer.channels)
 }
 
+/// Whether the drives of a moving arm carry what its links ask for: something sees the links behind the drives, and no hand that is
+/// not in the log pushes them. An encoder on a link is no sign of a hand; a gauge at the handle is one, unless the torques are explained
+/// without it.
+pub(crate) fn carries_links_alone(recording: &Recording, torques: &ForceAnswer) -> bool {
+    let sees_handle = recording.position_m.is_some()
+        || recording.orientation_wxyz.is_some()
+        || recording.contact.is_some()
+        || recording.cable_m.iter().any(Option::is_some);
+    recording.output.iter().any(Option::is_some) || (sees_handle && torques.is_explained())
+}
+
 /// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries
-/// those, without friction and the motors' own inertia. None where no encoder is on the links.
+/// those, without friction and the motors' inertia ([`carries_links_alone`]).
 pub(crate) fn with_link_torques(device: &Device, recording: &Recording) -> Option<Recording> {
-    recording.output.iter().flatten().next()?;
-    let torques = link_torques(device, recording).ok()?;
-    let own = recording.torque_nm.iter().zip(torques);
-    let torque_nm = own
-        .map(|(own, torque)| own.as_ref().map(|_| torque))
-        .collect();
+    let loads = link_torques(device, recording).ok()?.into_iter();
+    let columns = recording.torque_nm.iter().zip(loads);
+    let torque_nm = columns.map(|(read, load)| read.as_ref().map(|_| load));
     Some(Recording {
-        torque_nm,
+        torque_nm: torque_nm.collect(),
         ..recording.clone()
     })
 }
 
 /// A moving arm's recording with the loads that a diagnosis takes for those of springs and plays between motor and link: what the bodies
-/// of the device ask for along the motion, in the place of the drives' torques, which have friction and the motors' own inertia in them.
-/// A row that no piece without a gap reaches keeps its drive's torque. None for a device or a recording of another kind.
+/// of the device ask for along the motion, in the place of the drives' torques, which have friction and the motors' inertia in them.
+/// A row that no piece without a gap reaches keeps its drive's torque. None for a device or a recording of another kind, and for a
+/// device without springs and plays.
 pub fn with_carried_loads(device: &Device, recording: &Recording) -> Option<Recording> {
-    if !is_moving_arm(device, recording) {
+    let yields = |effect: &DeviceEffect| {
+        law(&effect.name).is_some_and(|(_, form)| matches!(form, Form::Spring | Form::Play))
+    };
+    let may_yield =
+        (0..device.joints.len()).any(|joint| device.compliance_rad_per_nm(joint) != 0.0);
+    if !may_yield && !device.effects.iter().any(yields) {
+        return None;
+    }
+    let (torques, _) = of_moving_arm(device, recording, None, &[])?;
+    if !carries_links_alone(recording, &torques) {
         return None;
     }
     let mut loaded = with_link_torques(device, recording)?;
     let columns = loaded.torque_nm.iter_mut().zip(&recording.torque_nm);
-    for (load, torque) in columns.filter_map(|(load, own)| load.as_mut().zip(own.as_ref())) {
-        let unknown = load
-            .iter_mut()
-            .zip(torque)
-            .filter(|(load, _)| load.is_nan());
-        unknown.for_each(|(load, torque)| *load = *torque);
+    for (load, read) in columns.filter_map(|(load, read)| load.as_mut().zip(read.as_ref())) {
+        let unknown = load.iter_mut().zip(read).filter(|(load, _)| load.is_nan());
+        unknown.for_each(|(load, read)| *load = *read);
     }
     Some(loaded)
 }

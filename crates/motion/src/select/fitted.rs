@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use haptical_linalg::dot;
+
 use crate::fit::base::{Base, Term};
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -111,6 +113,12 @@ pub(crate) fn within_limits(
 }
 
 impl Fitted {
+    /// How far its rows are behind those of another fit, without what is known of the base model's numbers \[nats\].
+    pub(crate) fn behind(&self, other: &Self) -> f64 {
+        let nats = |fitted: &Self| 0.5 * dot(&fitted.solved.rest, &fitted.solved.rest);
+        nats(self) - nats(other)
+    }
+
     /// Coefficients of the effects' columns.
     pub(crate) fn effects(&self) -> &[f64] {
         &self.solved.solution[self.base_columns..]

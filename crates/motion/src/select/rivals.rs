@@ -6,7 +6,7 @@ use std::rc::Rc;
 use haptical_judge::{Backward, InPlace, Other, Others, rivals};
 use haptical_linalg::dot;
 
-use super::scored::Place;
+use super::scored::{Place, penalty};
 use super::{Frame, Search, State, columns_of, is_taken, nearest};
 use crate::effect::{Candidate, is_of_own_joint, torque_gain};
 use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS};
@@ -47,12 +47,19 @@ impl<'c> InPlace for Search<'_, '_, 'c> {
         &mut self,
         without: &State<'c>,
         whole: &State<'c>,
-        _: usize,
+        effect: usize,
     ) -> Result<Others<Self>, Infallible> {
         let near = nearest(self.frame, self.pool, without);
+        let pick = &whole.taken[effect];
+        let of_pick = without.fitted.excess - whole.fitted.excess - penalty(self.frame, pick);
         let others = near.iter().filter_map(|other| {
             let last = other.taken.last()?;
             let merit = other.last_nats(self.frame, &without.fitted);
+            let merit = match last.effect == pick.effect {
+                // of the places of one law, rows alone tell, not how likely an inertia is to be off (docs/assumptions.md, A306)
+                true => merit.max(of_pick - other.fitted.behind(&whole.fitted)),
+                false => merit,
+            };
             let other = Other {
                 name: (last.effect, last.joint),
                 merit,

@@ -9,6 +9,11 @@ mod torques;
 
 use crate::scene::Scene;
 
+/// Noise of a tracker \[m\], and the tracker as a sensor of a device.
+pub(crate) const TRACKER_SD_M: f64 = 1e-4;
+pub(crate) const TRACKER: &str =
+    "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-4\n";
+
 /// The lists of scenes.
 const LISTS: [&[Scene]; 6] = [
     rigs::SCENES,

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use anyhow::Result;
-use haptical::model::{MotionWork, RigidBodies};
+use haptical::model::{DeviceChain, MotionWork, RigidBodies};
 
+use super::{TRACKER, TRACKER_SD_M};
 use crate::noise::Noise;
 use crate::scene::{DeviceFile, Identified, Made, Scene, scenes};
 use crate::table::Table;
@@ -22,6 +23,8 @@ pub(crate) const SCENES: &[Scene] = scenes! {
     "moving-unknown" [] made(|own| own.dent_nm = 3.0);
     "link-elastic" ["capstan-compliance", "joint-compliance"]
         made(|own| own.yields_nm_per_rad = Some(3000.0));
+    "tracked-elastic" ["joint-compliance", "capstan-compliance"]
+        made(|own| (own.yields_nm_per_rad, own.is_tracked) = (Some(3000.0), true));
     "link-play" ["backlash"] made(|own| own.play_rad = Some(0.004));
     "loop-late-commands" ["command-latency"] made(|own| own.command_late_s = Some(0.04));
 };
@@ -41,8 +44,10 @@ pub(crate) struct Truth {
     cogging_nm: f64,
     /// Friction near an angle of the first joint, in no catalogue.
     dent_nm: f64,
-    /// Stiffness of the first drive, where links have encoders.
+    /// Stiffness of the first drive, where links have encoders or a tracker sees the arm.
     yields_nm_per_rad: Option<f64>,
+    /// Whether a tracker sees the end of the arm, in the place of encoders on the links.
+    is_tracked: bool,
     /// Play of the first drive, where links have encoders; 0 is encoders alone.
     play_rad: Option<f64>,
     /// How late the drives follow, where commands are logged.
@@ -198,6 +203,9 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
     };
     let rows = (SECONDS / STEP_S) as usize;
     let times: Vec<f64> = (0..rows).map(|row| row as f64 * STEP_S).collect();
+    let model = true_arm.open()?.model;
+    let chain = DeviceChain::new(&model);
+    let mut places = [const { Vec::new() }; 3];
     let mut columns = [(); 4].map(|()| [Vec::new(), Vec::new()]);
     let mut follows = 0.0;
     for &time_s in &times {
@@ -217,6 +225,12 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
             follows = f64::clamp(follows, links[0] - half, links[0] + half);
             outputs[0].push(follows + noise.normal(OUTPUT_SD_RAD));
             outputs[1].push(links[1] + noise.normal(OUTPUT_SD_RAD));
+        }
+        if truth.is_tracked {
+            let position_m = chain.pose(&links)?.position_m;
+            for (column, along_m) in places.iter_mut().zip(position_m.iter()) {
+                column.push(along_m + noise.normal(TRACKER_SD_M));
+            }
         }
         if let Some(late_s) = truth.command_late_s {
             for (column, command) in commands.iter_mut().zip(arm.commands(time_s, late_s)?) {
@@ -239,13 +253,18 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
             }
         }
     }
+    for (name, cells) in ["x_m", "y_m", "z_m"].into_iter().zip(places) {
+        if !cells.is_empty() {
+            table.push(name, cells);
+        }
+    }
     Ok(table)
 }
 
 impl Truth {
     /// Whether links have encoders of their own.
     fn has_outputs(&self) -> bool {
-        self.yields_nm_per_rad.is_some() || self.play_rad.is_some()
+        !self.is_tracked && (self.yields_nm_per_rad.is_some() || self.play_rad.is_some())
     }
 }
 
@@ -263,9 +282,15 @@ fn add_friction(truth: &Truth, [first, second]: &[[f64; 3]; 2], torques: &mut [f
 fn made(change: fn(&mut Truth)) -> Result<Made> {
     let truth = truth(change);
     let device = DeviceFile::toml(device_toml([1.0, 1.0], 0.0, truth.has_outputs()));
+    let device = match truth.is_tracked {
+        true => device.rigged(TRACKER),
+        false => device,
+    };
     Ok(Made {
         identify: Identified::Dynamics,
-        links_follow: truth.late_s == 0.0 && !truth.has_outputs(),
+        links_follow: truth.late_s == 0.0
+            && truth.yields_nm_per_rad.is_none()
+            && !truth.has_outputs(),
         is_of_true_geometry: truth.late_s == 0.0,
         ..Made::new(device, log(&truth, 1)?)
     })

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use haptical::model::{DeviceChain, Statics};
 
+use crate::catalogue::{TRACKER, TRACKER_SD_M};
 use crate::noise::Noise;
 use crate::scene::Made;
 use crate::table::{Column, Table};
@@ -20,9 +21,6 @@ const TORQUE_SD_NM: f64 = 0.01;
 const CONSTANT_NM_PER_A: f64 = 3.0;
 const CURRENT_SD_A: f64 = 1e-3;
 const SUPPLY_V: f64 = 48.0;
-/// Noise of a tracker \[m\], and the tracker as a sensor of the device.
-const TRACKER_SD_M: f64 = 1e-4;
-const TRACKER: &str = "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-4\n";
 /// A room \[degC\].
 const ROOM_DEGC: f64 = 21.5;
 
