@@ -4,11 +4,12 @@ use haptical_calibration::{Weights, channel_residuals, channels};
 use haptical_effects::device::{attached_at, bare};
 use haptical_effects::{Absorbed, Context, Hook, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
+use haptical_motion::is_moving_arm;
 
 use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
 use crate::engine::base::Base;
 use crate::force::examine;
-use crate::moving::base_of_moving_arm;
+use crate::moving::of_moving_arm;
 use crate::thresholds::own_effects::LEFT_OF_CHANNEL;
 use crate::{DiagnosisError, Options};
 
@@ -54,6 +55,9 @@ pub(crate) fn within_laws(
     if !is_open || own_effects.is_empty() {
         return Ok(found);
     }
+    // friction of a moving arm is in the base model, at any size
+    let is_moving = is_moving_arm(options.model.unwrap_or(device), recording);
+    let may_leave = |own: &&DeviceEffect| !(is_moving && own.is_friction());
     // torques and other channels each by themselves, if they have a gap: the laws of one leave nothing in the other
     let channels = found.gap.channels.clone();
     let (of_drives, others): (Vec<&ChannelGap>, Vec<&ChannelGap>) = (channels.iter())
@@ -68,12 +72,15 @@ pub(crate) fn within_laws(
         if !is_asked {
             continue;
         }
-        let laws = own_effects.iter().filter(|own| {
+        let laws = own_effects.iter().filter(may_leave).filter(|own| {
             spec(&own.name).is_some_and(|spec| spec.hook.is_on_drives() == is_on_drives)
         });
         let laws: Vec<DeviceEffect> = laws.cloned().collect();
+        if laws.is_empty() {
+            return Ok(found);
+        }
         let without = match is_on_drives {
-            true => torques_without(options.model.unwrap_or(device), recording, &laws)?,
+            true => torques_without(device, recording, &laws, options)?,
             false => channels_without(device, recording, options)?,
         };
         let Some(left) = left_by_laws(&gaps, &without, &laws) else {
@@ -148,15 +155,20 @@ fn channels_without(
     Ok(residuals.iter().map(of_channel).collect())
 }
 
-/// The same of torques, whose base model has as many rows of each, by the examination that the verdict is by.
+/// The same of torques, whose base model has as many rows of each, by the examination that the verdict is by; none where that finds a cause
+/// which is none of the effects.
 fn torques_without(
-    model: &Device,
+    device: &Device,
     recording: &Recording,
     effects: &[DeviceEffect],
+    options: &Options<'_>,
 ) -> Result<Vec<Without>, DiagnosisError> {
-    let model = bare(model);
-    let gaps = match base_of_moving_arm(&model, recording) {
-        Some(gaps) => gaps,
+    let model = bare(options.model.unwrap_or(device));
+    let of_motion = of_moving_arm(&model, recording, None, &options.without);
+    let is_of_other = |cause: &CauseAnswer| !effects.iter().any(|own| is_kin(own, cause));
+    let gaps = match of_motion {
+        Some((found, _)) if found.findings.iter().any(is_of_other) => return Ok(Vec::new()),
+        Some((found, _)) => found.channels,
         None => examine(&Context::new(&model, recording, &[])?, &[])?.channels,
     };
     let mut with = Device {

@@ -47,7 +47,7 @@ pub use parameter::ParameterId;
 pub use parameter::surrounding::{LengthScale, SurroundingParameter, UNSTATED_SCALE_SD};
 pub use parameter::unknown::UnknownNumbers;
 pub use recording::joined::NotJoined;
-pub use recording::{AddedReadings, Recording, varies};
+pub use recording::{AddedBy, AddedReadings, Recording, varies};
 pub use rigid_bodies::{
     Flange, GivenInertia, Missing, MotionWork, RigidBodies, RowBody, RowMass, Segment, SegmentBody,
     Segments,

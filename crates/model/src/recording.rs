@@ -49,6 +49,18 @@ pub struct Recording {
     pub added: Vec<AddedReadings>,
 }
 
+/// What kind of effect adds to a reading: a model of the channel treats them in different ways.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum AddedBy {
+    /// One that follows the motion.
+    #[default]
+    Motion,
+    /// Friction of a drive, which may have another size on another day.
+    Friction,
+    /// One that is a share of the reading itself.
+    Reading,
+}
+
 /// What one effect adds to the readings of one axis of a channel, linear about the values of its numbers at which it was
 /// worked out.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +71,8 @@ pub struct AddedReadings {
     pub channel: String,
     /// Axis of a channel with several.
     pub axis: usize,
+    /// What kind of effect adds it.
+    pub by: AddedBy,
     /// What it adds at [`AddedReadings::at`], row by row, in the channel's unit.
     pub readings: Vec<f64>,
     /// Values of its numbers ([`crate::DeviceEffect::fitted`]).
@@ -202,6 +216,7 @@ impl AddedReadings {
             effect: self.effect,
             channel: self.channel.clone(),
             axis: self.axis,
+            by: self.by,
             readings: take(&self.readings, indices),
             at: self.at.clone(),
             slopes: self

@@ -28,6 +28,8 @@ pub(crate) struct Arm {
     /// What each joint's torque reads without any, and how long it is logged before its position \[s\].
     pub(crate) offset: Vec<f64>,
     pub(crate) early_s: Vec<f64>,
+    /// Name of each joint's torque in a log.
+    pub(crate) torque_columns: Vec<String>,
 }
 
 impl Arm {
@@ -47,6 +49,9 @@ impl Arm {
                 .collect(),
             early_s: (device.joints.iter())
                 .map(|own| -own.torque_delay_s.unwrap_or(0.0))
+                .collect(),
+            torque_columns: (device.joints.iter().zip(1..))
+                .map(|(own, number)| own.torque_column(number))
                 .collect(),
         })
     }

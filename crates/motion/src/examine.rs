@@ -16,7 +16,6 @@ use crate::later::Later;
 use crate::recorded::Logs;
 use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
-use crate::signal::samples::Samples;
 use crate::survey::usable;
 use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
 use crate::unseen::{Unseen, within};
@@ -29,8 +28,8 @@ pub fn is_moving_arm(device: &Device, recording: &Recording) -> bool {
 }
 
 /// Examines the torques of a motion, and what is found on a second recording, if there is one; `without`: names of effects that are left
-/// out. What the device's effects add to the torques ([`Recording::added`]) is taken off them; whether anything was measured is asked of
-/// the torques as they were read.
+/// out. What the device's effects add to the torques ([`Recording::added`]) is part of the base model; shares of the readings themselves are
+/// taken off them.
 ///
 /// # Errors
 /// [`MotionError`] for a recording that says nothing of a moving arm.
@@ -71,7 +70,7 @@ pub fn examine(
 /// What a recording shows, in the ways of looking at it that there are.
 fn examined_each(
     device: &Device,
-    logs: &Logs<'_>,
+    logs: &Logs,
     without: &[String],
 ) -> Result<Examined, MotionError> {
     let first = examine_with(device, logs, without, Reading::default())?;
@@ -127,7 +126,7 @@ fn examined_each(
 
 fn examine_with(
     device: &Device,
-    logs: &Logs<'_>,
+    logs: &Logs,
     without: &[String],
     reading: Reading,
 ) -> Result<Examined, MotionError> {
@@ -148,13 +147,8 @@ fn examine_with(
         problem = Problem::new(arm.clone(), recording, reading)?;
         base = Base::weighted(&mut problem);
     }
-    let has_effects = !logs.read.added.is_empty();
-    let read = has_effects.then(|| Samples::new(logs.read, reading.sets_right));
-    let read = read.transpose()?;
-    let of_channel = |(channel, joint): (usize, &usize)| {
-        let read = read.as_ref().unwrap_or(&problem.samples);
-        (*joint, Scale::of((&problem, read), &base, channel))
-    };
+    let of_channel =
+        |(channel, joint): (usize, &usize)| (*joint, Scale::of(&problem, &base, channel));
     let scales: Vec<(usize, Scale)> = problem
         .channels
         .iter()

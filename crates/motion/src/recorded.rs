@@ -1,6 +1,6 @@
-//! A recording's torques as they were read, and without what the device's effects add to them.
+//! A recording's torques without what the device's effects add to them, and as a base model takes them.
 
-use haptical_model::{Device, Recording, Statics, varies};
+use haptical_model::{AddedBy, Device, Recording, Statics, varies};
 use nalgebra::Vector3;
 
 /// A joint's recorded torque without what the device's effects add to it ([`Recording::added`]); none where it was not recorded. A
@@ -24,16 +24,29 @@ pub fn torque_nm_without_effects(
     Some(torque_nm)
 }
 
-/// The recording with torques that the bare device would have with nothing at its handle.
-pub(crate) fn without_effects(device: &Device, recording: &Recording) -> Recording {
-    let joints = 0..recording.torque_nm.len();
-    let torque_nm = joints.map(|joint| torque_nm_without_effects(device, recording, joint));
-    let mut bare = Recording {
-        torque_nm: torque_nm.collect(),
-        ..recording.clone()
-    };
-    take_off_hand(device, &mut bare);
-    bare
+/// The recording as a base model takes it: torques with nothing at the handle and without the effects that are shares of the readings
+/// themselves, and of what effects add those to torques that the base model has beside the bodies ([`crate::fit::own`]).
+fn for_base(device: &Device, recording: &Recording) -> Recording {
+    let mut with = recording.clone();
+    with.added.clear();
+    for own in &recording.added {
+        let mut joints = device.joints.iter().zip(1..);
+        let joint = joints.position(|(joint, number)| joint.torque_column(number) == own.channel);
+        let Some(Some(torque_nm)) = joint.map(|joint| &mut with.torque_nm[joint]) else {
+            continue;
+        };
+        // what was not measured has no share of anything; where an effect has no value the model has none
+        let is_share = own.by == AddedBy::Reading && varies(torque_nm);
+        let share = f64::from(u8::from(is_share));
+        for (torque, added) in torque_nm.iter_mut().zip(&own.readings) {
+            *torque -= share * added;
+        }
+        if own.by != AddedBy::Reading {
+            with.added.push(own.clone());
+        }
+    }
+    take_off_hand(device, &mut with);
+    with
 }
 
 /// Takes the torques that hold the force of the hand off those of the drives. A row without a reading of the force, or at which the
@@ -81,20 +94,17 @@ pub(crate) fn hand_torques(device: &Device, recording: &Recording) -> Vec<Vec<f6
     found
 }
 
-/// A log and a second one, as they were read and without what the device's effects add to their torques.
-pub(crate) struct Logs<'l> {
-    /// The log as it was read.
-    pub(crate) read: &'l Recording,
+/// A log and a second one.
+pub(crate) struct Logs {
     pub(crate) log: Recording,
     pub(crate) second: Option<Recording>,
 }
 
-impl<'l> Logs<'l> {
-    pub(crate) fn new(device: &Device, read: &'l Recording, second: Option<&Recording>) -> Self {
+impl Logs {
+    pub(crate) fn new(device: &Device, log: &Recording, second: Option<&Recording>) -> Self {
         Self {
-            read,
-            log: without_effects(device, read),
-            second: second.map(|second| without_effects(device, second)),
+            log: for_base(device, log),
+            second: second.map(|second| for_base(device, second)),
         }
     }
 }

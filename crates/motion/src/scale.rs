@@ -8,7 +8,6 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-use crate::signal::samples::Samples;
 use crate::thresholds::scale::{
     FOLLOWS_LINKS, KNOWN_SLOPE, NOISE_SCATTERS, OTHER_SIGN, SAME_UNIT, SILENT_SDS, SILENT_SHARE,
 };
@@ -53,8 +52,8 @@ pub enum Doubt {
 }
 
 impl Scale {
-    /// Of a channel; `read`: the torques as they were read, with what the device's effects add.
-    pub(crate) fn of((problem, read): (&Problem, &Samples), base: &Base, channel: usize) -> Self {
+    /// Of a channel.
+    pub(crate) fn of(problem: &Problem, base: &Base, channel: usize) -> Self {
         let (joint, rows) = (problem.channels[channel], problem.states.rows());
         let motor = &problem.states.motor;
         let mut signals = vec![
@@ -71,34 +70,32 @@ impl Scale {
             .filter_map(|own| problem.of_joint(joint, own));
         let columns: Vec<Rc<Column>> = columns.map(Rc::new).collect();
         let first = channel * rows;
-        let whitened = |samples: &Samples| -> Vec<f64> {
-            let torque = problem.states.torque(samples, joint, 0.0).into_iter();
-            let weighted = torque.enumerate();
-            weighted
-                .map(|(row, own)| own * problem.weight(first + row))
-                .collect()
-        };
+        let torque = problem.states.torque(&problem.samples, joint, 0.0);
         let mut target = vec![0.0; problem.channel_rows()];
-        target[first..][..rows].copy_from_slice(&whitened(&problem.samples));
-        let read = whitened(read);
+        for (row, own) in torque.into_iter().enumerate() {
+            target[first + row] = own * problem.weight(first + row);
+        }
         let solved = System::new(&columns, &vec![None; columns.len()]).solve(&target, &[]);
         let left = dot(&solved.rest, &solved.rest);
         let misfit = (left / rows as f64).max(1.0);
-        let bare = &target[first..][..rows];
-        let by_bodies = columns.first().map_or(&[][..], |own| own.parts().1);
-        let by_effects = read.iter().zip(bare).map(|(read, bare)| read - bare);
-        let asked: Vec<f64> = by_bodies
-            .iter()
-            .zip(by_effects)
-            .map(|(a, b)| a + b)
-            .collect();
+        let read = &target[first..][..rows];
+        let mut asked = vec![0.0; target.len()];
+        let own = problem
+            .own
+            .columns(problem)
+            .into_iter()
+            .map(|own| own.column);
+        let own = own.filter(|own| own.parts().0 == first);
+        for column in columns.first().cloned().into_iter().chain(own) {
+            column.add_to(&mut asked, 1.0);
+        }
         let spread = |square: f64| (square / rows as f64).sqrt();
         Self {
             slope: solved.solution.first().copied().unwrap_or(0.0),
             sd: (solved.covariance(&[0])[(0, 0)] * misfit).sqrt(),
-            explained: 1.0 - left / about_mean(bare).max(1e-300),
-            asked: spread(about_mean(&asked)),
-            heard: spread(about_mean(&read)),
+            explained: 1.0 - left / about_mean(read).max(1e-300),
+            asked: spread(about_mean(&asked[first..][..rows])),
+            heard: spread(about_mean(read)),
             rows,
         }
     }

@@ -20,6 +20,7 @@ pub(crate) fn added_to(
         effect: own.effect,
         channel: name.clone(),
         axis: own.axis,
+        by: own.by,
         readings: taken(&own.readings),
         at: own.at.clone(),
         slopes: own.slopes.iter().map(taken).collect(),

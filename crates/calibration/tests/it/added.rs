@@ -2,7 +2,9 @@
 
 use haptical_calibration::{Channel, DeviceProblem, Weights};
 use haptical_identification::{Matrix, Problem};
-use haptical_model::{AddedReadings, Device, DeviceEffect, FitNumber, ParameterId, Recording};
+use haptical_model::{
+    AddedBy, AddedReadings, Device, DeviceEffect, FitNumber, ParameterId, Recording,
+};
 
 const ROWS: usize = 9;
 
@@ -41,6 +43,7 @@ fn case(value: f64) -> (Device, Recording) {
             effect: 0,
             channel: "out1".to_owned(),
             axis: 0,
+            by: AddedBy::default(),
             readings: (0..ROWS).map(|row| 1e-3 * wave(row)).collect(),
             at: vec![1e-3],
             slopes: vec![(0..ROWS).map(wave).collect()],

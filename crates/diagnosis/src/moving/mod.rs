@@ -52,17 +52,6 @@ pub(crate) fn of_moving_arm(
     Some(tracking::beside(device, logs, &examined, without, both))
 }
 
-/// What the base model alone leaves of a moving arm's torques; none for a device or a recording of another kind.
-pub(crate) fn base_of_moving_arm(
-    device: &Device,
-    recording: &Recording,
-) -> Option<Vec<ChannelGap>> {
-    let effects = haptical_motion::effect_names().into_iter();
-    let without: Vec<String> = effects.map(str::to_owned).collect();
-    let (answer, _) = of_moving_arm(device, recording, None, &without)?;
-    Some(answer.channels)
-}
-
 /// Whether the drives of a moving arm carry what its links ask for: something sees the links behind the drives, and no hand that is
 /// not in the log pushes them. An encoder on a link is no sign of a hand; a gauge at the handle is one, unless the torques are explained
 /// without it.

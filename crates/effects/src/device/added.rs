@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use haptical_calibration::channels;
-use haptical_model::{AddedReadings, Device, Recording};
+use haptical_model::{AddedBy, AddedReadings, Device, JOINT_FRICTION, Recording};
 
 use crate::device::bare::bare;
 use crate::device::error::DeviceEffectError;
 use crate::device::fit::fit_numbers;
 use crate::device::resolve::{OwnEffect, effects_of};
-use crate::{Context, Signal, Stream, streams};
+use crate::{Context, Follows, Signal, Stream, streams};
 
 /// A recording with what the effects of a device add to its readings ([`Recording::added`]), torques among them; `device` gets the
 /// numbers with which each effect that is to be fitted is fitted, none for those on torques, which no calibration fits. The recording itself for a device without effects.
@@ -84,6 +84,12 @@ fn added_by(
         at.clone_from(&amplitudes);
         at.resize(slopes.len(), 0.0);
     }
+    let spec = own.effect.spec();
+    let by = match spec.hook.is_on_drives() {
+        true if spec.name == JOINT_FRICTION => AddedBy::Friction,
+        true if spec.follows == Follows::Torque => AddedBy::Reading,
+        _ => AddedBy::Motion,
+    };
     let rows = context.rows();
     let on = |signal: &Signal, stream: usize| {
         let values = signal.on(stream).map(<[f64]>::to_vec);
@@ -105,6 +111,7 @@ fn added_by(
         effect: own.index,
         channel,
         axis,
+        by,
         readings: on(&signal, stream),
         at: at.clone(),
         slopes: slopes.iter().map(|slope| on(slope, stream)).collect(),

@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, channels};
 use haptical_model::kinematics::nalgebra::{Quaternion, UnitQuaternion, Vector3};
-use haptical_model::{AddedReadings, Device, DeviceEffect, Recording};
+use haptical_model::{AddedBy, AddedReadings, Device, DeviceEffect, Recording};
 
 use crate::device::bare::bare;
 use crate::device::error::DeviceEffectError;
@@ -58,6 +58,7 @@ pub fn shown_by_effects(
             effect: 0,
             channel: stream.channel.name(),
             axis: stream.axis,
+            by: AddedBy::default(),
             readings,
             at: Vec::new(),
             slopes: Vec::new(),

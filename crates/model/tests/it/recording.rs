@@ -1,6 +1,6 @@
 //! Rows of a recording chosen and put in another order.
 
-use haptical_model::{AddedReadings, Recording};
+use haptical_model::{AddedBy, AddedReadings, Recording};
 
 /// What an effect adds to an encoder.
 fn added(readings: Vec<f64>, slopes: Vec<Vec<f64>>) -> AddedReadings {
@@ -8,6 +8,7 @@ fn added(readings: Vec<f64>, slopes: Vec<Vec<f64>>) -> AddedReadings {
         effect: 1,
         channel: "out2".to_owned(),
         axis: 0,
+        by: AddedBy::default(),
         readings,
         at: vec![0.5, -0.5],
         slopes,

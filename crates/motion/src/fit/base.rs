@@ -25,6 +25,8 @@ pub(crate) enum Term {
     Turnover,
     /// How it changes with the time by which it leads the motion.
     Lead,
+    /// Share of a joint's friction as the device's file has it; its place among what effects add.
+    OwnFriction { joint: usize, effect: usize },
     /// Armature of a joint; beyond the stated one, if one is stated.
     Armature { joint: usize },
     /// A body's deviation.
@@ -41,6 +43,16 @@ pub(crate) struct BaseColumn {
     pub(crate) term: Term,
     pub(crate) known_sd: Option<f64>,
     pub(crate) column: Rc<Column>,
+}
+
+impl BaseColumn {
+    /// Between what its coefficient has to be, if anything: what is known of it, and a share between none and all. More friction than the
+    /// file has, of a law that the base model has not, is no friction of the file.
+    pub(crate) fn limits(&self) -> Option<[f64; 2]> {
+        let share = matches!(self.term, Term::OwnFriction { .. }).then_some([0.0, 1.0]);
+        let known = self.known_sd.map(|sd| plausible::LIMIT_SDS * sd);
+        share.or(known.map(|limit| [-limit, limit]))
+    }
 }
 
 /// Direction of a motion, smooth about rest.
@@ -83,8 +95,16 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    /// The base model, Coulomb friction by what the torques show of it; `reversals`: where those are settled already.
+    /// The base model, Coulomb friction by what the torques show of it; `reversals`: where those are settled already. The friction of the
+    /// device's file comes last: what there is of it beside its own is no reason for another reversal.
     pub(crate) fn new(problem: &Problem, reversals: Option<&[Reversal]>) -> Self {
+        let mut base = Self::bare(problem, reversals);
+        base.columns.extend(problem.own.columns(problem));
+        base
+    }
+
+    /// The base model of a device without friction in its file.
+    fn bare(problem: &Problem, reversals: Option<&[Reversal]>) -> Self {
         let mut columns = viscous(problem);
         columns.extend(armatures(problem));
         columns.extend(bodies(problem));
@@ -111,7 +131,7 @@ impl Base {
 
     /// The base model with rows weighted by how well they are known.
     pub(crate) fn weighted(problem: &mut Problem) -> Self {
-        let first = Self::new(problem, None);
+        let first = Self::bare(problem, None);
         let solved = first.system().solve(&problem.recorded(0.0), &[]);
         let mut coulomb = vec![0.0; problem.arm.joints()];
         for (own, value) in first.columns.iter().zip(solved.solution) {
@@ -176,6 +196,10 @@ impl Base {
             let (joint, signal) = match own.term {
                 Term::Viscous { joint } => (joint, motor.dq[joint].clone()),
                 Term::Coulomb { joint } => (joint, self.sign(problem, joint)),
+                Term::OwnFriction { joint, effect } => {
+                    let states = &problem.states;
+                    (joint, states.smoothed_added(&problem.samples, effect))
+                }
                 Term::Armature { joint } => (joint, motor.ddq[joint].clone()),
                 _ => continue,
             };

@@ -2,6 +2,7 @@
 
 pub(crate) mod base;
 pub(crate) mod column;
+pub(crate) mod own;
 pub(crate) mod problem;
 pub(crate) mod system;
 pub(crate) mod trimmed;

@@ -8,6 +8,7 @@ use haptical_model::Recording;
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
 use crate::fit::column::Column;
+use crate::fit::own::Own;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
@@ -53,6 +54,8 @@ pub(crate) struct Problem {
     pub(crate) rigid: Vec<Vec<f64>>,
     /// What each joint carries at the fine steps, where that is settled ([`Problem::carry`]); else that of the nominal bodies counts.
     carried: Option<Vec<Vec<f64>>>,
+    /// What effects of the device's file add to the torques.
+    pub(crate) own: Own,
     /// Weight of each row: one over the standard deviation of what is not known of it.
     weights: Vec<f64>,
 }
@@ -140,8 +143,10 @@ impl Problem {
             inertial: Vec::new(),
             rigid: Vec::new(),
             carried: None,
+            own: Own::default(),
             weights: Vec::new(),
         };
+        problem.own = Own::new(&problem, recording);
         let rows = problem.states.rows();
         let sds = problem.row_sd.iter();
         problem.weights = sds
@@ -237,13 +242,20 @@ impl Problem {
     /// Whitened rows of a signal of one joint at the fine steps; none where it has no torque.
     pub(crate) fn of_joint(&self, joint: usize, signal: &[f64]) -> Option<Column> {
         let channel = self.channel_of(joint)?;
-        let mut values = self.states.filtered(signal);
-        let weights = &self.weights[channel * self.states.rows()..];
+        Some(self.weighted(channel, self.states.filtered(signal)))
+    }
+
+    /// Whitened rows of what an effect of the device's file adds to the torque of a joint; none where it has no torque.
+    pub(crate) fn of_added(&self, joint: usize, effect: usize) -> Option<Column> {
+        let channel = self.channel_of(joint)?;
+        Some(self.weighted(channel, self.states.added(&self.samples, effect)))
+    }
+
+    fn weighted(&self, channel: usize, mut values: Vec<f64>) -> Column {
+        let first = channel * self.states.rows();
+        let weights = &self.weights[first..];
         (values.iter_mut().zip(weights)).for_each(|(value, weight)| *value *= weight);
-        Some(Column::Part {
-            first: channel * self.states.rows(),
-            values,
-        })
+        Column::Part { first, values }
     }
 
     /// Whitened rows of signals of all joints.
@@ -302,20 +314,19 @@ impl Problem {
         all
     }
 
-    /// Torques of the nominal bodies with their armatures at the fine steps.
+    /// Torques of the nominal bodies with their armatures, and of effects of the device's file but friction, at the fine steps.
     pub(crate) fn nominal_torque(&self) -> Vec<Vec<f64>> {
-        let with_armature = |(joint, rigid): (usize, &Vec<f64>)| match self.arm.armature[joint] {
-            Some(armature) => {
-                let ddq = &self.states.motor.ddq[joint];
-                rigid
-                    .iter()
-                    .zip(ddq)
-                    .map(|(own, ddq)| own + armature * ddq)
-                    .collect()
+        let mut torque = self.rigid.clone();
+        for (joint, own) in torque.iter_mut().enumerate() {
+            if let Some(armature) = self.arm.armature[joint] {
+                let ddq = self.states.motor.ddq[joint].iter();
+                (own.iter_mut().zip(ddq)).for_each(|(own, ddq)| *own += armature * ddq);
             }
-            None => rigid.clone(),
-        };
-        self.rigid.iter().enumerate().map(with_armature).collect()
+        }
+        for (joint, added) in &self.own.known {
+            (torque[*joint].iter_mut().zip(added)).for_each(|(own, added)| *own += added);
+        }
+        torque
     }
 
     /// Recorded torque of a joint at the fine steps, smoothed as the positions are.

@@ -9,7 +9,6 @@ use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::{Solved, System};
 use crate::thresholds::examine::ALLOWED_REST;
-use crate::thresholds::plausible;
 use crate::thresholds::select::LIMIT_ROUNDS;
 
 /// The base model of a problem, ready to be fitted with effects.
@@ -97,11 +96,12 @@ pub(crate) fn within_limits(
         let solved = system.solve(recorded, fixed);
         let mut is_settled = true;
         for (index, own) in base.columns.iter().enumerate() {
-            let Some(limit) = own.known_sd.map(|sd| plausible::LIMIT_SDS * sd) else {
+            let Some([least, most]) = own.limits() else {
                 continue;
             };
-            if solved.solution[index].abs() > limit {
-                fixed[index] = Some(solved.solution[index].clamp(-limit, limit));
+            let within = solved.solution[index].clamp(least, most);
+            if within != solved.solution[index] {
+                fixed[index] = Some(within);
                 is_settled = false;
             }
         }

@@ -22,6 +22,8 @@ pub(crate) struct Piece {
     pub(crate) link: Vec<Option<Vec<f64>>>,
     /// Torques \[N m\] or forces \[N\], where a joint has them.
     pub(crate) torque: Vec<Option<Vec<f64>>>,
+    /// What effects add to readings, in the order of [`Recording::added`].
+    pub(crate) added: Vec<Vec<f64>>,
 }
 
 /// All pieces.
@@ -248,6 +250,9 @@ fn piece(
             .collect(),
         torque: (recording.torque_nm.iter())
             .map(|own| own.as_deref().map(column))
+            .collect(),
+        added: (recording.added.iter())
+            .map(|own| column(&own.readings))
             .collect(),
     };
     let length = piece.motor.first().map_or(0, Vec::len);

@@ -205,6 +205,17 @@ impl States {
 
     /// Rows of recorded torques; what belongs to the motion at a time was recorded `early_s` before it.
     pub(crate) fn torque(&self, samples: &Samples, joint: usize, early_s: f64) -> Vec<f64> {
+        let torque = |piece: usize| samples.pieces[piece].torque[joint].as_deref();
+        self.passed(|piece| torque(piece).unwrap_or(&[]), early_s)
+    }
+
+    /// Rows of what an effect adds, by its place among them.
+    pub(crate) fn added(&self, samples: &Samples, effect: usize) -> Vec<f64> {
+        self.passed(|piece| &samples.pieces[piece].added[effect], 0.0)
+    }
+
+    /// Rows of a column of samples, of which each piece has its own.
+    fn passed<'s>(&self, column: impl Fn(usize) -> &'s [f64], early_s: f64) -> Vec<f64> {
         let whole = (early_s / self.step_s).round();
         let (first, weights) = self
             .pass
@@ -212,13 +223,11 @@ impl States {
         (self.centre.iter())
             .map(|&centre| {
                 let (piece, sample) = self.fine[centre];
-                let torque = samples.pieces[piece].torque[joint]
-                    .as_deref()
-                    .unwrap_or(&[]);
+                let own = column(piece);
                 let from = sample as isize - whole as isize + first;
                 // a shift may reach beyond the piece: the value at its end then
-                let last = torque.len() as isize - 1;
-                let value = |k: usize| torque[(from + k as isize).clamp(0, last) as usize];
+                let last = own.len() as isize - 1;
+                let value = |k: usize| own[(from + k as isize).clamp(0, last) as usize];
                 (weights.iter().enumerate())
                     .map(|(k, weight)| weight * value(k))
                     .sum()
@@ -228,10 +237,18 @@ impl States {
 
     /// Recorded torques at the fine steps, smoothed as the positions are.
     pub(crate) fn smoothed(&self, samples: &Samples, joint: usize) -> Vec<f64> {
-        let local = LocalPolynomial::new(samples.step_s, SMOOTHED_BEYOND * self.pass.edge_hz);
+        self.smoothed_of(|piece| samples.pieces[piece].torque[joint].as_deref())
+    }
+
+    /// The same of what an effect adds.
+    pub(crate) fn smoothed_added(&self, samples: &Samples, effect: usize) -> Vec<f64> {
+        self.smoothed_of(|piece| Some(&samples.pieces[piece].added[effect]))
+    }
+
+    fn smoothed_of<'s>(&self, column: impl Fn(usize) -> Option<&'s [f64]>) -> Vec<f64> {
+        let local = LocalPolynomial::new(self.step_s, SMOOTHED_BEYOND * self.pass.edge_hz);
         let at = |&(piece, sample): &(usize, usize)| {
-            let torque = samples.pieces[piece].torque[joint].as_deref();
-            torque.map_or(0.0, |own| local.at(0, own, sample))
+            column(piece).map_or(0.0, |own| local.at(0, own, sample))
         };
         self.fine.iter().map(at).collect()
     }

@@ -1,6 +1,6 @@
 //! Whether anything was measured is asked of the torques as they were read, not of what is left without the device's effects.
 
-use haptical_model::{AddedReadings, Recording};
+use haptical_model::{AddedBy, AddedReadings, Recording};
 use haptical_motion::{MotionError, examine, torque_nm_without_effects};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -8,29 +8,48 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::arm::{Truth, device, recording};
 
-/// With what dry and viscous friction of the device's file add to the torques.
-fn with_friction(log: Recording) -> Recording {
-    let added = [(1.5, 0.8), (0.6, 0.3)].into_iter().enumerate();
-    let added = added.map(|(joint, (coulomb, viscous))| {
-        let angles = &log.joint[joint];
-        let speed = |row: usize| {
-            let (from, to) = (row.saturating_sub(1), (row + 1).min(angles.len() - 1));
-            (angles[to] - angles[from]) / (0.005 * (to - from) as f64)
-        };
-        let friction = |own: f64| coulomb * (own / 0.006).tanh() + viscous * own;
-        AddedReadings {
-            effect: joint,
-            channel: format!("torque{}_nm", joint + 1),
-            axis: 0,
-            readings: (0..angles.len()).map(|row| friction(speed(row))).collect(),
-            at: Vec::new(),
-            slopes: Vec::new(),
-        }
+/// Dry and viscous friction of each joint, as a device's file has it.
+const FRICTION: [[f64; 2]; 2] = [[1.5, 0.8], [0.6, 0.3]];
+/// Speeds within which it turns over there: that of the arm, and far off it \[rad/s\].
+const TURNOVERS: [f64; 2] = [0.006, 0.0015];
+
+/// With what an effect of the device's file adds to the torque of a joint, by the joint's angle, speed and torque.
+fn with(mut log: Recording, by: AddedBy, joint: usize, law: impl Fn([f64; 3]) -> f64) -> Recording {
+    let angles = &log.joint[joint];
+    let torque_nm = log.torque_nm[joint].as_ref().unwrap();
+    let reading = |row: usize| {
+        let (from, to) = (row.saturating_sub(1), (row + 1).min(angles.len() - 1));
+        let speed = (angles[to] - angles[from]) / (0.005 * (to - from) as f64);
+        law([angles[row], speed, torque_nm[row]])
+    };
+    let readings = (0..angles.len()).map(reading).collect();
+    log.added.push(AddedReadings {
+        effect: log.added.len(),
+        channel: format!("torque{}_nm", joint + 1),
+        axis: 0,
+        by,
+        readings,
+        at: Vec::new(),
+        slopes: Vec::new(),
     });
-    Recording {
-        added: added.collect(),
-        ..log
-    }
+    log
+}
+
+/// With the friction of the device's file, which turns over within a speed there.
+fn with_friction(log: Recording, turnover: f64) -> Recording {
+    FRICTION.iter().zip(0..).fold(log, |log, (own, joint)| {
+        let [coulomb, viscous] = *own;
+        let law = |[_, speed, _]: [f64; 3]| coulomb * (speed / turnover).tanh() + viscous * speed;
+        with(log, AddedBy::Friction, joint, law)
+    })
+}
+
+/// What is found, first name and first number.
+fn first(log: &Recording) -> (&'static str, Option<usize>, f64) {
+    let found = examine(&device(), log, None, &[]).unwrap();
+    assert!(found.is_adequate(), "{:?}", found.findings);
+    let own = &found.findings[0];
+    (own.effect, own.joint, own.numbers[0].1)
 }
 
 /// The sound arm's log with noise of this size in the place of its torques \[N m\].
@@ -48,7 +67,12 @@ fn of_noise(sd_nm: f64, seed: u64) -> Recording {
 fn noise_is_no_torque_of_an_arm_whose_file_has_friction() {
     for seed in 1..=4 {
         for sd_nm in [0.5, 2.0, 6.0] {
-            match examine(&device(), &with_friction(of_noise(sd_nm, seed)), None, &[]) {
+            match examine(
+                &device(),
+                &with_friction(of_noise(sd_nm, seed), TURNOVERS[0]),
+                None,
+                &[],
+            ) {
                 Ok(found) => assert!(
                     found.has_gap() && !found.is_answer() && !found.doubts.is_empty(),
                     "{sd_nm} {seed}: {:?}",
@@ -62,7 +86,7 @@ fn noise_is_no_torque_of_an_arm_whose_file_has_friction() {
 
 #[test]
 fn a_torque_of_one_value_was_not_measured_whatever_an_effect_adds() {
-    let mut log = with_friction(recording(Truth::default(), 1));
+    let mut log = with_friction(recording(Truth::default(), 1), TURNOVERS[0]);
     for reading in log.torque_nm.iter_mut().flatten().flatten() {
         *reading = 0.0;
     }
@@ -75,14 +99,115 @@ fn a_torque_of_one_value_was_not_measured_whatever_an_effect_adds() {
 }
 
 #[test]
-fn friction_of_the_file_is_taken_off_a_sound_arms_torques() {
-    for seed in 1..=3 {
-        let log = with_friction(recording(Truth::default(), seed));
+fn a_sound_arm_has_no_gap_whatever_friction_its_file_has() {
+    for (seed, turnover) in [(1, TURNOVERS[0]), (2, TURNOVERS[1]), (3, 0.1)] {
+        let log = with_friction(recording(Truth::default(), seed), turnover);
         let without = torque_nm_without_effects(&device(), &log, 0).unwrap();
         let read = log.torque_nm[0].as_ref().unwrap();
         let (added, row) = (&log.added[0].readings, 1234);
         assert!((without[row] + added[row] - read[row]).abs() < 1e-12);
         let found = examine(&device(), &log, None, &[]).unwrap();
+        assert!(!found.has_gap(), "{:?}", found.channels);
         assert!(found.doubts.is_empty(), "{:?}", found.doubts);
     }
+}
+
+/// A device with the friction of its drives is told what one without is told.
+#[test]
+fn friction_of_the_file_hides_no_cause() {
+    let truths = [
+        Truth {
+            late_s: 0.012,
+            ..Truth::default()
+        },
+        Truth {
+            late_s: 0.04,
+            ..Truth::default()
+        },
+        Truth {
+            end_nm: Some(3.0),
+            ..Truth::default()
+        },
+        Truth {
+            payload_kg: 0.8,
+            ..Truth::default()
+        },
+    ];
+    for truth in truths {
+        for turnover in TURNOVERS {
+            let log = recording(truth, 1);
+            let (effect, joint, number) = first(&log);
+            let with = first(&with_friction(log, turnover));
+            assert_eq!((effect, joint), (with.0, with.1), "{truth:?}");
+            assert!((with.2 / number - 1.0).abs() < 0.05, "{number} {}", with.2);
+        }
+    }
+}
+
+/// Friction of a law that the base model has not is a cause by as much as there is more of it than in the file.
+#[test]
+fn friction_that_grew_beyond_the_file_has_a_name() {
+    let truth = |stribeck_nm: f64| Truth {
+        stribeck_nm,
+        ..Truth::default()
+    };
+    let stribeck = |log: Recording| {
+        with(
+            with_friction(log, TURNOVERS[0]),
+            AddedBy::Friction,
+            0,
+            |own| {
+                let [_, speed, _] = own;
+                1.0 / (1.0 + (speed / 0.15).powi(2)) * (speed / 0.006).tanh()
+            },
+        )
+    };
+    let as_in_file = examine(&device(), &stribeck(recording(truth(1.0), 1)), None, &[]).unwrap();
+    assert!(!as_in_file.has_gap() && as_in_file.findings.is_empty());
+    let (effect, joint, more_nm) = first(&stribeck(recording(truth(2.5), 1)));
+    assert_eq!((effect, joint), ("stribeck-friction", Some(0)));
+    let (.., whole_nm) = first(&recording(truth(2.5), 1));
+    assert!(
+        (more_nm / whole_nm - 0.6).abs() < 0.06,
+        "{more_nm} {whole_nm}"
+    );
+}
+
+/// An effect that follows the motion is late with it, one that is a share of the reading is not; either is a cause where it changed.
+#[test]
+fn effects_of_the_file_are_part_of_the_model() {
+    let cogging = |log: Recording| {
+        with(log, AddedBy::Motion, 0, |[angle, ..]| {
+            0.6 * (30.0 * angle + 0.4).sin()
+        })
+    };
+    let gain = |log: Recording| {
+        with(log, AddedBy::Reading, 1, |[_, _, torque_nm]| {
+            0.3 / 1.3 * torque_nm
+        })
+    };
+    let truth = |late_s: f64| Truth {
+        late_s,
+        cogging_nm: 0.6,
+        gain: 0.3,
+        ..Truth::default()
+    };
+    let sound = examine(
+        &device(),
+        &gain(cogging(recording(truth(0.0), 1))),
+        None,
+        &[],
+    )
+    .unwrap();
+    assert!(!sound.has_gap() && sound.findings.is_empty());
+    let (effect, joint, late_s) = first(&gain(cogging(recording(truth(0.04), 1))));
+    assert_eq!((effect, joint), ("encoder-latency", None));
+    assert!((late_s - 0.04).abs() < 0.003, "{late_s}");
+    let grown = Truth {
+        cogging_nm: 1.2,
+        ..truth(0.0)
+    };
+    let (effect, joint, size_nm) = first(&gain(cogging(recording(grown, 1))));
+    assert_eq!((effect, joint), ("motor-cogging", Some(0)));
+    assert!((size_nm - 0.6).abs() < 0.03, "{size_nm}");
 }

@@ -122,6 +122,7 @@ fn what_effects_show_moves_the_joints_until_both_together_touch() {
         effect: 0,
         channel: "contact".to_owned(),
         axis: 1,
+        by: AddedBy::default(),
         readings: vec![shift_m; rows],
         at: Vec::new(),
         slopes: Vec::new(),
