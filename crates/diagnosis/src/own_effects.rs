@@ -1,7 +1,7 @@
 //! What the laws of a device's own effects leave: a spring hardens, a loop has no single form.
 
 use haptical_calibration::{Weights, channel_residuals, channels};
-use haptical_effects::device::{attached_at, bare};
+use haptical_effects::device::bare;
 use haptical_effects::{Absorbed, Context, Hook, spec};
 use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::is_moving_arm;
@@ -17,8 +17,7 @@ use crate::{DiagnosisError, Options};
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
 ///
 /// A law is right up to a share of the squares that its effect takes off a channel ([`haptical_effects::LawError`]): what a device without
-/// the effects, fitted to the same recording and examined in the same way, leaves more. Where that device leaves noise alone, its free
-/// numbers do what the effects do, and the share is of the squares that they add (A240). A channel that was not examined so has no
+/// the effects, fitted to the same recording and examined in the same way, leaves more (A240). A channel that was not examined so has no
 /// allowance. `device` and `recording` are without effects.
 ///
 /// # Errors
@@ -76,10 +75,8 @@ pub(crate) fn within_laws(
             spec(&own.name).is_some_and(|spec| spec.hook.is_on_drives() == is_on_drives)
         });
         let laws: Vec<DeviceEffect> = laws.cloned().collect();
-        if laws.is_empty() {
-            return Ok(found);
-        }
         let without = match is_on_drives {
+            true if laws.is_empty() => return Ok(found),
             true => torques_without(device, recording, &laws, options)?,
             false => channels_without(device, recording, options)?,
         };
@@ -126,10 +123,6 @@ struct Without {
     /// Rows, as a share of those of the other channels.
     count: f64,
     rms: f64,
-    /// Whether that is noise alone.
-    is_quiet: bool,
-    /// Mean square of what the effects add to the channel.
-    added: f64,
 }
 
 /// None where nothing but commands or torques shows the device.
@@ -149,8 +142,6 @@ fn channels_without(
         channel: own.channel.name(),
         count: own.residuals.len() as f64,
         rms: own.rms().unwrap_or(0.0),
-        is_quiet: false,
-        added: 0.0,
     };
     Ok(residuals.iter().map(of_channel).collect())
 }
@@ -171,27 +162,10 @@ fn torques_without(
         Some((found, _)) => found.channels,
         None => examine(&Context::new(&model, recording, &[])?, &[])?.channels,
     };
-    let mut with = Device {
-        effects: effects.to_vec(),
-        ..model.clone()
-    };
-    let attached = attached_at(&mut with, &model, recording)?;
-    let added = |joint: Option<usize>| {
-        let column = joint.map(|joint| model.joints[joint - 1].torque_column(joint));
-        let mut sum = vec![0.0; recording.len()];
-        let own = attached.added.iter();
-        for own in own.filter(|own| Some(&own.channel) == column.as_ref()) {
-            let pairs = sum.iter_mut().zip(&own.readings);
-            pairs.for_each(|(sum, value)| *sum += value);
-        }
-        sum.iter().map(|own| own * own).sum::<f64>() / sum.len().max(1) as f64
-    };
     let without = gaps.into_iter().map(|gap| Without {
-        added: added(gap.joint),
         channel: gap.channel,
         count: 1.0,
         rms: gap.rms_before,
-        is_quiet: !gap.has_gap,
     });
     Ok(without.collect())
 }
@@ -216,12 +190,10 @@ fn left_by_laws(gaps: &[&ChannelGap], without: &[Without], laws: &[DeviceEffect]
         };
         let acting = laws.iter().filter(acts).filter_map(|own| spec(&own.name));
         let share = acting.map(|spec| spec.law_error.share).fold(0.0, f64::max);
-        // where a device without them leaves noise, what they take off elsewhere is none of this channel's
-        let taken = (beyond(bare.rms) - own_left).max(0.0);
-        let (of_effects, most) = match bare.is_quiet {
-            true => (bare.added / gap.noise_floor.powi(2), share),
-            false if share > 0.0 => (taken, LEFT_OF_CHANNEL.max(share)),
-            false => (taken, 0.0),
+        let of_effects = (beyond(bare.rms) - own_left).max(0.0);
+        let most = match share > 0.0 {
+            true => LEFT_OF_CHANNEL.max(share),
+            false => 0.0,
         };
         if gap.has_gap && own_left > most * of_effects {
             return None;
@@ -328,13 +300,11 @@ mod tests {
         }
     }
 
-    fn without(joint: usize, rms: f64, is_quiet: bool, added: f64) -> Without {
+    fn without(joint: usize, rms: f64) -> Without {
         Without {
             channel: format!("torque{joint}"),
             count: 1.0,
             rms,
-            is_quiet,
-            added,
         }
     }
 
@@ -348,7 +318,7 @@ mod tests {
         };
         // 100 noise's squares are taken off: two may be left
         let rms = |beyond: f64| f64::sqrt(1.0 + beyond);
-        let bare = |beyond: f64| [without(1, rms(beyond), false, 0.0)];
+        let bare = |beyond: f64| [without(1, rms(beyond))];
         let share = left(&[torque(1, rms(1.5))], &bare(100.0)).unwrap();
         assert!((share - 0.015).abs() < 1e-6, "{share}");
         assert_eq!(left(&[torque(1, rms(3.0))], &bare(100.0)), None);
@@ -359,10 +329,7 @@ mod tests {
         ];
         let of_both = |first: f64, second: f64| {
             let gaps = [torque(1, rms(first)), torque(2, rms(second))];
-            let bare = [
-                without(1, rms(400.0), false, 0.0),
-                without(2, rms(100.0), false, 0.0),
-            ];
+            let bare = [without(1, rms(400.0)), without(2, rms(100.0))];
             left_by_laws(&gaps.iter().collect::<Vec<_>>(), &bare, &rub)
         };
         assert!(of_both(1.0, 5.0).is_some());
@@ -373,14 +340,9 @@ mod tests {
         // nothing was examined without them
         assert_eq!(left(&[torque(1, 1e4)], &[]), None);
         // they do not act on the second joint
-        let both = [
-            without(1, rms(100.0), false, 0.0),
-            without(2, 30.0, false, 0.0),
-        ];
+        let both = [without(1, rms(100.0)), without(2, 30.0)];
         assert_eq!(left(&[torque(1, 1.0), torque(2, 1.5)], &both), None);
-        // the free friction of a device without them does as much: of what they add
-        let free = [without(1, 0.95, true, 100.0)];
-        assert!(left(&[torque(1, rms(1.5))], &free).is_some());
-        assert_eq!(left(&[torque(1, rms(3.0))], &free), None);
+        // a device without them leaves no more
+        assert_eq!(left(&[torque(1, rms(1.5))], &[without(1, 0.95)]), None);
     }
 }

@@ -54,6 +54,8 @@ pub(crate) struct Made {
     pub(crate) also: Option<Table>,
     /// `diagnose --validate`.
     pub(crate) validate: Option<Table>,
+    /// A log of the same arm before anything of the scene's truth came to it, of scenes of moving arms.
+    pub(crate) sound: Option<Table>,
     /// Text of `diagnose --model`.
     pub(crate) model: Option<String>,
     /// `diagnose --without`.
@@ -113,6 +115,7 @@ impl Made {
             log,
             also: None,
             validate: None,
+            sound: None,
             model: None,
             without: Vec::new(),
             joint_compliance: false,

@@ -18,6 +18,8 @@ pub(crate) const SCENES: &[Scene] = scenes! {
         with_friction(|own| (own.payload_kg, own.play_rad) = (0.8, Some(0.0)));
     "moving-stribeck" ["stribeck-friction"] made(|own| own.stribeck_nm = 1.5);
     "moving-late-encoders" ["encoder-latency"] made(|own| own.late_s = 0.012);
+    "moving-late-encoders-friction-in-file" ["encoder-latency"]
+        with_friction(|own| own.late_s = 0.012);
     "moving-saturation" ["torque-saturation"] made(|own| own.end_nm = Some(4.0));
     "moving-cogging" ["motor-cogging"] made(|own| own.cogging_nm = 0.6);
     "moving-unknown" [] made(|own| own.dent_nm = 3.0);
@@ -71,6 +73,8 @@ const OUTPUT_SD_RAD: f64 = 5e-5;
 const ARMATURES_KGM2: [f64; 2] = [0.3, 0.1];
 /// Step of the differences that make speeds and accelerations of what a drive yields.
 const APART_S: f64 = 1e-4;
+/// Seed of the log on which an arm is identified before it has anything.
+const SOUND_SEED: u64 = 3;
 /// Gains of the controller \[N m/rad, N m s/rad\].
 const GAINS: [[f64; 2]; 2] = [[900.0, 60.0], [400.0, 25.0]];
 
@@ -291,6 +295,7 @@ fn made(change: fn(&mut Truth)) -> Result<Made> {
         links_follow: truth.late_s == 0.0
             && truth.yields_nm_per_rad.is_none()
             && !truth.has_outputs(),
+        sound: Some(log(&Truth::default(), SOUND_SEED)?),
         is_of_true_geometry: truth.late_s == 0.0,
         ..Made::new(device, log(&truth, 1)?)
     })

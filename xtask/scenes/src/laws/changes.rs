@@ -1,6 +1,7 @@
 //! Laws that write the same device and log in another way.
 
 use anyhow::{Context, Result};
+use haptical::identify_dynamics;
 use haptical_tables::{Cells, Mapping, Reading, apply, table_from_bytes};
 use std::fmt::Write as _;
 
@@ -135,6 +136,19 @@ fn other_unit(name: &str) -> Option<(&'static str, f64)> {
         "n" => Some(("mN", 1e3)),
         _ => None,
     }
+}
+
+/// The device as it was identified while it was sound, in the place of its description: it has friction, armatures and offsets of its drives.
+pub(super) fn identified(made: &Made) -> Result<Option<Made>> {
+    let Some(sound) = &made.sound else {
+        return Ok(None);
+    };
+    let device = made.device.open()?;
+    let log = sound.log("sound.csv", &device)?;
+    let found = identify_dynamics(&device, &log, None, None)?;
+    let mut changed = made.clone();
+    found.device.to_toml().clone_into(&mut changed.device.text);
+    Ok(Some(changed))
 }
 
 /// One run is two, cut where the arm is slowest in the middle third of its log.

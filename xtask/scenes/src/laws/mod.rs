@@ -64,4 +64,5 @@ pub(super) static LAWS: [Law; 17] = laws! {
     "other-order" changes::other_order, SameIdentification;
     "each-row-twice" changes::doubled, NoNarrowerInterval;
     "second-half-first" changes::second_half_first, SameIdentification;
+    "identified-device" changes::identified, Same;
 };
