@@ -46,7 +46,7 @@ macro_rules! laws {
 }
 
 /// All laws.
-pub(super) static LAWS: [Law; 17] = laws! {
+pub(super) static LAWS: [Law; 18] = laws! {
     "forces-of-nearly-zero" columns::forces, Same;
     "encoders-on-links" columns::outputs, Same;
     "coarse-encoders-on-links" columns::coarse_outputs, Same;
