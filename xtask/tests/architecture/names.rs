@@ -20,7 +20,7 @@ const WORDS: [&str; 2] = ["armature", "contact"];
 
 /// Places elsewhere, a line a file: how many, and why no field of `Spec` serves.
 const ELSEWHERE: &str = "\
-diagnosis/src/force/changes/carried.rs 1: what a request leaves out has a name alone
+diagnosis/src/force/changes/mod.rs 1: what a request leaves out has a name alone
 diagnosis/src/judge/earlier_model/groups.rs 1: a number of the base model goes by a name of the catalogue
 diagnosis/src/judge/earlier_model/mod.rs 1: a number of the base model goes by a name of the catalogue
 diagnosis/src/judge/earlier_model/zeros.rs 1: the one effect whose columns are those of a number of the base model

@@ -55,6 +55,18 @@ impl NoReduction {
 }
 
 impl Floor {
+    /// One that nothing is against.
+    pub(crate) fn new(channel: Channel, rms: f64, freedom: f64, source: NoiseSource) -> Self {
+        Self {
+            channel,
+            rms,
+            freedom,
+            source,
+            is_another: false,
+            is_contradicted: false,
+        }
+    }
+
     /// 95 % interval of a root mean square with degrees of freedom (Wilson & Hilferty 1931 on chi-square).
     pub(crate) fn ci95(&self) -> [f64; 2] {
         let part = 2.0 / (9.0 * self.freedom.max(1.0));
@@ -82,14 +94,7 @@ mod tests {
     use super::*;
 
     fn of_repeats(rms: f64, freedom: f64) -> Floor {
-        Floor {
-            channel: Channel::Position,
-            rms,
-            freedom,
-            source: NoiseSource::Repeats,
-            is_another: false,
-            is_contradicted: false,
-        }
+        Floor::new(Channel::Position, rms, freedom, NoiseSource::Repeats)
     }
 
     #[test]

@@ -55,19 +55,13 @@ fn floor(engine: &Engine<'_>, channel: Channel, noise: &[Noise]) -> Floor {
         shared = noise[stream].freedom.min(shared);
         source = noise[stream].source.max(source);
     }
-    Floor {
-        channel,
-        rms: f64::sqrt(squares / f64::max(count, 1.0)),
-        // the device file states one number for all axes
-        freedom: if source == NoiseSource::Stated {
-            shared
-        } else {
-            freedom
-        },
-        source,
-        is_another: false,
-        is_contradicted: false,
-    }
+    // the device file states one number for all axes
+    let freedom = match source {
+        NoiseSource::Stated => shared,
+        _ => freedom,
+    };
+    let rms = f64::sqrt(squares / f64::max(count, 1.0));
+    Floor::new(channel, rms, freedom, source)
 }
 
 /// Independent readings in one reading of a channel, its noise's colour allowed for.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::floor::{Floor, NoReduction};
 use super::{HeldOutAnswer, Verdict};
 use crate::noise::NoiseSource;
+use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
 
 /// The gap: [`Gap::new`] makes its channels agree with the verdict.
@@ -202,4 +203,29 @@ fn main_of(located: Option<&str>, channels: &[ChannelGap]) -> Option<usize> {
 /// Reduction of a gap's size \[%\] by the share of its squares that closes; below zero where it grows.
 pub(crate) fn reduction_percent(closed: f64) -> f64 {
     100.0 * (1.0 - (1.0 - closed.min(1.0)).sqrt())
+}
+
+/// Reduction of a gap's size \[%\], with its 95 % interval by parts of rows that a fit did not see (jackknife): the rows of each part,
+/// the sums of squares that are left in it before and after, and the root mean square of noise.
+pub(crate) fn reduction_of_parts(
+    rows: &[f64],
+    [before, after]: [&Vec<f64>; 2],
+    noise: f64,
+) -> (Option<f64>, Option<[f64; 2]>) {
+    let reduction = |without: Option<usize>| {
+        let kept = |values: &[f64]| -> f64 {
+            let own = values.iter().enumerate();
+            let own = own.filter(|(part, _)| Some(*part) != without);
+            own.map(|(_, value)| value).sum()
+        };
+        let [before, after] = [before, after].map(|sums| (kept(sums) / kept(rows)).sqrt());
+        gap_reduction_percent(before, after, noise)
+    };
+    let parts: Option<Vec<f64>> = (0..rows.len()).map(|part| reduction(Some(part))).collect();
+    let percent = reduction(None);
+    let interval = percent.zip(parts).map(|(percent, parts)| {
+        let half = 1.96 * jackknife_sd(parts.into_iter());
+        [percent - half, (percent + half).min(100.0)]
+    });
+    (percent, interval)
 }

@@ -74,14 +74,8 @@ impl Joint {
 
     fn gap(&self) -> ChannelGap {
         let count = self.rows.torque_nm.len() as f64;
-        let floor = Floor {
-            channel: Channel::Output { joint: self.index },
-            rms: self.rows.noise_nm,
-            freedom: count,
-            source: NoiseSource::Motion,
-            is_another: false,
-            is_contradicted: false,
-        };
+        let channel = Channel::Output { joint: self.index };
+        let floor = Floor::new(channel, self.rows.noise_nm, count, NoiseSource::Motion);
         let rms = self.models().map(|own| {
             let square = own.unseen.iter().sum::<f64>() / count;
             square.sqrt() * self.rows.noise_nm

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use haptical_linalg::{LinalgError, Triangle};
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::layout::Layout;
@@ -77,28 +76,6 @@ impl<L: Layout> Regression<L> {
         for column in &mut self.columns {
             column.resize(count, 0.0);
         }
-    }
-
-    /// Columns and readings with the first `rows` rows folded into as many as there are columns.
-    ///
-    /// # Errors
-    /// [`LinalgError::Overflow`] for entries whose squares are not finite.
-    pub(crate) fn condensed(&self, rows: usize) -> Result<(Vec<Vec<f64>>, Vec<f64>), LinalgError> {
-        let mut triangle = Triangle::new(self.len());
-        let first: Vec<&[f64]> = self.columns.iter().map(|column| &column[..rows]).collect();
-        triangle.fold_rows(&first, &self.reading[..rows])?;
-        let folded = |top: &[f64], whole: &[f64]| {
-            let mut all = top.to_vec();
-            all.resize(self.len(), 0.0);
-            all.extend_from_slice(&whole[rows..]);
-            all
-        };
-        let columns = self.columns.iter().enumerate();
-        let columns = columns.map(|(index, column)| folded(triangle.column(index), column));
-        Ok((
-            columns.collect(),
-            folded(triangle.projected(), &self.reading),
-        ))
     }
 
     /// Products of the basis with the independent columns.

@@ -8,15 +8,12 @@ use haptical_metrics::chi_square_p_value;
 use haptical_model::{Device, DeviceEffect, Recording};
 use nalgebra::DVector;
 
+use super::Model;
 use super::along::Along;
-use super::answer::values::Sizes;
-use super::base::Base;
-use super::base_of;
-use super::changes::carried::Carried;
-use super::changes::second::Model;
-use super::effects::{Effects, is_scale};
-use super::recorded::Recorded;
-use super::select::{Pick, Selection};
+use super::answer::Sizes;
+use super::effects::is_scale;
+use super::recorded::{Recorded, may_be_held};
+use super::select::Pick;
 use crate::DiagnosisError;
 use crate::answer::HeldOutAnswer;
 use crate::select::misfit;
@@ -37,6 +34,17 @@ pub struct AskedOfTorques {
     pub held_out: Option<HeldOutAnswer>,
 }
 
+impl AskedOfTorques {
+    fn none(why: &str) -> Self {
+        Self {
+            effect: None,
+            p_value: None,
+            why_not: Some(why.to_owned()),
+            held_out: None,
+        }
+    }
+}
+
 /// Fits some of a device's effects on torques (by position within [`Device::effects`]) together, beside inertial numbers of all
 /// links, scales of the torques and geometry within its tolerance; the other effects of the device are taken off the readings.
 /// The answers are in the order of `asked`.
@@ -52,11 +60,8 @@ pub fn ask_torques(
 ) -> Result<Vec<AskedOfTorques>, DiagnosisError> {
     let wanted: Vec<&DeviceEffect> = asked.iter().map(|&index| &device.effects[index]).collect();
     let mut others = device.clone();
-    let mut index = 0;
-    others.effects.retain(|_| {
-        index += 1;
-        !asked.contains(&(index - 1))
-    });
+    let mut indices = 0..device.effects.len();
+    (others.effects).retain(|_| indices.next().is_none_or(|index| !asked.contains(&index)));
     let at = others.clone();
     let recording = attached_at(&mut others, &at, recording)?;
     let rigid = bare(&others);
@@ -79,51 +84,33 @@ fn fitted(
     second: Option<&Recording>,
     wanted: &[&DeviceEffect],
 ) -> Result<Vec<AskedOfTorques>, DiagnosisError> {
-    let none = |why: &str| AskedOfTorques {
-        effect: None,
-        p_value: None,
-        why_not: Some(why.to_owned()),
-        held_out: None,
-    };
-    let all = |why: &str| Ok(wanted.iter().map(|_| none(why)).collect());
     let channels = channels(rigid, recording).unwrap_or_default();
     let context = Context::new(rigid, recording, &streams(rigid, &channels))?;
-    let recorded = match Recorded::new(&context) {
-        Ok(recorded) => recorded,
-        Err(why) => return all(&why),
+    let mut model = match Model::new(&context, may_be_held(&context), &[])? {
+        Ok(model) => model,
+        Err(why) => return Ok(vec![AskedOfTorques::none(&why); wanted.len()]),
     };
-    let mut along = Along::new(&recorded)?;
-    let Some((mut base, carried)) = base_of(&mut along, &[]) else {
-        return all("the torques have no noise at all");
-    };
-    let effects = Effects::new(&along, &[]);
-    let alone = base.regression.solution();
-    let picks: Vec<Option<Pick>> = wanted
-        .iter()
-        .map(|wanted| effects.take_up(&mut base, wanted))
-        .collect();
-    let energy = effects.energy(&base);
-    let sizes = Sizes::new(&effects, &base, misfit(&energy));
-    let closed = second
-        .map(|second| closed_on(&effects, (&base, &carried, &alone), &picks, second))
-        .transpose()?
-        .flatten();
+    let picks = wanted.iter().map(|wanted| model.take_up(wanted));
+    let picks: Vec<Option<Pick>> = picks.collect();
+    model.selection.picks = picks.iter().flatten().cloned().collect();
+    let held_out = second.map(|second| model.closed_on(second)).transpose()?;
+    let sizes = Sizes::new(&model, misfit(&model.effects.energy(&model.base)));
     let answer = |(pick, wanted): (&Option<Pick>, &&DeviceEffect)| {
         let Some(pick) = pick else {
-            return none(
-                "the log does not show it, or what fits best has a sign that it cannot have",
-            );
+            let why = "the log does not show it, or what fits best has a sign that it cannot have";
+            return AskedOfTorques::none(why);
         };
         let (parameters, _) = sizes.parameters(pick);
+        let numbers = parameters
+            .iter()
+            .map(|(name, own)| (name.clone(), own.value));
+        let intervals = parameters.iter();
+        let intervals = intervals.map(|(name, own)| (name.clone(), own.ci95.map(Some)));
         let effect = DeviceEffect {
             name: wanted.name.clone(),
             joint: wanted.joint,
-            numbers: (parameters.iter())
-                .map(|(name, answer)| (name.clone(), answer.value))
-                .collect(),
-            intervals: (parameters.iter())
-                .map(|(name, answer)| (name.clone(), answer.ci95.map(Some)))
-                .collect(),
+            numbers: numbers.collect(),
+            intervals: intervals.collect(),
             fit: true,
             ..DeviceEffect::default()
         };
@@ -131,90 +118,64 @@ fn fitted(
             effect: Some(effect),
             p_value: sizes.by_chance(pick),
             why_not: None,
-            held_out: closed.clone(),
+            held_out: held_out.clone().flatten(),
         }
     };
     Ok(picks.iter().zip(wanted).map(answer).collect())
 }
 
-/// What a model closes on a second recording of what its base alone leaves, of the torque with the largest gap there.
-fn closed_on(
-    effects: &Effects<'_, '_>,
-    (base, carried, alone): (&Base, &Carried, &[f64]),
-    picks: &[Option<Pick>],
-    second: &Recording,
-) -> Result<Option<HeldOutAnswer>, DiagnosisError> {
-    let context = Context::new(effects.along.recorded.context.device, second, &[])?;
-    let Ok(recorded) = Recorded::new(&context) else {
-        return Ok(None);
-    };
-    let selection = Selection {
-        picks: picks.iter().flatten().cloned().collect(),
-        before: Vec::new(),
-        after: Vec::new(),
-        rest_before: Vec::new(),
-        rest_after: Vec::new(),
-    };
-    let model = Model {
-        effects,
-        base,
-        selection: &selection,
-        carried,
-    };
-    let seen = model.predicted(&Along::new(&recorded)?, alone);
-    let gap = |own: &HeldOutAnswer| own.rms_before / own.noise_floor.max(f64::MIN_POSITIVE);
-    let channels = seen.held_out.into_iter();
-    Ok(channels.max_by(|a, b| gap(a).total_cmp(&gap(b))))
-}
-
-impl Effects<'_, '_> {
-    /// Takes an effect up into the model, at the shape at which it explains most; none where no shape of it is possible.
-    fn take_up(&self, base: &mut Base, wanted: &DeviceEffect) -> Option<Pick> {
-        let context = self.along.recorded.context;
-        let is_wanted = |&index: &usize| {
-            let own = self.effect(index);
-            own.name() == wanted.name
-                && own.joint() == wanted.joint
-                && own.spec().further.is_empty()
-                && self.is_tested(own)
+impl Model<'_> {
+    /// What it closes on a second recording of what its base alone leaves, of the torque with the largest gap there.
+    fn closed_on(&self, second: &Recording) -> Result<Option<HeldOutAnswer>, DiagnosisError> {
+        let context = Context::new(self.effects.along.recorded.context.device, second, &[])?;
+        let Ok(recorded) = Recorded::new(&context, false) else {
+            return Ok(None);
         };
-        let order = wanted.numbers.get("order").copied();
-        let mut best: Option<Score> = None;
-        for index in (0..self.all.len()).filter(is_wanted) {
-            for shape in self.shapes(index) {
-                if order.is_some_and(|order| order != shape) {
-                    continue;
-                }
-                let score = Score {
-                    effect: index,
-                    shape,
-                    ..base.score(self.columns(base, index, shape))
-                };
-                let is_possible =
-                    score.rank > 0 && self.effect(index).is_possible(context, &score.amplitudes);
-                let is_better = best
-                    .as_ref()
-                    .is_none_or(|best| self.merit(&score) > self.merit(best));
-                if is_possible && is_better {
-                    best = Some(score);
-                }
-            }
-        }
-        let score = best?;
-        let pick = self.taken(base, &score);
-        if is_scale(self.effect(score.effect)) {
-            self.along.settle(base);
-        }
-        Some(pick)
+        let seen = self.predicted(&Along::new(recorded)?);
+        let gap = |own: &HeldOutAnswer| own.rms_before / own.noise_floor.max(f64::MIN_POSITIVE);
+        let channels = seen.held_out.into_iter();
+        Ok(channels.max_by(|a, b| gap(a).total_cmp(&gap(b))))
+    }
+
+    /// Takes an effect up into the model, at the shape at which it explains most; none where no shape of it is possible.
+    fn take_up(&mut self, wanted: &DeviceEffect) -> Option<Pick> {
+        let (effects, base) = (&self.effects, &mut self.base);
+        let is_wanted = |index: &&usize| {
+            let own = effects.effect(**index);
+            let is_it = own.name() == wanted.name && own.joint() == wanted.joint;
+            is_it && own.spec().further.is_empty()
+        };
+        let order = wanted.numbers.get("order");
+        let at_shapes = |&index: &usize| {
+            let shapes = effects.shapes(index).into_iter();
+            let wanted = shapes.filter(|shape| order.is_none_or(|order| order == shape));
+            wanted.map(move |shape| (index, shape))
+        };
+        let shaped = effects.tested.iter().filter(is_wanted).flat_map(at_shapes);
+        let scores = shaped.map(|(effect, shape)| Score {
+            effect,
+            shape,
+            ..base.score(effects.columns(base, effect, shape))
+        });
+        let possible = scores.filter(|score| effects.is_possible(score));
+        // of equals the first
+        let best =
+            possible.reduce(
+                |best, own| match effects.merit(&own) > effects.merit(&best) {
+                    true => own,
+                    false => best,
+                },
+            )?;
+        Some(effects.taken(base, &best))
     }
 }
 
-impl Sizes<'_, '_, '_> {
+impl Sizes<'_, '_> {
     /// Probability that noise alone gives amplitudes of this size; of a scale, that it is as stated.
     fn by_chance(&self, pick: &Pick) -> Option<f64> {
-        let effect = self.effect(pick);
+        let effect = self.model.effects.effect(pick.effect);
         if is_scale(effect) {
-            let (gain, sd) = self.scale(effect);
+            let (gain, sd) = self.scale(pick);
             return chi_square_p_value((gain / sd).powi(2), 1.0).ok();
         }
         let (values, covariance) = self.amplitudes(pick);

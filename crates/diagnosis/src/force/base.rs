@@ -5,40 +5,41 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::along::{Along, numbers};
+use super::Means;
+use super::along::Along;
 use super::assumed::with_assumed;
 use super::recorded::Besides;
-use super::rows::whitener::Whitener;
-use super::rows::{FastRows, TorqueRows};
+use super::rows::{FastRows, TorqueRows, Whitener};
 use crate::engine::regression::Regression;
 use crate::engine::system::{Column, SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
-use crate::thresholds::torque::{DELAY_SD_S, KNOWN_BEFOREHAND, SCALE_ROUNDS};
+use crate::thresholds::torque::{KNOWN_BEFOREHAND, SCALE_ROUNDS};
 
 /// The base model fitted, with effects.
 #[derive(Debug, Clone)]
 pub(super) struct Base {
+    /// The links' columns first, one for each inertial number.
     pub(super) regression: Regression<TorqueRows>,
-    /// First column of the torque scales, one per channel, behind all others of the base model.
-    pub(super) scales: usize,
     /// Columns of the geometry.
     pub(super) geometry: Range<usize>,
+    /// Columns of the torque scales, one per channel, behind all others of the base model.
+    pub(super) scales: Range<usize>,
     /// Inertial parameters of all links.
     pub(super) inertia: Vec<f64>,
     /// Those at which the columns of the geometry and of the delay are taken.
     pub(super) linearised_at: Vec<f64>,
-    /// Torques of the drives by the base model, channel after channel.
-    pub(super) torque_nm: Vec<f64>,
+    /// Torques of the drives by the base model.
+    pub(super) torque_nm: Means,
     /// Force of the hand, per half block: as recorded, or as the torques have it.
     force_n: Vec<Vector3<f64>>,
 }
 
 impl Base {
     /// Takes up a column that is known to be `sd` about zero, infinite for not at all.
-    fn add_known(&mut self, means: &[f64], sd: f64) {
+    fn add_known(&mut self, means: &Means, sd: f64) {
         let rows = &self.regression.system.layout;
         let row = rows.prior(self.regression.len());
-        let mut column = rows.whitener.whiten(means);
+        let mut column = rows.whitener.whiten(means).as_slice().to_vec();
         let prior = 1.0 / (sd * sd);
         let square = prior + KNOWN_BEFOREHAND * (dot(&column, &column) + prior);
         column.resize(self.regression.reading().len(), 0.0);
@@ -50,13 +51,6 @@ impl Base {
     pub(super) fn append(&mut self, fast: Vec<FastRows>) {
         let reading = self.regression.system.layout.append(fast);
         self.regression.append(&reading);
-    }
-
-    /// Column that sets a number of the base model free.
-    pub(super) fn release(&self, index: usize) -> Column {
-        let rows = &self.regression.system.layout;
-        let weight = self.regression.column(index)[rows.prior(index)];
-        rows.release(index, weight)
     }
 
     /// Takes up effects' columns.
@@ -74,17 +68,20 @@ impl Base {
     }
 
     /// What the model leaves of the block means.
-    pub(super) fn rest(&self) -> Vec<f64> {
+    pub(super) fn rest(&self) -> Means {
         let system = &self.regression.system;
-        let ends = system.layout.prior(0);
-        system.layout.whitener.colour(&system.residual[..ends])
+        system.layout.means(&system.residual)
     }
 
-    /// Squares of some entries of the solution over the variances of their priors.
-    pub(super) fn strain(&self, columns: Range<usize>) -> f64 {
+    /// Squares of what the torques pull each number of the geometry by, over its tolerance, per number.
+    pub(super) fn strain(&self) -> f64 {
         let system = &self.regression.system;
-        let rows = columns.map(|index| system.layout.prior(index));
-        rows.map(|row| system.residual[row].powi(2)).sum()
+        let rows = self
+            .geometry
+            .clone()
+            .map(|index| system.layout.prior(index));
+        let square: f64 = rows.map(|row| system.residual[row].powi(2)).sum();
+        square / self.geometry.len().max(1) as f64
     }
 
     /// Slow energy per channel. `free` directions of each window can take any torque, and carry no energy.
@@ -109,117 +106,70 @@ impl Base {
 impl Along<'_> {
     /// Fits the base model; where a force of the hand is free, that force first.
     pub(super) fn fit(&self, whitener: &Whitener, besides: Besides) -> Base {
-        let channels = self.recorded.channels.len();
-        let geometry = self.parameters.len()..self.parameters.len() + self.geometry_sds().len();
-        let scales = geometry.end + 1;
-        let rows = TorqueRows::new(whitener.clone(), scales + channels);
-        let mut reading = whitener.whiten(&self.reading);
-        reading.resize(reading.len() + scales + channels, 0.0);
-        let windows = rows.windows(&self.recorded.windows());
+        let links = self.inertia.len();
+        let geometry = links..links + self.geometry_sds().len();
+        // the delay is behind the geometry
+        let scales = geometry.end + 1..geometry.end + 1 + self.recorded.channels.len();
+        let rows = TorqueRows::new(whitener.clone(), self.recorded.shape(), scales.end);
+        let windows = self.recorded.windows();
+        let mut reading = whitener.whiten(&self.reading).as_slice().to_vec();
+        reading.resize(reading.len() + scales.end, 0.0);
         let mut base = Base {
             regression: Regression::new(rows, windows, reading),
-            scales,
             geometry,
+            scales,
             inertia: Vec::new(),
             linearised_at: Vec::new(),
-            torque_nm: Vec::new(),
+            torque_nm: Means::zeros(0, 0),
             force_n: self.force_n.clone(),
         };
         for column in &self.inertia {
             base.add_known(column, f64::INFINITY);
         }
         base.linearised_at = with_assumed(self, &base.regression);
-        if matches!(besides, Besides::Hand(_)) || self.recorded.hand_is_unknown() {
-            for (block, (unseen, _)) in self.hand_force(whitener, &base.rest()).iter().enumerate() {
-                base.force_n[2 * block] -= unseen;
-                base.force_n[2 * block + 1] -= unseen;
+        if matches!(besides, Besides::Hand(_)) || self.recorded.is_held {
+            let unseen = self.hand_force(whitener, &base.rest());
+            for (half, force) in base.force_n.iter_mut().enumerate() {
+                *force -= unseen[half / 2].0;
             }
         }
-        let columns = self.geometry(&base.linearised_at, &base.force_n);
-        for (column, sd) in columns.iter().zip(self.geometry_sds()) {
-            base.add_known(column, sd);
+        for (column, sd) in self.geometry(&base.linearised_at, &base.force_n) {
+            base.add_known(&column, sd);
         }
-        base.add_known(
-            &self.delayed(&base.linearised_at, &base.force_n),
-            DELAY_SD_S,
-        );
         self.settle(&mut base);
         base
     }
 
     /// The torques that the scales multiply are the model's own: takes them from the solution.
     pub(super) fn settle(&self, base: &mut Base) {
-        let scale_sds = self.scale_sds();
-        let blocks = self.recorded.blocks.len();
         for _ in 0..=SCALE_ROUNDS {
-            base.inertia = self.all_parameters(&base.regression.solution());
+            base.inertia = base.regression.solution()[..self.inertia.len()].to_vec();
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
-            let behind = base.regression.truncate(base.scales);
-            for (channel, &sd) in scale_sds.iter().enumerate() {
-                let own = channel * blocks..(channel + 1) * blocks;
-                base.add_known(&self.on(channel, &base.torque_nm[own]), sd);
+            let behind = base.regression.truncate(base.scales.start);
+            for (channel, sd) in self.scale_sds().into_iter().enumerate() {
+                let own = base.torque_nm.column(channel).into_owned();
+                base.add_known(&self.recorded.on(channel, own.as_slice()), sd);
             }
-            let effects = behind.into_iter().skip(self.recorded.channels.len());
+            let effects = behind.into_iter().skip(base.scales.len());
             effects.for_each(|column| base.regression.add(column));
         }
     }
 
     /// Block means of this recording by the model of another one with these coefficients.
-    pub(super) fn predicted(&self, first: &Along<'_>, base: &Base, solution: &[f64]) -> Vec<f64> {
-        let mut torque = self.link_torques(&first.all_parameters(solution));
-        let mut add = |column: &[f64], factor: f64| {
-            let pairs = torque.iter_mut().zip(column);
-            pairs.for_each(|(sum, value)| *sum += factor * value);
-        };
+    pub(super) fn predicted(&self, first: &Along<'_>, base: &Base, solution: &[f64]) -> Means {
+        let mut torque = self.link_torques(solution);
         let geometry = self.geometry(&base.linearised_at, &self.force_n);
-        for (column, factor) in geometry.iter().zip(&solution[base.geometry.clone()]) {
-            add(column, *factor);
+        for ((column, _), factor) in geometry.iter().zip(&solution[base.geometry.start..]) {
+            torque += column * *factor;
         }
-        add(
-            &self.delayed(&base.linearised_at, &self.force_n),
-            solution[base.geometry.end],
-        );
         let drives = self.drive_torques(&base.inertia, &self.force_n);
-        let blocks = self.recorded.blocks.len();
         for (channel, &joint) in self.recorded.channels.iter().enumerate() {
-            let Some(own) = first.recorded.channel(joint) else {
-                continue;
-            };
-            let means = &drives[channel * blocks..(channel + 1) * blocks];
-            add(&self.on(channel, means), solution[base.scales + own]);
+            if let Some(own) = first.recorded.channel(joint) {
+                let scaled = drives.column(channel) * solution[base.scales.start + own];
+                let mut sum = torque.column_mut(channel);
+                sum += scaled;
+            }
         }
         torque
-    }
-
-    /// Reading less what is left of it: what a model says of the block means.
-    pub(super) fn less(&self, rest: &[f64]) -> Vec<f64> {
-        let pairs = self.reading.iter().zip(rest);
-        pairs.map(|(read, rest)| read - rest).collect()
-    }
-
-    pub(super) fn all_parameters(&self, solution: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; numbers(self.recorded.context.device.joints.len())];
-        for (&parameter, &value) in self.parameters.iter().zip(solution) {
-            all[parameter] = value;
-        }
-        all
-    }
-
-    /// Torque of the drives: that of the links less that of the hand.
-    fn drive_torques(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<f64> {
-        let hand = self.hand_column(|half, _| force_n[half]);
-        let mut torque = self.link_torques(inertia);
-        for (torque, hand) in torque.iter_mut().zip(&hand) {
-            *torque -= hand;
-        }
-        torque
-    }
-
-    /// Block means of one channel, nothing elsewhere.
-    pub(super) fn on(&self, channel: usize, means: &[f64]) -> Vec<f64> {
-        let blocks = self.recorded.blocks.len();
-        let mut all = vec![0.0; self.recorded.len()];
-        all[channel * blocks..(channel + 1) * blocks].copy_from_slice(means);
-        all
     }
 }

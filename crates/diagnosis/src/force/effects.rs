@@ -10,27 +10,25 @@ use crate::select::scan::{Candidate, Score};
 
 /// The catalogue of a device, and what of it a recording can test.
 #[derive(Debug)]
-pub(super) struct Effects<'e, 'a> {
-    pub(super) along: &'e Along<'a>,
+pub(super) struct Effects<'a> {
+    pub(super) along: Along<'a>,
     pub(super) all: Vec<Box<dyn Effect>>,
     /// Positions in it of those that are tried.
-    tested: Vec<usize>,
+    pub(super) tested: Vec<usize>,
     /// Names that are left out of the catalogue.
-    without: &'e [String],
+    without: &'a [String],
 }
 
-impl<'e, 'a> Effects<'e, 'a> {
-    pub(super) fn new(along: &'e Along<'a>, without: &'e [String]) -> Self {
-        let all = drive_catalogue(along.recorded.context.device);
+impl<'a> Effects<'a> {
+    pub(super) fn new(along: Along<'a>, without: &'a [String]) -> Self {
         let mut effects = Self {
+            all: drive_catalogue(along.recorded.context.device),
             along,
-            all,
             tested: Vec::new(),
             without,
         };
-        effects.tested = (0..effects.all.len())
-            .filter(|&index| effects.is_tested(effects.all[index].as_ref()))
-            .collect();
+        let all = 0..effects.all.len();
+        effects.tested = all.filter(|&index| effects.is_tested(index)).collect();
         effects
     }
 
@@ -39,8 +37,8 @@ impl<'e, 'a> Effects<'e, 'a> {
         self.without.iter().any(|other| other == name)
     }
 
-    pub(super) fn is_tested(&self, effect: &dyn Effect) -> bool {
-        let recorded = self.along.recorded;
+    fn is_tested(&self, index: usize) -> bool {
+        let (recorded, effect) = (&self.along.recorded, self.effect(index));
         let has_covariate = match effect.spec().follows {
             Follows::Force => recorded.force_varies(),
             Follows::Temperature => recorded.context.warming_k.is_some(),
@@ -55,19 +53,13 @@ impl<'e, 'a> Effects<'e, 'a> {
         has_covariate && is_recorded && !self.is_left_out(effect.name())
     }
 
-    /// How many effects at their places are tried.
-    pub(super) fn tested(&self) -> usize {
-        self.tested.len()
-    }
-
-    /// Usable rows of a channel.
-    pub(super) fn rows(&self) -> f64 {
-        let blocks = self.along.recorded.blocks.iter();
-        blocks.map(|block| block.usable.len()).sum::<usize>() as f64
-    }
-
     pub(super) fn effect(&self, index: usize) -> &dyn Effect {
         self.all[index].as_ref()
+    }
+
+    /// Channel of an effect's joint.
+    pub(super) fn channel(&self, index: usize) -> Option<usize> {
+        self.along.recorded.channel(self.effect(index).joint()?)
     }
 
     /// Shapes of an effect that are tried.
@@ -81,35 +73,37 @@ impl<'e, 'a> Effects<'e, 'a> {
             let columns = self.columns(base, index, shape);
             Candidate::of_columns(&base.regression.system, columns, index, shape)
         };
-        let tested = self.tested.iter();
-        let shaped =
-            tested.flat_map(|&index| self.shapes(index).into_iter().map(move |s| (index, s)));
-        let shaped: Vec<(usize, f64)> = shaped.collect();
-        haptical_parallel::map(shaped, at)
+        let with_shapes = |&index: &usize| self.shapes(index).into_iter().map(move |s| (index, s));
+        let shaped = self.tested.iter().flat_map(with_shapes);
+        haptical_parallel::map(shaped.collect::<Vec<_>>(), at)
     }
 
-    /// Scores of candidates that are possible, after they have caught up with the model.
+    /// Scores of candidates that are possible, beside a model.
     pub(super) fn scores(&self, base: &Base, candidates: &mut [Candidate]) -> Vec<Score> {
+        let system = &base.regression.system;
         let scores = candidates.iter_mut().map(|candidate| {
-            candidate.extend(&base.regression.system);
-            candidate.score(&base.regression.system)
+            // the columns before the scales never change
+            candidate.reset(system, base.scales.start);
+            candidate.score(system)
         });
-        let context = self.along.recorded.context;
-        let is_possible = |score: &Score| {
-            let effect = self.effect(score.effect);
-            score.rank > 0 && effect.is_possible(context, &score.amplitudes)
-        };
-        scores.filter(is_possible).collect()
+        scores.filter(|score| self.is_possible(score)).collect()
+    }
+
+    /// Whether nature allows what a score is of.
+    pub(super) fn is_possible(&self, score: &Score) -> bool {
+        let effect = self.effect(score.effect);
+        score.rank > 0 && effect.is_possible(self.along.recorded.context, &score.amplitudes)
     }
 
     /// Columns of an effect: of what the base model has within a tolerance, its freedom.
     pub(super) fn columns(&self, base: &Base, index: usize, shape: f64) -> Vec<Column> {
-        let effect = self.effect(index);
-        let recorded = self.along.recorded;
+        let (effect, channel) = (self.effect(index), self.channel(index));
+        let recorded = &self.along.recorded;
         let rows = &base.regression.system.layout;
-        let channel = effect.joint().and_then(|joint| recorded.channel(joint));
         if let (true, Some(channel)) = (is_scale(effect), channel) {
-            return vec![base.release(base.scales + channel)];
+            let scale = base.scales.start + channel;
+            let weight = base.regression.column(scale)[rows.prior(scale)];
+            return vec![rows.release(scale, weight)];
         }
         let zero = vec![0.0; effect.spec().amplitudes];
         let signals = effect.derivative(recorded.context, &zero, shape);
@@ -126,12 +120,12 @@ impl<'e, 'a> Effects<'e, 'a> {
 
     /// Columns of a constant bias and of a gain of each axis.
     pub(super) fn bias_and_gain(&self, base: &Base) -> Vec<Column> {
-        let is_plain = |effect: &dyn Effect| {
-            let spec = effect.spec();
+        let is_plain = |index: &usize| {
+            let spec = self.effect(*index).spec();
             let is_linear = spec.family == Family::Stated && spec.shape == Shape::NONE;
             spec.hook == Hook::ForceSensor && is_linear && spec.amplitudes == 3
         };
-        let plain = (0..self.all.len()).filter(|&index| is_plain(self.effect(index)));
+        let plain = (0..self.all.len()).filter(is_plain);
         plain
             .flat_map(|index| self.columns(base, index, 0.0))
             .collect()
@@ -140,29 +134,21 @@ impl<'e, 'a> Effects<'e, 'a> {
     /// A harmonic error of the motor-side angle, as the torques see it: it makes an acceleration that the link does not
     /// have.
     pub(super) fn ripple(&self, base: &Base, index: usize, order: f64) -> Vec<Column> {
-        let recorded = self.along.recorded;
-        let joint = self.effect(index).joint();
+        let recorded = &self.along.recorded;
         let time_s = recorded.context.recording.time_s.as_ref();
-        let (Some(joint), Some(time_s)) = (joint, time_s) else {
+        let joint = self.effect(index).joint();
+        let (Some(joint), Some(channel), Some(time_s)) = (joint, self.channel(index), time_s)
+        else {
             return Vec::new();
         };
-        let Some(channel) = recorded.channel(joint) else {
-            return Vec::new();
-        };
-        let mass = self.along.mass_column(joint, &base.inertia);
-        let blocks = recorded.blocks.len();
-        let first = first_harmonic(order);
         let column = |values: &Vec<f64>| {
             let motion = local_motion(values, time_s, &recorded.context.runs);
-            let acceleration = self.along.half_means(&motion.acceleration);
-            let mut column = vec![0.0; recorded.len()];
-            for (half, (torques, rate)) in mass.iter().zip(&acceleration).enumerate() {
-                for (channel, torque) in torques.iter().enumerate() {
-                    column[channel * blocks + half / 2] -= 0.5 * torque * rate;
-                }
-            }
-            base.regression.system.layout.of_means(&column)
+            let torques = self
+                .along
+                .accelerated(joint, &base.inertia, &motion.acceleration);
+            base.regression.system.layout.of_means(&torques)
         };
+        let first = first_harmonic(order);
         let harmonics = recorded.harmonics[channel][first..first + 2].iter();
         harmonics.map(column).collect()
     }

@@ -2,12 +2,12 @@
 
 use haptical_metrics::chi_square_p_value;
 
-use super::along::{Along, numbers};
-use super::assumed::{Rows, assumed, shown, with_knowledge};
+use super::Means;
+use super::along::Along;
+use super::assumed::{Assumed, Known, assumed, with_knowledge};
 use super::base::Base;
 use super::posture::PER_LINK;
 use crate::DiagnosisError;
-use crate::engine::regression::Regression;
 use crate::engine::system::Column;
 use crate::select::scan::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
@@ -19,8 +19,7 @@ pub(super) struct Unbalanced {
     /// Joint that carries it, from 0.
     pub(super) joint: usize,
     /// Largest torque of the difference on any channel \[N m\], with its standard deviation.
-    pub(super) moment_nm: f64,
-    pub(super) moment_sd_nm: f64,
+    pub(super) moment_nm: (f64, f64),
     /// Difference of the mass \[kg\] and its standard deviation, where the torques fix it.
     pub(super) mass_kg: Option<(f64, f64)>,
     /// How far beyond the file's tolerance, in standard deviations.
@@ -28,110 +27,75 @@ pub(super) struct Unbalanced {
     pub(super) probability: f64,
     /// Whether a mass at the flange, which moves with the last link, would do as well.
     pub(super) may_be_payload: bool,
-    /// Torque of the difference, channel after channel.
-    pub(super) torque_nm: Vec<f64>,
+    /// Torque of the difference.
+    pub(super) torque_nm: Means,
 }
 
 /// Tests each link's assumed mass and centre against what the torques imply.
 pub(super) fn unbalanced(
     along: &Along<'_>,
     base: &Base,
-    row_sd: &[f64],
 ) -> Result<Option<Unbalanced>, DiagnosisError> {
-    let mut known = Vec::new();
-    let mut groups = Vec::new();
-    let mut links = Vec::new();
-    for link in assumed(along) {
-        let shown = shown(along, &link.numbers);
-        if link.is_in_file && !shown.is_empty() {
-            let start = known.len();
-            known.extend(shown);
-            groups.push(start..known.len());
-            links.push(link.joint);
-        }
-    }
-    if groups.is_empty() {
-        return Ok(None);
-    }
-    let joints = along.recorded.context.device.joints.len();
-    let assuming = with_knowledge(&base.regression, &known)?;
-    let releases: Vec<Vec<Column>> = groups
-        .iter()
-        .map(|group| {
-            let columns = known[group.clone()].iter();
-            columns
-                .map(|(column, ..)| release(&assuming, *column))
-                .collect()
-        })
-        .collect();
-    let saved: Vec<f64> = releases
-        .iter()
-        .map(|columns| {
-            let system = &assuming.system;
-            Candidate::of_columns(system, columns.clone(), 0, 0.0).score(system)
-        })
-        .map(|score| score.score)
-        .collect();
+    let mut links = assumed(along);
+    links.retain(|link| link.is_in_file && !link.shown.is_empty());
+    let known: Vec<Known> = links.iter().flat_map(|link| link.shown.clone()).collect();
+    let assuming = with_knowledge(&base.regression, &known);
+    let system = &assuming.system;
+    // what sets a link's numbers free of what is known of them
+    let released = |link: &Assumed| -> Vec<Column> {
+        let rows = &system.layout;
+        let release = |own: &Known| rows.release(own.0, assuming.column(own.0)[rows.prior(own.0)]);
+        link.shown.iter().map(release).collect()
+    };
+    let saved = links.iter().map(|link| {
+        Candidate::of_columns(system, released(link), 0, 0.0)
+            .score(system)
+            .score
+    });
+    let saved: Vec<f64> = saved.collect();
     let Some(best) = (0..saved.len()).max_by(|&a, &b| saved[a].total_cmp(&saved[b])) else {
         return Ok(None);
     };
-    let score = saved[best];
-    let mut released = assuming.clone();
-    for column in &releases[best] {
-        released.add(assuming.system.dense(column));
+    let (link, score) = (&links[best], saved[best]);
+    let mut free = assuming.clone();
+    for column in released(link) {
+        free.add(system.dense(&column));
     }
-    let solution = released.solution();
-    let p = chi_square_p_value(score, groups[best].len() as f64)?;
-    let mut change = vec![0.0; numbers(joints)];
-    for &(column, value, _) in &known[groups[best].clone()] {
-        change[along.parameters[column]] = solution[column] - value;
+    let solution = free.solution();
+    let p = chi_square_p_value(score, link.shown.len() as f64)?;
+    let mut change = vec![0.0; along.inertia.len()];
+    for &(number, value, _) in &link.shown {
+        change[number] = solution[number] - value;
     }
     let torque_nm = along.link_torques(&change);
-    let blocks = along.recorded.blocks.len();
-    let is_large = (0..row_sd.len()).any(|channel| {
-        let own = &torque_nm[channel * blocks..(channel + 1) * blocks];
-        let square = own.iter().map(|torque| torque * torque).sum::<f64>();
-        square > (LEAST_WEIGHT * row_sd[channel]).powi(2) * blocks as f64
+    let mut channels = torque_nm.column_iter().enumerate();
+    let is_large = channels.any(|(channel, own)| {
+        let least = (LEAST_WEIGHT * along.row_sd(channel)).powi(2);
+        own.norm_squared() > least * own.len() as f64
     });
-    if p * groups.len() as f64 >= FAMILY_WISE_P || !is_large {
+    if p * links.len() as f64 >= FAMILY_WISE_P || !is_large {
         return Ok(None);
     }
-    let moment_nm = torque_nm
-        .iter()
-        .fold(0.0, |most: f64, torque| most.max(torque.abs()));
+    let moment_nm = torque_nm.amax();
     let deviations = score.sqrt();
     let behind = |index: usize| 0.5 * (score - saved[index]);
-    let mass = known[groups[best].clone()]
-        .iter()
-        .find(|(column, _, _)| along.parameters[*column] == PER_LINK * links[best])
-        .map(|&(column, value, _)| {
-            let variance = released.covariance()[(column, column)];
-            (solution[column] - value, variance.sqrt())
-        });
-    let mass = mass.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
-    let last = links.iter().position(|&joint| joint + 1 == joints);
-    let may_be_payload = last.is_some_and(|last| behind(last) < CONFUSABLE_NATS)
-        && mass.is_none_or(|(mass, _)| mass > 0.0);
+    let number = PER_LINK * link.joint;
+    let mass_kg = link.shown.iter().any(|own| own.0 == number).then(|| {
+        let variance = free.covariance()[(number, number)];
+        (change[number], variance.sqrt())
+    });
+    let mass_kg = mass_kg.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
+    let last = links.iter().position(|own| own.joint + 1 == along.joints());
     let others = (0..saved.len()).filter(|&index| index != best);
     let sum: f64 = others.map(|index| (-behind(index)).exp()).sum();
     Ok(Some(Unbalanced {
-        joint: links[best],
-        moment_nm,
-        moment_sd_nm: moment_nm / deviations.max(1.0),
-        mass_kg: mass,
-        may_be_payload,
+        joint: link.joint,
+        moment_nm: (moment_nm, moment_nm / deviations.max(1.0)),
+        mass_kg,
+        may_be_payload: last.is_some_and(|last| behind(last) < CONFUSABLE_NATS)
+            && mass_kg.is_none_or(|(mass, _)| mass > 0.0),
         deviations,
         probability: 1.0 / (1.0 + sum),
         torque_nm,
     }))
-}
-
-/// Column that sets a number free of what is known of it.
-fn release(assuming: &Regression<Rows>, column: usize) -> Column {
-    let row = assuming.len() + column;
-    let mut entries = vec![0.0; assuming.reading().len()];
-    entries[row] = assuming.column(column)[row];
-    Column {
-        parts: vec![(0, entries)],
-    }
 }

@@ -3,10 +3,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::Means;
 use super::along::Along;
 use super::recorded::Besides;
-use super::rows::whitener::Whitener;
-use super::trust;
+use super::rows::Whitener;
 use crate::select::excess;
 use crate::thresholds::torque::{GRIP_LEFT, NOISE_DEVIATIONS, SPARE_CHANNELS, UNKNOWN_FORCE_SD_N};
 
@@ -14,8 +14,7 @@ use crate::thresholds::torque::{GRIP_LEFT, NOISE_DEVIATIONS, SPARE_CHANNELS, UNK
 #[derive(Debug, Clone)]
 pub(super) struct Grip {
     /// Root mean square of the force \[N\], and its standard deviation.
-    pub(super) force_n: f64,
-    pub(super) force_sd_n: f64,
+    pub(super) force_n: (f64, f64),
     /// Part of the structure that it leaves.
     pub(super) left: f64,
 }
@@ -30,23 +29,23 @@ pub(super) fn is_testable(channels: usize) -> bool {
 pub(super) fn grip(
     along: &Along<'_>,
     ordinary: &Whitener,
-    before: &[f64],
+    before: &Means,
     excess: f64,
 ) -> Option<Grip> {
-    let recorded = along.recorded;
-    let channels = recorded.channels.len();
-    if recorded.force_n.is_none() || !is_testable(channels) {
+    let (blocks, channels) = along.recorded.shape();
+    if along.recorded.force_n.is_none() || !is_testable(channels) {
         return None;
     }
     let anything = Besides::Hand(UNKNOWN_FORCE_SD_N);
     let (rest, left) = left_beside(along, anything, 3, excess)?;
     let left = left?;
     // a torque on one joint alone is simpler than a hand that leaves all others as they are
-    for channel in loudest(along, before) {
-        if left_beside(along, Besides::Channel(channel), 1, excess)?
-            .1
-            .is_some()
-        {
+    let square = |channel: &usize| before.column(*channel).norm_squared();
+    let mut loudest: Vec<usize> = (0..channels).collect();
+    loudest.sort_by(|a, b| square(b).total_cmp(&square(a)));
+    for &channel in &loudest[..2] {
+        let (_, left) = left_beside(along, Besides::Channel(channel), 1, excess)?;
+        if left.is_some() {
             return None;
         }
     }
@@ -55,21 +54,19 @@ pub(super) fn grip(
     let base = along.fit(&along.whitener(Besides::Hand(size))?, Besides::Hand(size));
     let force_n = rms(&along.hand_force(ordinary, &base.rest()));
     // a force holds over a few blocks, so that about a quarter of them are independent
-    let independent = 0.25 * along.recorded.blocks.len() as f64;
+    let independent = 0.25 * blocks as f64;
     Some(Grip {
-        force_n,
-        force_sd_n: force_n / (2.0 * independent).sqrt(),
+        force_n: (force_n, force_n / (2.0 * independent).sqrt()),
         left: left.min(1.0),
     })
 }
 
 /// Root mean square of a force, its noise taken out.
 fn rms(forces: &[(Vector3<f64>, Matrix3<f64>)]) -> f64 {
-    let square: f64 = forces
-        .iter()
-        .map(|(force, covariance)| force.norm_squared() - covariance.trace())
-        .sum();
-    (square.max(0.0) / forces.len().max(1) as f64).sqrt()
+    let forces = forces.iter();
+    let squares = forces.map(|(force, covariance)| force.norm_squared() - covariance.trace());
+    let count = squares.len().max(1) as f64;
+    (squares.sum::<f64>().max(0.0) / count).sqrt()
 }
 
 /// What the base model leaves when something is allowed for in addition, and the part of the
@@ -79,27 +76,12 @@ fn left_beside(
     besides: Besides,
     free: usize,
     before: f64,
-) -> Option<(Vec<f64>, Option<f64>)> {
+) -> Option<(Means, Option<f64>)> {
     let base = along.fit(&along.whitener(besides)?, besides);
-    if !trust::is_within_tolerance(&base) {
-        return Some((Vec::new(), None));
-    }
     let (energy, sd) = excess(&base.energy(free));
     let left = energy.max(0.0) / before.max(1.0);
     let is_small = left <= GRIP_LEFT || energy < NOISE_DEVIATIONS * sd;
-    Some((base.rest(), is_small.then_some(left)))
-}
-
-/// The two channels that show most of what the base model leaves.
-fn loudest(along: &Along<'_>, rest: &[f64]) -> Vec<usize> {
-    let blocks = along.recorded.blocks.len();
-    let channels = along.recorded.channels.len();
-    let square = |channel: &usize| {
-        let own = &rest[channel * blocks..(channel + 1) * blocks];
-        own.iter().map(|value| value * value).sum::<f64>()
-    };
-    let mut order: Vec<usize> = (0..channels).collect();
-    order.sort_by(|a, b| square(b).total_cmp(&square(a)));
-    order.truncate(2);
-    order
+    // the geometry stays within its tolerance
+    let is_enough = is_small && base.strain() <= 1.0;
+    Some((base.rest(), is_enough.then_some(left)))
 }

@@ -14,10 +14,12 @@ mod changes;
 mod effects;
 mod gravity;
 mod grip;
+mod harmonics;
 mod partial;
 mod posture;
-pub(crate) mod recorded;
+mod recorded;
 mod rows;
+mod second;
 mod select;
 #[cfg(test)]
 mod tests;
@@ -28,15 +30,17 @@ use haptical_model::Recording;
 
 use self::along::Along;
 use self::answer::ForceAnswer;
-pub(crate) use self::answer::names::names;
+pub(crate) use self::answer::names;
 use self::base::Base;
-use self::changes::carried::Carried;
-use self::changes::second::Model;
-pub(crate) use self::changes::second::{OnSecond, not_predicted};
+use self::changes::Carried;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded, may_be_held};
-use self::rows::fast;
+pub(crate) use self::second::{OnSecond, not_predicted};
+use self::select::Selection;
 use crate::DiagnosisError;
+
+/// Means over blocks: a row for each block, a column for each channel.
+type Means = nalgebra::DMatrix<f64>;
 
 /// Tests the recorded torques and forces for effects of their own, with some of them left out of
 /// the catalogue.
@@ -50,6 +54,9 @@ pub(crate) fn examine(
     Ok(examine_both(context, None, without)?.0)
 }
 
+/// What the torques say, and what is left of those of a second recording.
+type Examined = (ForceAnswer, Option<OnSecond>);
+
 /// The same, with what the model of the torques leaves of a second recording. A hand on the handle that nobody measures leaves its
 /// forces in the torques: where these are explained without one, nobody held the arm (docs/assumptions.md, A305).
 ///
@@ -60,15 +67,11 @@ pub(crate) fn examine_both(
     second: Option<&Recording>,
     without: &[String],
 ) -> Result<Examined, DiagnosisError> {
-    let free = examined(
-        Recorded::held_by_nobody(context),
-        context,
-        (second, without),
-    )?;
+    let free = examined(context, false, (second, without))?;
     if !may_be_held(context) || free.0.is_explained() {
         return Ok(free);
     }
-    let held = examined(Recorded::new(context), context, (second, without))?;
+    let held = examined(context, true, (second, without))?;
     let is_by_hand = free.0.significant && !held.0.significant && held.0.findings.is_empty();
     Ok(match is_by_hand {
         true => (free.0.caused_by_hand(held.0), held.1),
@@ -76,48 +79,60 @@ pub(crate) fn examine_both(
     })
 }
 
-/// What the torques say, and what is left of those of a second recording.
-type Examined = (ForceAnswer, Option<OnSecond>);
-
-fn examined<'a>(
-    recorded: Result<Recorded<'a>, String>,
-    context: &'a Context<'a>,
+fn examined(
+    context: &Context<'_>,
+    is_held: bool,
     (second, without): (Option<&Recording>, &[String]),
 ) -> Result<Examined, DiagnosisError> {
-    let none = |answer: ForceAnswer| Ok((answer, None));
-    let has_torques =
-        (0..context.device.joints.len()).any(|joint| context.torque_stream(joint).is_some());
-    let recorded = match recorded {
-        Ok(recorded) => recorded,
-        Err(why) => return none(ForceAnswer::untestable(&why, has_torques)),
+    let mut model = match Model::new(context, is_held, without)? {
+        Ok(model) => model,
+        Err(why) => {
+            let mut joints = 0..context.device.joints.len();
+            let has_torques = joints.any(|joint| context.torque_stream(joint).is_some());
+            return Ok((ForceAnswer::untestable(&why, has_torques), None));
+        }
     };
-    let mut along = Along::new(&recorded)?;
-    let Some((mut base, carried)) = base_of(&mut along, without) else {
-        let why = "the torques have no noise at all";
-        return none(ForceAnswer::untestable(why, has_torques));
-    };
-    let effects = Effects::new(&along, without);
-    let selection = effects.select(&mut base)?;
-    let model = Model {
-        effects: &effects,
-        base: &base,
-        selection: &selection,
-        carried: &carried,
-    };
+    model.selection = model.effects.select(&mut model.base)?;
     let seen = second.map(|second| model.on_second(second)).transpose()?;
-    Ok((answer::answer(&effects, &base, &selection, &carried)?, seen))
+    Ok((model.answer()?, seen))
 }
 
-/// The base model without what the arm carries in some runs alone; none where the torques have no noise at all.
-fn base_of(along: &mut Along<'_>, without: &[String]) -> Option<(Base, Carried)> {
-    let whitener = along.whitener(Besides::Nothing)?;
-    let mut base = along.fit(&whitener, Besides::Nothing);
-    let carried = Carried::new(along, &base, without);
-    if let Some(torque_nm) = carried.torque_nm() {
-        along.put_down(torque_nm);
-        base = along.fit(&whitener, Besides::Nothing);
+/// The torques of a recording, and what explains them.
+struct Model<'a> {
+    effects: Effects<'a>,
+    /// With the effects that were picked.
+    base: Base,
+    selection: Selection,
+    carried: Carried,
+}
+
+impl<'a> Model<'a> {
+    /// The base model without what the arm carries in some runs alone; none where nothing can be said, and why.
+    fn new(
+        context: &'a Context<'a>,
+        is_held: bool,
+        without: &'a [String],
+    ) -> Result<Result<Self, String>, DiagnosisError> {
+        let mut along = match Recorded::new(context, is_held) {
+            Ok(recorded) => Along::new(recorded)?,
+            Err(why) => return Ok(Err(why)),
+        };
+        let Some(whitener) = along.whitener(Besides::Nothing) else {
+            return Ok(Err("the torques have no noise at all".to_owned()));
+        };
+        let mut base = along.fit(&whitener, Besides::Nothing);
+        let carried = Carried::new(&along, &base, without);
+        if !carried.payloads.is_empty() {
+            along.reading -= &carried.torque_nm;
+            base = along.fit(&whitener, Besides::Nothing);
+        }
+        let fitted = &along.reading - base.rest() + &carried.torque_nm;
+        base.append(harmonics::rows(&along, &fitted));
+        Ok(Ok(Self {
+            effects: Effects::new(along, without),
+            base,
+            selection: Selection::default(),
+            carried,
+        }))
     }
-    let fitted = carried.on(&along.less(&base.rest()));
-    base.append(fast::rows(along, &fitted));
-    Some((base, carried))
 }

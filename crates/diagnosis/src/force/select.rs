@@ -2,15 +2,16 @@
 
 use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
 use haptical_judge::{
-    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Rival, Ruling, Without,
-    probability, rivals, without_needless,
+    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without, probability,
+    rivals, without_needless,
 };
 use haptical_linalg::golden_section;
 
+use super::Means;
 use super::base::Base;
 use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
 use crate::DiagnosisError;
-use crate::engine::system::SlowEnergy;
+use crate::engine::system::{Column, SlowEnergy};
 use crate::select::chance::family_wise_p;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{excess, misfit};
@@ -26,10 +27,10 @@ pub(super) struct Pick {
     /// Position in the catalogue.
     pub(super) effect: usize,
     pub(super) shape: f64,
-    /// Its columns among the model's.
+    /// The last is the derivative by the logarithm of a continuous shape.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// The first of them among those of the model with all picks.
     pub(super) first: usize,
-    /// The last of them is the derivative by the logarithm of a continuous shape.
-    pub(super) count: usize,
     /// Chi-square that it saves with the others kept.
     pub(super) score: f64,
     pub(super) probability: f64,
@@ -38,24 +39,25 @@ pub(super) struct Pick {
 }
 
 /// What the selection came to.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Selection {
     pub(super) picks: Vec<Pick>,
     /// Slow energy per channel of the base model, and of the picks' model.
     pub(super) before: Vec<SlowEnergy>,
     pub(super) after: Vec<SlowEnergy>,
-    pub(super) rest_before: Vec<f64>,
-    pub(super) rest_after: Vec<f64>,
+    /// Block means that these leave.
+    pub(super) rest_before: Means,
+    pub(super) rest_after: Means,
 }
 
-impl Effects<'_, '_> {
+impl Effects<'_> {
     pub(super) fn energy(&self, base: &Base) -> Vec<SlowEnergy> {
         base.energy(self.along.recorded.free_directions())
     }
 
     /// An arm that moves by itself has friction in every joint.
     fn most_names(&self) -> usize {
-        let recorded = self.along.recorded;
+        let recorded = &self.along.recorded;
         match recorded.moves_by_itself() {
             true => MOST_NAMES.max(recorded.channels.len()),
             false => MOST_NAMES,
@@ -67,7 +69,6 @@ impl Effects<'_, '_> {
         let mut search = Search {
             candidates: self.candidates(base),
             effects: self,
-            known: 0,
         };
         let energy = self.energy(base);
         let start = Chosen {
@@ -80,7 +81,6 @@ impl Effects<'_, '_> {
             gone: None,
         };
         let chosen = haptical_judge::select(&mut search, start)?;
-        let rest_after = chosen.base.rest();
         let picks = search.compared(&chosen)?;
         *base = chosen.base;
         Ok(Selection {
@@ -88,25 +88,25 @@ impl Effects<'_, '_> {
             before: chosen.before,
             after: chosen.after,
             rest_before: chosen.rest_before,
-            rest_after,
+            rest_after: base.rest(),
         })
     }
 
     /// Whether an effect is in the model already, at its place; of the harmonics of a motor's angle some may be.
-    fn is_taken(&self, score: &Score, picks: &[Pick], ripples: &[(usize, f64)]) -> bool {
+    fn is_taken(&self, score: &Score, chosen: &Chosen) -> bool {
         let effect = self.effect(score.effect);
-        let at_place = |other: usize| {
-            let other = self.effect(other);
+        let at_place = |pick: &&Pick| {
+            let other = self.effect(pick.effect);
             other.name() == effect.name() && other.joint() == effect.joint()
         };
-        let mut picked = picks.iter().filter(|pick| at_place(pick.effect));
+        let mut picked = chosen.picks.iter().filter(at_place);
         if !is_harmonic(effect) {
             return picked.next().is_some();
         }
         let own = (score.effect, score.shape);
         picked.clone().count() >= MOST_ORDERS
             || picked.any(|pick| (pick.effect, pick.shape) == own)
-            || ripples.contains(&own)
+            || chosen.ripples.iter().any(|ripple| ripple.of == own)
     }
 
     /// Bayes' criterion: the score less what as many free numbers explain of nothing.
@@ -117,13 +117,13 @@ impl Effects<'_, '_> {
     /// The same of a score of something in an effect's place.
     fn merit_as(&self, effect: &Score, score: &Score) -> f64 {
         let shapes = self.shapes(effect.effect).len() as f64;
-        score.score - score.rank as f64 * self.rows().ln() - 2.0 * shapes.ln()
+        score.score - score.rank as f64 * self.along.recorded.rows().ln() - 2.0 * shapes.ln()
     }
 
     fn is_found(&self, score: &Score, tested: usize) -> Result<bool, DiagnosisError> {
         let p = family_wise_p(score, 1.0, tested as f64)?;
         let is_large = is_scale(self.effect(score.effect))
-            || score.score >= LEAST_SHARE_OF_NOISE * self.rows();
+            || score.score >= LEAST_SHARE_OF_NOISE * self.along.recorded.rows();
         Ok(p < FAMILY_WISE_P && is_large && score.retained > LEAST_RETAINED)
     }
 
@@ -139,22 +139,25 @@ impl Effects<'_, '_> {
         beside.score(columns).score >= LEAST_LOOP * score.score
     }
 
-    /// Adds an effect to the regression, its shape searched.
+    /// Adds an effect to the model, its shape searched.
     pub(super) fn taken(&self, base: &mut Base, score: &Score) -> Pick {
         let (shape, columns) = self.refined(base, score);
-        let pick = Pick {
+        let first = base.regression.len();
+        for column in &columns {
+            base.regression.add(column.clone());
+        }
+        if is_scale(self.effect(score.effect)) {
+            self.along.settle(base);
+        }
+        Pick {
             effect: score.effect,
             shape,
-            first: base.regression.len(),
-            count: columns.len(),
+            columns,
+            first,
             score: score.score,
             probability: 1.0,
             rivals: Vec::new(),
-        };
-        for column in columns {
-            base.regression.add(column);
         }
-        pick
     }
 
     /// The shape of an effect searched between those of the grid (golden section), and its columns with the
@@ -162,10 +165,9 @@ impl Effects<'_, '_> {
     fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
         let columns = |shape: f64| self.columns(base, pick.effect, shape);
         let dense = |shape: f64| -> Vec<Vec<f64>> {
-            let columns = columns(shape);
-            let columns = columns.iter();
+            let columns = columns(shape).into_iter();
             columns
-                .map(|column| base.regression.system.dense(column))
+                .map(|own| base.regression.system.dense(&own))
                 .collect()
         };
         if !self.effect(pick.effect).spec().shape.is_continuous() {
@@ -179,12 +181,12 @@ impl Effects<'_, '_> {
         let amplitudes = base.score(columns(shape)).amplitudes;
         let mut columns = dense(shape);
         let mut slope = vec![0.0; base.regression.reading().len()];
-        for (side, log) in [(1.0, best + SHAPE_STEP), (-1.0, best - SHAPE_STEP)] {
-            for (column, amplitude) in dense(placed(log)).iter().zip(&amplitudes) {
+        for side in [1.0, -1.0] {
+            let beside = dense(placed(best + side * SHAPE_STEP));
+            for (column, amplitude) in beside.iter().zip(&amplitudes) {
                 let factor = side * amplitude / (2.0 * SHAPE_STEP);
-                for (sum, value) in slope.iter_mut().zip(column) {
-                    *sum += factor * value;
-                }
+                let entries = slope.iter_mut().zip(column);
+                entries.for_each(|(sum, value)| *sum += factor * value);
             }
         }
         columns.push(slope);
@@ -192,29 +194,33 @@ impl Effects<'_, '_> {
     }
 }
 
+/// A harmonic of a motor's angle, which is no gap of the torques, in the place of an effect at a shape.
+#[derive(Debug, Clone)]
+struct Ripple {
+    of: (usize, f64),
+    columns: Vec<Column>,
+}
+
 /// Effects chosen so far, as base columns of a model.
 #[derive(Debug, Clone)]
 struct Chosen {
     base: Base,
     picks: Vec<Pick>,
-    /// Harmonics of a motor's angle, which are no gap of the torques.
-    ripples: Vec<(usize, f64)>,
+    ripples: Vec<Ripple>,
     before: Vec<SlowEnergy>,
     after: Vec<SlowEnergy>,
-    rest_before: Vec<f64>,
+    rest_before: Means,
     /// Score of the effect that was taken out.
     gone: Option<Score>,
 }
 
 /// The search of effects on the torques.
-struct Search<'s, 'a, 'r> {
-    effects: &'s Effects<'a, 'r>,
+struct Search<'s, 'a> {
+    effects: &'s Effects<'a>,
     candidates: Vec<Candidate>,
-    /// Directions of the model without picks.
-    known: usize,
 }
 
-impl Forward for Search<'_, '_, '_> {
+impl Forward for Search<'_, '_> {
     type State = Chosen;
     type Further = Score;
     type Error = DiagnosisError;
@@ -224,16 +230,13 @@ impl Forward for Search<'_, '_, '_> {
         if chosen.picks.len() >= effects.most_names() {
             return Ok(Vec::new());
         }
-        let scores = effects
-            .scores(&chosen.base, &mut self.candidates)
-            .into_iter();
-        let open = scores.filter(|score| !effects.is_taken(score, &chosen.picks, &chosen.ripples));
-        Ok(open
-            .map(|score| Proposal {
-                merit: effects.merit(&score),
-                further: score,
-            })
-            .collect())
+        let mut scores = effects.scores(&chosen.base, &mut self.candidates);
+        scores.retain(|score| !effects.is_taken(score, chosen));
+        let proposal = |further: Score| Proposal {
+            merit: effects.merit(&further),
+            further,
+        };
+        Ok(scores.into_iter().map(proposal).collect())
     }
 
     fn rule(
@@ -258,7 +261,8 @@ impl Forward for Search<'_, '_, '_> {
             let rival = chosen.base.score(columns.clone());
             if rival.rank > 0 && effects.merit_as(&score, &rival) > best.merit {
                 next.base.adopt(&columns);
-                next.ripples.push((score.effect, score.shape));
+                let of = (score.effect, score.shape);
+                next.ripples.push(Ripple { of, columns });
                 if next.picks.is_empty() {
                     // what an angle's error adds is no gap of the torques
                     next.rest_before = next.base.rest();
@@ -268,20 +272,13 @@ impl Forward for Search<'_, '_, '_> {
                 return Ok(Ruling::Taken(next));
             }
         }
-        let pick = effects.taken(&mut next.base, &score);
-        next.picks.push(pick);
-        if is_scale(effect) {
-            effects.along.settle(&mut next.base);
-            for candidate in &mut self.candidates {
-                candidate.reset(&next.base.regression.system, next.base.scales);
-            }
-        }
+        next.picks.push(effects.taken(&mut next.base, &score));
         next.after = effects.energy(&next.base);
         Ok(Ruling::Taken(next))
     }
 }
 
-impl Backward for Search<'_, '_, '_> {
+impl Backward for Search<'_, '_> {
     type State = Chosen;
     type Error = DiagnosisError;
 
@@ -296,26 +293,20 @@ impl Backward for Search<'_, '_, '_> {
     ) -> Result<Without<Chosen>, DiagnosisError> {
         let mut less = chosen.clone();
         let gone = less.picks.remove(index);
-        let first = chosen.picks.iter().map(|pick| pick.first).min();
-        let first = first.unwrap_or(gone.first);
-        // whatever is between picks (ripples) stays where it is
-        let columns = less.base.regression.truncate(first);
-        self.known = less.base.regression.system.basis.len();
-        let own = gone.first - first..gone.first - first + gone.count;
-        for (index, column) in columns.iter().enumerate() {
-            if !own.contains(&index) {
-                less.base.regression.add(column.clone());
-            }
+        let base = &mut less.base;
+        base.regression.truncate(base.scales.end);
+        for ripple in &less.ripples {
+            base.adopt(&ripple.columns);
         }
-        for later in less.picks.iter_mut().filter(|pick| pick.first > gone.first) {
-            later.first -= gone.count;
+        for column in less.picks.iter().flat_map(|pick| &pick.columns) {
+            base.regression.add(column.clone());
         }
-        let layout = &less.base.regression.system.layout;
-        let own = columns[own].iter().map(|own| layout.split(own)).collect();
+        let layout = &base.regression.system.layout;
+        let columns = gone.columns.iter().map(|own| layout.split(own));
         let score = Score {
             effect: gone.effect,
             shape: gone.shape,
-            ..less.base.score(own)
+            ..base.score(columns.collect())
         };
         let worth = self.effects.merit(&score);
         less.gone = Some(score);
@@ -323,7 +314,7 @@ impl Backward for Search<'_, '_, '_> {
     }
 }
 
-impl Needless for Search<'_, '_, '_> {
+impl Needless for Search<'_, '_> {
     /// One of another shape of an effect that is in the model makes up for that one's misfit.
     fn is_needless(
         &mut self,
@@ -344,7 +335,7 @@ impl Needless for Search<'_, '_, '_> {
     }
 }
 
-impl InPlace for Search<'_, '_, '_> {
+impl InPlace for Search<'_, '_> {
     type Name = (&'static str, Option<usize>);
     type Fit = ();
 
@@ -355,33 +346,28 @@ impl InPlace for Search<'_, '_, '_> {
         index: usize,
     ) -> Result<Others<Self>, DiagnosisError> {
         let effects = self.effects;
+        let name = |index: usize| {
+            let effect = effects.effect(index);
+            (effect.name(), effect.joint())
+        };
         let pick = &whole.picks[index];
-        let effect = effects.effect(pick.effect);
-        let own = (effect.name(), effect.joint());
-        for candidate in &mut self.candidates {
-            candidate.reset(&without.base.regression.system, self.known);
-        }
-        let scores = effects
-            .scores(&without.base, &mut self.candidates)
-            .into_iter();
-        let others = scores.filter_map(|score| {
-            let other = effects.effect(score.effect);
-            let name = (other.name(), other.joint());
-            let is_rival = name != own && score.retained >= LEAST_RETAINED;
-            is_rival.then(|| Other {
-                name,
-                merit: effects.merit(&score),
-                fit: (),
-            })
+        let other = |name, merit| Other {
+            name,
+            merit,
+            fit: (),
+        };
+        let mut scores = effects.scores(&without.base, &mut self.candidates);
+        scores.retain(|score| {
+            name(score.effect) != name(pick.effect) && score.retained >= LEAST_RETAINED
         });
+        let others = scores.iter();
+        let others = others.map(|score| other(name(score.effect), effects.merit(score)));
         let mut others: Vec<_> = others.collect();
+        let effect = effects.effect(pick.effect);
         if let Some(score) = without.gone.as_ref().filter(|_| is_harmonic(effect)) {
             let ripple = effects.ripple(&without.base, pick.effect, pick.shape);
-            others.push(Other {
-                name: (INPUT_DRUM_HARMONIC.name, effect.joint()),
-                merit: effects.merit_as(score, &without.base.score(ripple)),
-                fit: (),
-            });
+            let merit = effects.merit_as(score, &without.base.score(ripple));
+            others.push(other((INPUT_DRUM_HARMONIC.name, effect.joint()), merit));
         }
         Ok(others)
     }
@@ -392,36 +378,22 @@ fn dispersion(chosen: &Chosen) -> f64 {
     2.0 * misfit(&chosen.after)
 }
 
-impl Search<'_, '_, '_> {
+impl Search<'_, '_> {
     /// The picks that are needed, with what each saves with the others kept, and who would do as well in its place.
     fn compared(&mut self, chosen: &Chosen) -> Result<Vec<Pick>, DiagnosisError> {
         let kept = without_needless(self, chosen.clone(), 0)?.state;
-        let mut picks = Vec::new();
-        for (index, pick) in kept.picks.iter().enumerate() {
+        let mut picks = kept.picks.clone();
+        for (index, pick) in picks.iter_mut().enumerate() {
             let without = self.without(&kept, index)?;
             let found = rivals(self, &kept, index, &without, dispersion(chosen))?;
             let name = self.effects.effect(pick.effect).name();
-            let is_near = |rival: &&Rival<(&'static str, Option<usize>), ()>| {
-                rival.behind < CONFUSABLE_NATS && rival.name.0 != name
-            };
-            let place = |own: &&Pick| (own.effect, own.shape) == (pick.effect, pick.shape);
-            // where its columns are in the model with all
-            let first = chosen
-                .picks
-                .iter()
-                .find(place)
-                .map_or(pick.first, |own| own.first);
-            picks.push(Pick {
-                first,
-                score: without.state.gone.as_ref().map_or(0.0, |score| score.score),
-                probability: probability(found.iter().map(|rival| rival.behind)),
-                rivals: found
-                    .iter()
-                    .filter(is_near)
-                    .map(|rival| rival.name.0)
-                    .collect(),
-                ..pick.clone()
-            });
+            pick.score = without.state.gone.map_or(0.0, |score| score.score);
+            pick.probability = probability(found.iter().map(|rival| rival.behind));
+            let near = found.iter().filter(|rival| rival.behind < CONFUSABLE_NATS);
+            let near = near
+                .map(|rival| rival.name.0)
+                .filter(|other| *other != name);
+            pick.rivals = near.collect();
         }
         Ok(picks)
     }

@@ -2,12 +2,11 @@
 
 use haptical_calibration::Channel;
 use haptical_judge::probability;
-use haptical_linalg::jackknife_sd;
-use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, JointType};
 use haptical_motion::{ChannelFit, Examined, Finding, MotionError, PARTS, Unseen};
 
 use crate::answer::floor::{Floor, NoReduction};
+use crate::answer::gap::reduction_of_parts;
 use crate::answer::second::{Left, SecondChannel};
 use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
 use crate::force::answer::Course;
@@ -218,43 +217,28 @@ impl<'e> Words<'e> {
     }
 
     fn answer_with(&self, unseen: &Unseen, sums_after: &[f64; PARTS]) -> HeldOutAnswer {
-        let rms = |sums: &[f64; PARTS], without: Option<usize>| {
-            let kept = (0..PARTS).filter(|part| Some(*part) != without);
-            let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
-                (sum + sums[part], rows + unseen.rows[part])
-            });
-            (sum / rows.max(1) as f64).sqrt()
-        };
+        let count = unseen.rows_in_all();
+        let rms = |sums: &[f64; PARTS]| (sums.iter().sum::<f64>() / count.max(1) as f64).sqrt();
         // where no other rows predict those that hold most of the gap, the rest says nothing of it
         let beyond = |(rows, square): (usize, f64)| square - rows as f64 * unseen.noise.powi(2);
-        let predicted = (unseen.rows_in_all(), unseen.before.iter().sum::<f64>());
+        let predicted = (count, unseen.before.iter().sum::<f64>());
         let is_elsewhere = unseen.left_out.0 > 0
             && (predicted.0 == 0 || beyond(unseen.left_out) > beyond(predicted).max(0.0));
         // within what the noise is known to there is no gap, and no share of one
-        let is_gap = rms(&unseen.before, None)
-            > floor(unseen.joint, unseen.noise, unseen.rows_in_all() as f64).ci95()[1];
-        let reduction = |without| {
-            let share = gap_reduction_percent(
-                rms(&unseen.before, without),
-                rms(sums_after, without),
-                unseen.noise,
-            );
-            share.filter(|_| is_gap && !is_elsewhere)
-        };
-        let percent = reduction(None);
-        let parts: Option<Vec<f64>> = (0..PARTS).map(|part| reduction(Some(part))).collect();
-        let interval = percent.zip(parts).map(|(percent, parts)| {
-            let half = 1.96 * jackknife_sd(parts.into_iter());
-            [percent - half, (percent + half).min(100.0)]
-        });
+        let is_gap =
+            rms(&unseen.before) > floor(unseen.joint, unseen.noise, count as f64).ci95()[1];
+        let rows = unseen.rows.map(|rows| rows as f64);
+        let sums = [&unseen.before, sums_after].map(|sums| sums.to_vec());
+        let (percent, ci95) = reduction_of_parts(&rows, sums.each_ref(), unseen.noise);
+        let is_known = is_gap && !is_elsewhere;
         HeldOutAnswer {
             channel: self.channel(unseen.joint),
-            rms_before: rms(&unseen.before, None),
-            rms_after: rms(sums_after, None),
+            rms_before: rms(&unseen.before),
+            rms_after: rms(sums_after),
             noise_floor: unseen.noise,
             unit: self.unit(unseen.joint).to_owned(),
-            reduction_percent: percent,
-            reduction_ci95: interval,
+            reduction_percent: percent.filter(|_| is_known),
+            reduction_ci95: ci95.filter(|_| is_known),
             no_reduction: match (is_elsewhere, is_gap) {
                 (true, _) => Some(NoReduction::Undetermined),
                 (false, true) => None,
@@ -384,12 +368,6 @@ pub(super) fn largest(channels: &[ChannelGap]) -> Option<usize> {
 }
 
 fn floor(joint: usize, noise: f64, rows: f64) -> Floor {
-    Floor {
-        channel: Channel::Output { joint },
-        rms: noise,
-        freedom: rows.max(1.0),
-        source: NoiseSource::Motion,
-        is_another: false,
-        is_contradicted: false,
-    }
+    let channel = Channel::Output { joint };
+    Floor::new(channel, noise, rows.max(1.0), NoiseSource::Motion)
 }

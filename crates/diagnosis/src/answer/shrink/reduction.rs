@@ -45,14 +45,12 @@ pub(super) fn collect(
             unit: stream.unit,
             before: pick(&before[index]),
             after: pick(&after[index]),
-            floor: Floor {
-                channel: stream.channel,
-                rms: engine.floor[index],
-                freedom: 2.0 / engine.noise[index].uncertainty.powi(2),
-                source: engine.noise[index].source,
-                is_another: false,
-                is_contradicted: false,
-            },
+            floor: Floor::new(
+                stream.channel,
+                engine.floor[index],
+                2.0 / engine.noise[index].uncertainty.powi(2),
+                engine.noise[index].source,
+            ),
             independent: engine.noise[index].independent(),
         };
         match channels
@@ -239,14 +237,7 @@ mod tests {
             unit: "m",
             before: wave(before),
             after: wave(after),
-            floor: Floor {
-                channel: Channel::Position,
-                rms,
-                freedom,
-                source: NoiseSource::Motion,
-                is_another: false,
-                is_contradicted: false,
-            },
+            floor: Floor::new(Channel::Position, rms, freedom, NoiseSource::Motion),
             independent: 1.0,
         }
     }

@@ -1,12 +1,15 @@
-//! Chosen effects as findings, with their numbers.
+//! Chosen effects as findings, with their numbers in their own units.
 
 use std::collections::BTreeMap;
 
+use haptical_effects::device::with_variances;
 use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
-use haptical_effects::{Effect, Spec};
+use haptical_effects::{Family, Hook, LawError, Role, Spec};
+use nalgebra::DMatrix;
 
-use super::values::Sizes;
 use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, ParameterAnswer};
+use crate::force::Model;
+use crate::force::effects::is_scale;
 use crate::force::gravity::Unbalanced;
 use crate::force::grip::Grip;
 use crate::force::select::Pick;
@@ -27,46 +30,25 @@ fn finding(
     }
 }
 
-pub(super) fn of_pick(
-    effect: &dyn Effect,
-    sizes: &Sizes<'_, '_, '_>,
-    pick: &Pick,
-    share: f64,
-) -> CauseAnswer {
-    let (parameters, plausible) = sizes.parameters(pick);
-    let (joint, probability) = (effect.joint(), pick.probability);
-    CauseAnswer {
-        confusable_with: pick.rivals.iter().map(|&name| name.to_owned()).collect(),
-        plausible,
-        implausible: !plausible,
-        ..finding(effect.spec(), joint, probability, share, parameters)
-    }
-}
-
 pub(super) fn of_grip(grip: &Grip) -> CauseAnswer {
     let spec = &GRIP_FORCE.parameters[0];
-    let mut force_n = ParameterAnswer::normal(grip.force_n, grip.force_sd_n);
+    let mut force_n = ParameterAnswer::normal(grip.force_n.0, grip.force_n.1);
     force_n.ci95[0] = force_n.ci95[0].max(0.0);
     let parameters = BTreeMap::from([(spec.name.to_owned(), force_n)]);
-    let plausible = spec.is_plausible(grip.force_n, 1.0);
+    let plausible = spec.is_plausible(force_n.value, 1.0);
+    let share = 1.0 - grip.left;
     CauseAnswer {
         confusable_with: vec![IN_NO_CATALOGUE.to_owned()],
         plausible,
         implausible: !plausible,
-        ..finding(
-            &GRIP_FORCE,
-            None,
-            GRIP_PROBABILITY,
-            1.0 - grip.left,
-            parameters,
-        )
+        ..finding(&GRIP_FORCE, None, GRIP_PROBABILITY, share, parameters)
     }
 }
 
 /// `total`: structured energy of the rest, 0 where it is hardly any.
 pub(super) fn of_gravity(found: &Unbalanced, total: f64) -> CauseAnswer {
     let numbers = [
-        Some((found.moment_nm, found.moment_sd_nm)),
+        Some(found.moment_nm),
         Some((found.deviations, 0.0)),
         found.mass_kg,
     ];
@@ -76,12 +58,119 @@ pub(super) fn of_gravity(found: &Unbalanced, total: f64) -> CauseAnswer {
         Some((spec.name.to_owned(), ParameterAnswer::normal(value, sd)))
     });
     let square = found.deviations * found.deviations;
-    let (joint, share) = (Some(found.joint), square / (square + total));
     finding(
         &UNBALANCED_GRAVITY,
-        joint,
+        Some(found.joint),
         found.probability,
-        share,
+        square / (square + total),
         parameters.collect(),
     )
+}
+
+/// Coefficients of a model of the torques with their covariance, what is left counting as noise.
+pub(in crate::force) struct Sizes<'m, 'a> {
+    pub(in crate::force) model: &'m Model<'a>,
+    solution: Vec<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl<'m, 'a> Sizes<'m, 'a> {
+    pub(in crate::force) fn new(model: &'m Model<'a>, dispersion: f64) -> Self {
+        let regression = &model.base.regression;
+        Self {
+            model,
+            solution: regression.solution(),
+            covariance: regression.covariance() * dispersion,
+        }
+    }
+
+    pub(super) fn of_pick(&self, pick: &Pick, share: f64) -> CauseAnswer {
+        let effect = self.model.effects.effect(pick.effect);
+        let (parameters, plausible) = self.parameters(pick);
+        let (joint, probability) = (effect.joint(), pick.probability);
+        CauseAnswer {
+            confusable_with: pick.rivals.iter().map(|&name| name.to_owned()).collect(),
+            plausible,
+            implausible: !plausible,
+            ..finding(effect.spec(), joint, probability, share, parameters)
+        }
+    }
+
+    /// Values with intervals, and whether a sound device can show them.
+    pub(in crate::force) fn parameters(
+        &self,
+        pick: &Pick,
+    ) -> (BTreeMap<String, ParameterAnswer>, bool) {
+        let effect = self.model.effects.effect(pick.effect);
+        let device = self.model.effects.along.recorded.context.device;
+        let joint = effect.joint().map(|joint| &device.joints[joint]);
+        let ratio = joint.map_or(1.0, |joint| joint.transmission_ratio);
+        let values = self.values(pick);
+        let mut pairs = effect.spec().parameters.iter().zip(&values);
+        let answers = pairs.clone().map(|(parameter, &(value, sd))| {
+            let answer = ParameterAnswer::normal(value, sd);
+            (parameter.name.to_owned(), answer)
+        });
+        let answers = answers.collect();
+        let is_plausible =
+            pairs.all(|(parameter, (value, _))| parameter.is_plausible(*value, ratio));
+        (answers, is_plausible)
+    }
+
+    /// Deviation from 1 of the scale through which a pick's torque is read, with its standard deviation.
+    pub(in crate::force) fn scale(&self, pick: &Pick) -> (f64, f64) {
+        let channel = self.model.effects.channel(pick.effect);
+        channel.map_or((0.0, 0.0), |channel| {
+            let column = self.model.base.scales.start + channel;
+            let variance = self.covariance[(column, column)];
+            (self.solution[column], variance.max(0.0).sqrt())
+        })
+    }
+
+    /// Amplitudes of a pick with their covariance, its shape's left out.
+    pub(in crate::force) fn amplitudes(&self, pick: &Pick) -> (&[f64], DMatrix<f64>) {
+        let count = self.model.effects.effect(pick.effect).spec().amplitudes;
+        let values = &self.solution[pick.first..pick.first + count];
+        (values, self.covariance_of(pick.first, count))
+    }
+
+    fn covariance_of(&self, first: usize, count: usize) -> DMatrix<f64> {
+        let own = self.covariance.view((first, first), (count, count));
+        own.into_owned()
+    }
+
+    /// A pick's numbers with their standard deviations.
+    fn values(&self, pick: &Pick) -> Vec<(f64, f64)> {
+        let effect = self.model.effects.effect(pick.effect);
+        let context = self.model.effects.along.recorded.context;
+        let (gain, gain_sd) = self.scale(pick);
+        let spec = effect.spec();
+        if is_scale(effect) {
+            // what of it is the drive's own scale is known to its stated deviation alone
+            let joint = effect.joint().unwrap_or_default();
+            let stated = context.device.joints[joint].torque_scale_sd * (1.0 + gain);
+            return vec![(gain, gain_sd.hypot(stated))];
+        }
+        let (amplitudes, _) = self.amplitudes(pick);
+        let covariance = self.covariance_of(pick.first, pick.columns.len());
+        let values = with_variances(effect, context, amplitudes, pick.shape, &covariance);
+        let is_rubbing = spec.hook == Hook::Torque && spec.family == Family::Loop;
+        let reported = spec.parameters.iter().zip(values).enumerate();
+        let reported = reported.map(|(index, (parameter, (value, variance)))| {
+            let sd = variance.max(0.0).sqrt();
+            if parameter.role != Role::Size {
+                return (value, sd);
+            }
+            // a torque of the joint, read through a scale that is known as well as the fit says
+            let (value, sd) = (value / (1.0 + gain), sd / (1.0 + gain));
+            let of_law = value * gain_sd.hypot(spec.law_error.amplitude);
+            // how far apart terms that depend on the rate are follows Stribeck's rate, which is not fitted
+            let apart = match is_rubbing && index > 0 {
+                true => value * LawError::of(Family::Loop).amplitude,
+                false => 0.0,
+            };
+            (value, sd.hypot(of_law).hypot(apart))
+        });
+        reported.collect()
+    }
 }

@@ -1,104 +1,123 @@
 //! Size of the torques' gap, joint by joint, row by row.
 
+use haptical_calibration::Channel;
+
+use super::Course;
 use crate::answer::ChannelGap;
 use crate::answer::floor::Floor;
-use crate::force::base::Base;
-use crate::force::changes::carried::Carried;
-use crate::force::effects::{Effects, is_scale};
-use crate::force::rows::fast;
-use crate::force::select::Selection;
+use crate::force::effects::is_scale;
+use crate::force::harmonics::deviations;
+use crate::force::{Means, Model};
 use crate::noise::NoiseSource;
 
-/// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
-pub(super) fn channels(
-    effects: &Effects<'_, '_>,
-    base: &Base,
-    selection: &Selection,
-    carried: &Carried,
-    added: &[f64],
-) -> Vec<ChannelGap> {
-    let recorded = effects.along.recorded;
-    let along = effects.along;
-    let blocks = recorded.blocks.len();
-    let size = effects.rows() / blocks.max(1) as f64;
-    let solution = base.regression.solution();
-    let fitted_after = carried.on(&along.less(&selection.rest_after));
-    let rest_before = carried
-        .rest_before
-        .as_ref()
-        .unwrap_or(&selection.rest_before);
-    let fitted_before = &carried.fitted_before;
-    let gap = |(channel, &joint): (usize, &usize)| {
-        let range = channel * blocks..(channel + 1) * blocks;
-        let row_sd = recorded.row_sd(channel, &along.hand);
-        let torque = &recorded.torque_nm[channel];
-        let fast_before = fast::deviations(along, torque, &fitted_before[range.clone()]);
-        let (torque, fitted) = without_picks(effects, &solution, selection, channel, &fitted_after);
-        let fast_after = fast::deviations(along, &torque, &fitted);
-        let within = |rest: &[(usize, f64)]| match rest.len() {
-            0 => row_sd * row_sd * (1.0 - 1.0 / size),
-            count => rest.iter().map(|(_, value)| value * value).sum::<f64>() / count as f64,
+impl Model<'_> {
+    /// What the base model leaves with whatever was carried still in the torques.
+    fn rest_before(&self) -> &Means {
+        match self.carried.payloads.is_empty() {
+            true => &self.selection.rest_before,
+            false => &self.carried.rest_before,
+        }
+    }
+
+    /// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
+    pub(super) fn gaps(&self, added: &[f64]) -> Vec<ChannelGap> {
+        let along = &self.effects.along;
+        let recorded = &along.recorded;
+        let blocks = recorded.blocks.len();
+        let size = recorded.rows() / blocks.max(1) as f64;
+        let solution = self.base.regression.solution();
+        let rest_after = &self.selection.rest_after;
+        let fitted_after = &along.reading - rest_after + &self.carried.torque_nm;
+        let gap = |(channel, &joint): (usize, &usize)| {
+            let row_sd = along.row_sd(channel);
+            // mean square of what varies within blocks, and the number of rows
+            let within = |torque_nm: &[f64], fitted: &[f64]| {
+                let rest = deviations(recorded, torque_nm, fitted);
+                let rest: Vec<f64> = rest.into_iter().flat_map(|own| own.1).collect();
+                match rest.len() {
+                    0 => (row_sd * row_sd * (1.0 - 1.0 / size), 0),
+                    count => (mean_square(&rest), count),
+                }
+            };
+            let torque_nm = &recorded.torque_nm[channel];
+            let fitted_before = self.carried.fitted_before.column(channel).into_owned();
+            let (before, _) = within(torque_nm, fitted_before.as_slice());
+            let fitted = fitted_after.column(channel).into_owned();
+            let (torque_nm, fitted) = self.without_picks(
+                &solution,
+                channel,
+                (torque_nm.clone(), fitted.as_slice().to_vec()),
+            );
+            let (after, fast) = within(&torque_nm, &fitted);
+            // what varies within blocks is noise but for what was named
+            let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
+            let [of_before, of_after] = [self.rest_before(), rest_after]
+                .map(|rest| rest.column(channel).norm_squared() / blocks.max(1) as f64);
+            let floor = Floor::new(
+                Channel::Output { joint },
+                noise.sqrt().min(row_sd),
+                (fast.max(blocks) as f64).max(1.0),
+                match fast {
+                    0 => NoiseSource::Stated,
+                    _ => NoiseSource::Motion,
+                },
+            );
+            let sizes = [
+                (of_before + before + added[channel]).sqrt(),
+                (of_after + after).sqrt(),
+            ];
+            let (name, unit) = (recorded.name(channel), recorded.unit(channel));
+            ChannelGap::fitted(name, Some(joint), sizes, &floor, unit)
         };
-        let (before, after) = (within(&fast_before), within(&fast_after));
-        // what varies within blocks is noise but for what was named
-        let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
-        let sizes = [
-            (mean_square(&rest_before[range.clone()]) + before + added[channel]).sqrt(),
-            (mean_square(&selection.rest_after[range]) + after).sqrt(),
-        ];
-        let floor = Floor {
-            channel: haptical_calibration::Channel::Output { joint },
-            rms: noise.sqrt().min(row_sd),
-            freedom: (fast_after.len().max(blocks) as f64).max(1.0),
-            source: if fast_after.is_empty() {
-                NoiseSource::Stated
-            } else {
-                NoiseSource::Motion
-            },
-            is_another: false,
-            is_contradicted: false,
+        recorded.channels.iter().enumerate().map(gap).collect()
+    }
+
+    /// A channel's torques without the effects that were chosen for it, row by row, and the block means
+    /// of what the model says of the rest.
+    fn without_picks(
+        &self,
+        solution: &[f64],
+        channel: usize,
+        (mut torque_nm, mut fitted): (Vec<f64>, Vec<f64>),
+    ) -> (Vec<f64>, Vec<f64>) {
+        let recorded = &self.effects.along.recorded;
+        let take_off = |from: &mut [f64], values: &[f64]| {
+            let pairs = from.iter_mut().zip(values);
+            pairs.for_each(|(from, value)| *from -= value);
         };
-        let name = format!("torque{}", joint + 1);
-        ChannelGap::fitted(name, Some(joint), sizes, &floor, recorded.unit(channel))
-    };
-    recorded.channels.iter().enumerate().map(gap).collect()
+        for pick in &self.selection.picks {
+            let effect = self.effects.effect(pick.effect);
+            if self.effects.channel(pick.effect) != Some(channel) || is_scale(effect) {
+                continue;
+            }
+            let amplitudes = &solution[pick.first..pick.first + effect.spec().amplitudes];
+            let signal = effect.signal(recorded.context, amplitudes, pick.shape);
+            for (_, values) in &signal.parts {
+                take_off(&mut torque_nm, values);
+                take_off(&mut fitted, &recorded.means(values));
+            }
+        }
+        (torque_nm, fitted)
+    }
+
+    /// The torques with the largest gap, over time.
+    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Course> {
+        let recorded = &self.effects.along.recorded;
+        let time_s = recorded.context.recording.time_s.as_ref()?;
+        let share = |channel: &usize| channels[*channel].share_of_gap;
+        let channel = (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
+        let own = |rest: &Means| rest.column(channel).iter().copied().collect();
+        Some(Course {
+            channel: channels[channel].channel.clone(),
+            unit: recorded.unit(channel),
+            time_s: recorded.means(time_s),
+            before: own(self.rest_before()),
+            after: own(&self.selection.rest_after),
+        })
+    }
 }
 
 /// Mean square of values.
 pub(super) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
-}
-
-/// A channel's torques without the effects that were chosen for it, row by row, and the block means
-/// of what the model says of the rest.
-fn without_picks(
-    effects: &Effects<'_, '_>,
-    solution: &[f64],
-    selection: &Selection,
-    channel: usize,
-    fitted: &[f64],
-) -> (Vec<f64>, Vec<f64>) {
-    let recorded = effects.along.recorded;
-    let blocks = recorded.blocks.len();
-    let mut torque = recorded.torque_nm[channel].clone();
-    let mut fitted = fitted[channel * blocks..(channel + 1) * blocks].to_vec();
-    let context = recorded.context;
-    for pick in &selection.picks {
-        let effect = effects.effect(pick.effect);
-        if effect.joint() != Some(recorded.channels[channel]) || is_scale(effect) {
-            continue;
-        }
-        let amplitudes = &solution[pick.first..pick.first + effect.spec().amplitudes];
-        let signal = effect.signal(context, amplitudes, pick.shape);
-        for values in signal.parts.iter().map(|(_, values)| values) {
-            for (torque, value) in torque.iter_mut().zip(values) {
-                *torque -= value;
-            }
-            let means = recorded.means(|row| values[row]);
-            for (fitted, mean) in fitted.iter_mut().zip(means) {
-                *fitted -= mean;
-            }
-        }
-    }
-    (torque, fitted)
 }

@@ -2,29 +2,24 @@
 
 mod findings;
 mod gaps;
-pub(super) mod names;
 mod reasons;
-pub(super) mod values;
 
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 
-use self::findings::{of_gravity, of_grip, of_pick};
-use self::gaps::{channels, mean_square};
-use self::names::names;
-use self::reasons::{FALSIFIED, drowned, untestable};
-use self::values::Sizes;
+pub(super) use self::findings::Sizes;
+use self::findings::{of_gravity, of_grip};
+use self::reasons::FALSIFIED;
+pub(crate) use self::reasons::names;
+use super::effects::is_scale;
+use super::select::Pick;
+use super::trust::positions_show_a_gap;
+use super::{Means, Model, gravity, grip};
 use crate::DiagnosisError;
 use crate::answer::{CauseAnswer, ChannelGap};
-use crate::force::base::Base;
-use crate::force::changes::carried::Carried;
-use crate::force::effects::{Effects, is_scale};
-use crate::force::grip::Grip;
-use crate::force::select::Selection;
-use crate::force::{gravity, grip, trust};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
     BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, SAID_BEYOND,
-    STRAINED, UNEXPLAINED_SHARE,
+    STRAIN, STRAINED, UNEXPLAINED_SHARE, WEIGHT_STRAIN,
 };
 
 /// What the torques say.
@@ -139,37 +134,8 @@ impl ForceAnswer {
         gaps.max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap))
     }
 
-    /// With the payloads before the other findings, whose shares are of what the payloads leave.
-    fn with_payloads(
-        mut self,
-        effects: &Effects<'_, '_>,
-        carried: &Carried,
-        energies: &Energies,
-    ) -> Self {
-        let rest = carried.rest_share(energies.before, energies.total);
-        let mut own = carried.findings(effects.along.recorded, rest);
-        if own.is_empty() {
-            return self;
-        }
-        for finding in &mut self.findings {
-            finding.share *= rest;
-        }
-        self.unexplained_share = match self.significant {
-            true => self.unexplained_share * rest,
-            false => 0.0,
-        };
-        let of_rest = rest * self.closed_unseen_share.unwrap_or(0.0);
-        let closed = carried.closed_share().map(|share| (1.0 - rest) * share);
-        self.closed_unseen_share = closed.map(|share| share + of_rest);
-        own.append(&mut self.findings);
-        self.findings = own;
-        self.warnings = carried.warnings();
-        self.significant = true;
-        self
-    }
-
     /// Nothing can be said.
-    pub(in crate::force) fn untestable(why: &str, has_torques: bool) -> Self {
+    pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
             not_tested: has_torques.then(|| why.to_owned()),
             untestable: names().map(|name| (name, why.to_owned())).collect(),
@@ -187,260 +153,205 @@ struct Energies {
     is_structured: bool,
 }
 
-impl Energies {
-    fn new(base: &Base, selection: &Selection, rows: f64) -> Self {
-        let (before, before_sd) = excess(&selection.before);
-        let (after, after_sd) = excess(&selection.after);
-        let total = before.max(0.0) + base.explained_within_blocks();
+impl Model<'_> {
+    fn energies(&self) -> Energies {
+        let (before, before_sd) = excess(&self.selection.before);
+        let (after, after_sd) = excess(&self.selection.after);
+        let total = before.max(0.0) + self.base.explained_within_blocks();
         let is_noise = after < NOISE_DEVIATIONS * after_sd;
         let left = if is_noise { 0.0 } else { after };
-        Self {
+        let least = LEAST_STRUCTURE * self.effects.along.recorded.rows();
+        Energies {
             is_adequate: left <= UNEXPLAINED_SHARE * total,
-            is_structured: before > OMNIBUS_DEVIATIONS * before_sd
-                && before > LEAST_STRUCTURE * rows,
+            is_structured: before > OMNIBUS_DEVIATIONS * before_sd && before > least,
             before,
             total,
             left,
         }
     }
-}
 
-/// Chosen effects as findings.
-struct Picked {
-    findings: Vec<CauseAnswer>,
-    /// Share of the structured energy that all picks explain.
-    explained: f64,
-    /// Joints whose torque has another scale, and that scale.
-    scales: Vec<(usize, f64)>,
-}
+    /// Puts the answer together.
+    pub(super) fn answer(&self) -> Result<ForceAnswer, DiagnosisError> {
+        let recorded = &self.effects.along.recorded;
+        let picks = &self.selection.picks;
+        let energies = self.energies();
+        // the torques pull at the geometry, and the positions show a gap: it may be a falsified one
+        let is_falsified = self.base.strain() > STRAIN && positions_show_a_gap(recorded.context);
+        let named = !picks.is_empty() && energies.is_adequate;
+        let may_be_part = !picks.is_empty() && !named && recorded.moves_by_itself();
+        let partial = may_be_part.then(|| self.supported()).flatten();
+        let kept: Option<Vec<&Pick>> = match (named, &partial) {
+            (true, _) => Some(picks.iter().collect()),
+            (_, Some(partial)) => Some(partial.kept.iter().map(|pick| &picks[*pick]).collect()),
+            _ => None,
+        };
+        let mut added = vec![0.0; recorded.channels.len()];
+        let gains = &self.base.regression.solution()[self.base.scales.clone()];
+        let mut add_scaled = |channel: usize| {
+            let torque_nm = self.base.torque_nm.column(channel);
+            added[channel] += (torque_nm.clone_owned() * gains[channel]).norm_squared()
+                / torque_nm.len().max(1) as f64;
+        };
+        let mut answer = ForceAnswer {
+            significant: !picks.is_empty() || energies.is_structured,
+            numbers: self.numbers(),
+            tested: self.effects.tested.len(),
+            closed_unseen_share: partial.map(|partial| partial.closed_share),
+            ..ForceAnswer::default()
+        };
+        let mut has_grip = false;
+        if let Some(kept) = kept {
+            let (findings, explained) = self.picked(&energies, &kept);
+            answer.unexplained_share = match named {
+                true => 1.0 - explained,
+                false => (1.0 - findings.iter().map(|own| own.share).sum::<f64>()).max(0.0),
+            };
+            answer.findings = findings;
+            let channels = kept.iter().filter_map(|pick| self.scaled_by(pick));
+            channels.for_each(&mut add_scaled);
+        } else if answer.significant && is_falsified {
+            answer.significant = false;
+        } else if answer.significant {
+            let found = self.held(&energies);
+            has_grip = found.is_some();
+            answer.unexplained_share = found.as_ref().map_or(1.0, |grip| grip.left);
+            answer.findings.extend(found.as_ref().map(of_grip));
+        }
+        // where a gap shows anyhow it is that gap's
+        let strained = self
+            .strained(gains)
+            .filter(|_| !is_falsified && !answer.significant);
+        if let Some(channel) = strained {
+            add_scaled(channel);
+            (answer.significant, answer.unexplained_share) = (true, 1.0);
+        }
+        if (named || !answer.significant)
+            && let Some((finding, torque_nm)) = self.weights(energies.total)?
+        {
+            for (added, torque_nm) in added.iter_mut().zip(torque_nm.column_iter()) {
+                *added += torque_nm.norm_squared() / torque_nm.len().max(1) as f64;
+            }
+            answer.findings.push(finding);
+            answer.significant = true;
+        }
+        answer.channels = self.gaps(&added);
+        for gap in answer.channels.iter_mut().filter(|_| has_grip) {
+            gap.rms_after = gap.rms_after.min(gap.noise_floor);
+        }
+        answer.course = self.course(&answer.channels);
+        answer.findings.sort_by(|a, b| b.share.total_cmp(&a.share));
+        if is_falsified && !named {
+            let why = ForceAnswer::untestable(FALSIFIED, true);
+            (answer.untestable, answer.not_tested) = (why.untestable, why.not_tested);
+        } else {
+            answer.untestable = self.untestable();
+            answer.not_tested = self.drowned().filter(|_| !answer.significant);
+        }
+        if !is_falsified {
+            answer = self.with_payloads(answer, &energies);
+        }
+        let is_part = answer.unexplained_share > UNEXPLAINED_SHARE;
+        answer.closed_unseen_share = answer.closed_unseen_share.filter(|_| is_part);
+        Ok(answer)
+    }
 
-impl Picked {
-    fn new(
-        effects: &Effects<'_, '_>,
-        base: &Base,
-        selection: &Selection,
-        energies: &Energies,
-        kept: &[usize],
-    ) -> Self {
-        let sizes = Sizes::new(effects, base, misfit(&selection.after));
-        let scores: f64 = selection.picks.iter().map(|pick| pick.score).sum();
+    /// Numbers of the base model.
+    fn numbers(&self) -> usize {
+        let links = &self.effects.along.inertia;
+        let nothing = links.iter().filter(|column| column.amax() == 0.0);
+        self.base.scales.end - nothing.count()
+    }
+
+    /// Picks as findings, and the share of the structured energy that all picks explain.
+    fn picked(&self, energies: &Energies, kept: &[&Pick]) -> (Vec<CauseAnswer>, f64) {
+        let sizes = Sizes::new(self, misfit(&self.selection.after));
+        let scores: f64 = self.selection.picks.iter().map(|pick| pick.score).sum();
         let total = energies.total.max(scores).max(1.0);
         let explained = (1.0 - energies.left / total).clamp(0.0, 1.0);
-        let mut picked = Self {
-            findings: Vec::new(),
-            explained,
-            scales: Vec::new(),
+        let share = |pick: &Pick| explained * pick.score / scores.max(1e-300);
+        let findings = kept.iter().map(|pick| sizes.of_pick(pick, share(pick)));
+        (findings.collect(), explained)
+    }
+
+    /// The channel whose torque has another scale by a pick.
+    fn scaled_by(&self, pick: &Pick) -> Option<usize> {
+        let is_scale = is_scale(self.effects.effect(pick.effect));
+        self.effects.channel(pick.effect).filter(|_| is_scale)
+    }
+
+    /// With the payloads before the other findings, whose shares are of what the payloads leave.
+    fn with_payloads(&self, mut answer: ForceAnswer, energies: &Energies) -> ForceAnswer {
+        let rest = self.carried.rest_share(energies.before, energies.total);
+        let mut own = self.carried.findings(rest);
+        if own.is_empty() {
+            return answer;
+        }
+        for finding in &mut answer.findings {
+            finding.share *= rest;
+        }
+        answer.unexplained_share = match answer.significant {
+            true => answer.unexplained_share * rest,
+            false => 0.0,
         };
-        for pick in kept.iter().map(|&index| &selection.picks[index]) {
-            let share = explained * pick.score / scores.max(1e-300);
-            let effect = effects.effect(pick.effect);
-            picked.findings.push(of_pick(effect, &sizes, pick, share));
-            if let Some(joint) = effect.joint().filter(|_| is_scale(effect)) {
-                picked.scales.push((joint, sizes.scale(effect).0));
-            }
-        }
-        picked
+        let of_rest = rest * answer.closed_unseen_share.unwrap_or(0.0);
+        let closed = self
+            .carried
+            .closed_share()
+            .map(|share| (1.0 - rest) * share);
+        answer.closed_unseen_share = closed.map(|share| share + of_rest);
+        own.append(&mut answer.findings);
+        answer.findings = own;
+        answer.warnings = self.carried.warnings();
+        answer.significant = true;
+        answer
     }
-}
 
-/// Puts the answer together.
-pub(in crate::force) fn answer(
-    effects: &Effects<'_, '_>,
-    base: &Base,
-    selection: &Selection,
-    carried: &Carried,
-) -> Result<ForceAnswer, DiagnosisError> {
-    let recorded = effects.along.recorded;
-    let energies = Energies::new(base, selection, effects.rows());
-    let is_falsified = trust::is_falsified(recorded.context, base);
-    let named = !selection.picks.is_empty() && energies.is_adequate;
-    let partial = match selection.picks.is_empty() || named || !recorded.moves_by_itself() {
-        true => None,
-        false => effects.supported(base, selection),
-    };
-    let strained = strained_scale(effects, base, selection);
-    let mut findings = Vec::new();
-    let mut unexplained_share = 0.0;
-    let mut significant = !selection.picks.is_empty() || energies.is_structured;
-    let blocks = recorded.blocks.len();
-    let of_channel = |torque_nm: &[f64], channel: usize| {
-        mean_square(&torque_nm[channel * blocks..(channel + 1) * blocks])
-    };
-    let mut added = vec![0.0; recorded.channels.len()];
-    let mut add_scaled = |joint: usize, gain: f64| {
-        if let Some(channel) = recorded.channel(joint) {
-            added[channel] += gain * gain * of_channel(&base.torque_nm, channel);
+    /// A force of the hand that the sensor does not see, where the torques show more than noise.
+    fn held(&self, energies: &Energies) -> Option<grip::Grip> {
+        if !energies.is_structured || self.effects.is_left_out(GRIP_FORCE.name) {
+            return None;
         }
-    };
-    let mut has_grip = false;
-    let kept: Option<Vec<usize>> = match named {
-        true => Some((0..selection.picks.len()).collect()),
-        false => partial.as_ref().map(|partial| partial.kept.clone()),
-    };
-    if let Some(kept) = kept {
-        let picked = Picked::new(effects, base, selection, &energies, &kept);
-        findings = picked.findings;
-        unexplained_share = match named {
-            true => 1.0 - picked.explained,
-            false => (1.0 - findings.iter().map(|finding| finding.share).sum::<f64>()).max(0.0),
+        let whitener = &self.base.regression.system.layout.whitener;
+        let rest = &self.selection.rest_before;
+        grip::grip(&self.effects.along, whitener, rest, energies.before)
+    }
+
+    /// A link whose weight is not the assumed one, with its torque, where weights can be judged.
+    fn weights(&self, total: f64) -> Result<Option<(CauseAnswer, Means)>, DiagnosisError> {
+        let recorded = &self.effects.along.recorded;
+        // a hand bears weights, and with moments that no force at the handle has
+        if recorded.is_held
+            || self.base.strain() > WEIGHT_STRAIN
+            || self.effects.is_left_out(UNBALANCED_GRAVITY.name)
+        {
+            return Ok(None);
+        }
+        let Some(found) = gravity::unbalanced(&self.effects.along, &self.base)? else {
+            return Ok(None);
         };
-        picked
-            .scales
-            .iter()
-            .for_each(|&(joint, gain)| add_scaled(joint, gain));
-    } else if significant && is_falsified {
-        significant = false;
-    } else if significant {
-        unexplained_share = 1.0;
-        let found = held(effects, base, selection, &energies);
-        if let Some(grip) = found {
-            unexplained_share = grip.left;
-            findings.push(of_grip(&grip));
-            has_grip = true;
+        let is_beside_others = total > LEAST_STRUCTURE * recorded.rows();
+        let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
+        if found.may_be_payload && !self.effects.is_left_out(PAYLOAD.name) {
+            // in one run a mass at the flange and one of the last link are one column
+            finding.confusable_with.push(PAYLOAD.name.to_owned());
+            finding.probability *= 0.5;
         }
+        Ok(Some((finding, found.torque_nm)))
     }
-    // where a gap shows anyhow it is that gap's
-    if let Some((joint, gain)) = strained.filter(|_| !is_falsified && !significant) {
-        add_scaled(joint, gain);
-        (significant, unexplained_share) = (true, 1.0);
-    }
-    if (named || !significant)
-        && let Some((finding, torque_nm)) = weights(effects, base, energies.total)?
-    {
-        for (channel, added) in added.iter_mut().enumerate() {
-            *added += of_channel(&torque_nm, channel);
-        }
-        findings.push(finding);
-        significant = true;
-    }
-    let mut channels = channels(effects, base, selection, carried, &added);
-    for gap in channels.iter_mut().filter(|_| has_grip) {
-        gap.rms_after = gap.rms_after.min(gap.noise_floor);
-    }
-    findings.sort_by(|a, b| b.share.total_cmp(&a.share));
-    let mut answer = ForceAnswer {
-        course: course(effects, selection, carried, &channels),
-        depends_on: Vec::new(),
-        channels,
-        findings,
-        untestable: untestable(effects, carried, is_falsified && !named),
-        unexplained_share,
-        significant,
-        closed_unseen_share: partial.map(|partial| partial.closed_share),
-        numbers: base.scales + recorded.channels.len(),
-        tested: effects.tested(),
-        warnings: Vec::new(),
-        changes: Vec::new(),
-        not_tested: match is_falsified && !named {
-            true => Some(FALSIFIED.to_owned()),
-            false => drowned(recorded, base).filter(|_| !significant),
-        },
-    };
-    if !is_falsified {
-        answer = answer.with_payloads(effects, carried, &energies);
-    }
-    let is_part = answer.unexplained_share > UNEXPLAINED_SHARE;
-    answer.closed_unseen_share = answer.closed_unseen_share.filter(|_| is_part);
-    Ok(answer)
-}
 
-/// A force of the hand that the sensor does not see, where the torques show more than noise.
-fn held(
-    effects: &Effects<'_, '_>,
-    base: &Base,
-    selection: &Selection,
-    energies: &Energies,
-) -> Option<Grip> {
-    if !energies.is_structured || effects.is_left_out(GRIP_FORCE.name) {
-        return None;
+    /// The channel whose torque scale the base model moved farthest, where that is far beyond what is stated of it and no finding
+    /// has it.
+    fn strained(&self, gains: &[f64]) -> Option<usize> {
+        let recorded = &self.effects.along.recorded;
+        let picks = &self.selection.picks;
+        let is_strained = |channel: &usize| {
+            let joint = &recorded.context.device.joints[recorded.channels[*channel]];
+            let is_named = picks
+                .iter()
+                .any(|pick| self.scaled_by(pick) == Some(*channel));
+            gains[*channel].abs() > STRAINED * joint.torque_scale_sd && !is_named
+        };
+        let channels = (0..gains.len()).filter(is_strained);
+        channels.max_by(|a, b| gains[*a].abs().total_cmp(&gains[*b].abs()))
     }
-    let whitener = &base.regression.system.layout.whitener;
-    let rest = &selection.rest_before;
-    grip::grip(effects.along, whitener, rest, energies.before)
-}
-
-/// A link whose weight is not the assumed one, with its torque, where weights can be judged.
-fn weights(
-    effects: &Effects<'_, '_>,
-    base: &Base,
-    total: f64,
-) -> Result<Option<(CauseAnswer, Vec<f64>)>, DiagnosisError> {
-    let recorded = effects.along.recorded;
-    // a hand bears weights, and with moments that no force at the handle has
-    if recorded.hand_is_unknown()
-        || !trust::weighs(base)
-        || effects.is_left_out(UNBALANCED_GRAVITY.name)
-    {
-        return Ok(None);
-    }
-    let row_sd: Vec<f64> = (0..recorded.channels.len())
-        .map(|channel| recorded.row_sd(channel, &effects.along.hand))
-        .collect();
-    let Some(found) = gravity::unbalanced(effects.along, base, &row_sd)? else {
-        return Ok(None);
-    };
-    let is_beside_others = total > LEAST_STRUCTURE * effects.rows();
-    let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
-    if found.may_be_payload && !effects.is_left_out(PAYLOAD.name) {
-        // in one run a mass at the flange and one of the last link are one column
-        finding.confusable_with.push(PAYLOAD.name.to_owned());
-        finding.probability *= 0.5;
-    }
-    Ok(Some((finding, found.torque_nm)))
-}
-
-/// The torques with the largest gap, over time.
-fn course(
-    effects: &Effects<'_, '_>,
-    selection: &Selection,
-    carried: &Carried,
-    channels: &[ChannelGap],
-) -> Option<Course> {
-    let recorded = effects.along.recorded;
-    let time_s = recorded.context.recording.time_s.as_ref()?;
-    let blocks = recorded.blocks.len();
-    let by_share = |a: &usize, b: &usize| {
-        channels[*a]
-            .share_of_gap
-            .total_cmp(&channels[*b].share_of_gap)
-    };
-    let channel = (0..channels.len()).max_by(by_share)?;
-    let own = channel * blocks..(channel + 1) * blocks;
-    Some(Course {
-        channel: channels[channel].channel.clone(),
-        unit: recorded.unit(channel),
-        time_s: recorded.means(|row| time_s[row]),
-        before: carried
-            .rest_before
-            .as_ref()
-            .unwrap_or(&selection.rest_before)[own.clone()]
-        .to_vec(),
-        after: selection.rest_after[own].to_vec(),
-    })
-}
-
-/// The joint whose torque scale the base model moved far beyond what is stated of it, and that scale; none where a finding
-/// has it.
-fn strained_scale(
-    effects: &Effects<'_, '_>,
-    base: &Base,
-    selection: &Selection,
-) -> Option<(usize, f64)> {
-    let recorded = effects.along.recorded;
-    let is_named = |joint: usize| {
-        let picks = selection.picks.iter();
-        let mut effects = picks.map(|pick| effects.effect(pick.effect));
-        effects.any(|effect| is_scale(effect) && effect.joint() == Some(joint))
-    };
-    let solution = base.regression.solution();
-    let scales = recorded
-        .channels
-        .iter()
-        .enumerate()
-        .filter_map(|(channel, &joint)| {
-            let gain = solution[base.scales + channel];
-            let sd = recorded.context.device.joints[joint].torque_scale_sd;
-            (gain.abs() > STRAINED * sd && !is_named(joint)).then_some((joint, gain))
-        });
-    scales.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }

@@ -1,119 +1,112 @@
 //! Why torques, or effects on them, were not tested.
 
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
-use haptical_effects::{Follows, Hook};
+use haptical_effects::{Follows, Hook, Need, spec};
 
-use super::names::names;
+use crate::force::Model;
 use crate::force::assumed::assumed;
-use crate::force::base::Base;
-use crate::force::changes::carried::Carried;
-use crate::force::effects::Effects;
 use crate::force::grip;
-use crate::force::recorded::Recorded;
+
+/// Every effect on torques and forces, once, but for those that motors' currents show.
+pub(crate) fn names() -> impl Iterator<Item = &'static str> {
+    let is_on_drives = |name: &&str| {
+        spec(name).is_some_and(|own| own.hook.is_on_drives() && !own.needs.contains(&Need::Current))
+    };
+    haptical_effects::names().into_iter().filter(is_on_drives)
+}
 
 /// Why torques say nothing while positions show an effect that is not in the model.
 pub(super) const FALSIFIED: &str =
     "an effect on positions that is not in the model falsifies the geometry";
 
-/// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
-/// be distinguished from it.
-pub(super) fn drowned(recorded: &Recorded<'_>, base: &Base) -> Option<String> {
-    let blocks = recorded.blocks.len().max(1);
-    let by_model = base.torque_nm.chunks(blocks);
-    let channels = recorded
-        .channels
-        .iter()
-        .zip(&recorded.torque_sd)
-        .zip(by_model);
-    let mut loud = channels.filter_map(|((joint, &sd_nm), torque_nm)| {
-        let square = torque_nm.iter().map(|torque| torque * torque).sum::<f64>();
-        let rms_nm = (square / blocks as f64).sqrt();
-        (sd_nm > rms_nm).then(|| {
-            let (column, unit) = (recorded.column(*joint), recorded.context.device.joints[*joint].torque_unit());
-            format!(
-                "the noise of {column} ({sd_nm:.3} {unit}) is larger than the torque that the model predicts \
-                 ({rms_nm:.3} {unit})"
-            )
+impl Model<'_> {
+    /// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
+    /// be distinguished from it.
+    pub(super) fn drowned(&self) -> Option<String> {
+        let recorded = &self.effects.along.recorded;
+        let torques = self.base.torque_nm.column_iter();
+        let mut channels = recorded.noise.iter().zip(torques).enumerate();
+        channels.find_map(|(channel, (noise, torque_nm))| {
+            let (sd_nm, unit) = (noise.sd, recorded.unit(channel));
+            let rms_nm = (torque_nm.norm_squared() / torque_nm.len().max(1) as f64).sqrt();
+            let column = recorded.column(recorded.channels[channel]);
+            (sd_nm > rms_nm).then(|| {
+                format!(
+                    "the noise of {column} ({sd_nm:.3} {unit}) is larger than the torque that the model predicts \
+                     ({rms_nm:.3} {unit})"
+                )
+            })
         })
-    });
-    loud.next()
-}
+    }
 
-/// Effects that need what this recording lacks, though others can be tested.
-pub(super) fn untestable(
-    effects: &Effects<'_, '_>,
-    carried: &Carried,
-    is_falsified: bool,
-) -> Vec<(&'static str, String)> {
-    let recorded = effects.along.recorded;
-    let context = recorded.context;
-    if is_falsified {
-        return names().map(|name| (name, FALSIFIED.to_owned())).collect();
-    }
-    let mut untestable = Vec::new();
-    let of_force = || haptical_effects::specs().filter(|spec| spec.hook == Hook::ForceSensor);
-    let mut because = |name: &'static str, why: &str| {
-        if !untestable.iter().any(|(other, _)| *other == name) {
-            untestable.push((name, why.to_owned()));
-        }
-    };
-    if recorded.force_n.is_none() {
-        let why = match recorded.hand_is_unknown() {
-            true => "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for",
-            false => {
-                "no columns fx_n, fy_n, fz_n, and none that sees the handle: nobody is taken to hold it"
+    /// Effects that need what this recording lacks, though others can be tested.
+    pub(super) fn untestable(&self) -> Vec<(&'static str, String)> {
+        let recorded = &self.effects.along.recorded;
+        let context = recorded.context;
+        let mut untestable: Vec<(&'static str, String)> = Vec::new();
+        let mut because = |name: &'static str, why: &str| {
+            if !untestable.iter().any(|(other, _)| *other == name) {
+                untestable.push((name, why.to_owned()));
             }
         };
-        of_force().for_each(|spec| because(spec.name, why));
-        because(GRIP_FORCE.name, why);
-        if recorded.hand_is_unknown() {
-            because(
-                UNBALANCED_GRAVITY.name,
-                "no columns fx_n, fy_n, fz_n: a hand may bear a weight",
-            );
-        }
-    } else {
-        if !recorded.force_varies() {
-            let driven = of_force().filter(|spec| spec.follows == Follows::Force);
-            driven.for_each(|spec| because(spec.name, "the hand's force is constant"));
-        }
-        if !grip::is_testable(recorded.channels.len()) {
-            because(GRIP_FORCE.name, "fewer than five torques");
-        }
-    }
-    if let Some(why) = &carried.changes.not_tested {
-        because(PAYLOAD.name, why);
-    }
-    let columns = |is_wanted: &dyn Fn(usize) -> bool| -> Vec<String> {
-        let joints = (0..context.device.joints.len()).filter(|&joint| is_wanted(joint));
-        joints.map(|joint| recorded.column(joint)).collect()
-    };
-    let missing = columns(&|joint| context.recorded_torque_nm(joint).is_none());
-    let constant = columns(&|joint| {
-        context.recorded_torque_nm(joint).is_some() && recorded.channel(joint).is_none()
-    });
-    if let Some(first) = constant.first() {
-        let why = format!("{first} has one value throughout: nothing was measured there");
-        for effect in (effects.all.iter()).filter(|own| own.joint().is_some()) {
-            because(effect.name(), &why);
-        }
-    }
-    if !missing.is_empty() {
-        let columns = if missing.len() == 1 {
-            "column"
+        let of_force = || haptical_effects::specs().filter(|spec| spec.hook == Hook::ForceSensor);
+        if recorded.force_n.is_none() {
+            let why = match recorded.is_held {
+                true => "no columns fx_n, fy_n, fz_n: a free force of the hand is allowed for",
+                false => {
+                    "no columns fx_n, fy_n, fz_n, and none that sees the handle: nobody is taken to hold it"
+                }
+            };
+            of_force().for_each(|spec| because(spec.name, why));
+            because(GRIP_FORCE.name, why);
+            if recorded.is_held {
+                let why = "no columns fx_n, fy_n, fz_n: a hand may bear a weight";
+                because(UNBALANCED_GRAVITY.name, why);
+            }
         } else {
-            "columns"
-        };
-        let why = format!("no {columns} {}", missing.join(", "));
-        for effect in &effects.all {
-            if effect.joint().is_some() {
-                because(effect.name(), &why);
+            if !recorded.force_varies() {
+                let driven = of_force().filter(|spec| spec.follows == Follows::Force);
+                driven.for_each(|spec| because(spec.name, "the hand's force is constant"));
+            }
+            if !grip::is_testable(recorded.channels.len()) {
+                because(GRIP_FORCE.name, "fewer than five torques");
             }
         }
+        if let Some(why) = &self.carried.not_tested {
+            because(PAYLOAD.name, why);
+        }
+        let joints = 0..context.device.joints.len();
+        let unseen = joints.filter(|&joint| recorded.channel(joint).is_none());
+        let is_read = |joint: &usize| context.recorded_torque_nm(*joint).is_some();
+        let (constant, missing): (Vec<usize>, Vec<usize>) = unseen.partition(is_read);
+        let at_joints = self.effects.all.iter().filter(|own| own.joint().is_some());
+        if let Some(first) = constant.first() {
+            let column = recorded.column(*first);
+            let why = format!("{column} has one value throughout: nothing was measured there");
+            at_joints
+                .clone()
+                .for_each(|effect| because(effect.name(), &why));
+        }
+        if !missing.is_empty() {
+            let columns = if missing.len() == 1 {
+                "column"
+            } else {
+                "columns"
+            };
+            let names: Vec<String> = missing
+                .iter()
+                .map(|joint| recorded.column(*joint))
+                .collect();
+            let why = format!("no {columns} {}", names.join(", "));
+            at_joints.for_each(|effect| because(effect.name(), &why));
+        }
+        if !assumed(&self.effects.along)
+            .iter()
+            .any(|link| link.is_in_file)
+        {
+            let why = "no mass_kg and centre_of_mass_m in the device file";
+            because(UNBALANCED_GRAVITY.name, why);
+        }
+        untestable
     }
-    if !assumed(effects.along).iter().any(|link| link.is_in_file) {
-        let why = "no mass_kg and centre_of_mass_m in the device file";
-        because(UNBALANCED_GRAVITY.name, why);
-    }
-    untestable
 }

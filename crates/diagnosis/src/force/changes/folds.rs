@@ -4,7 +4,7 @@
 //! by what the fullest hypothesis leaves of it, so that torques which no hypothesis describes do not drown the others.
 
 use haptical_judge::{Gain, closed_share};
-use haptical_linalg::NormalEquations;
+use haptical_linalg::{Matrix, NormalEquations, NormalSolution};
 use nalgebra::DMatrix;
 
 use super::blocks::Pair;
@@ -14,23 +14,27 @@ use crate::thresholds::payload::{FOLDS, RIDGE};
 /// The rows of a comparison in folds of blocks that follow each other.
 #[derive(Debug, Clone)]
 pub(in crate::force) struct Folds {
-    /// Per fold, per channel: products, and number of rows.
-    parts: Vec<Vec<(NormalEquations, f64)>>,
+    /// Products per fold, per channel.
+    parts: Vec<Vec<NormalEquations>>,
     /// All channels weighted together: without each fold, then all.
     sums: Vec<NormalEquations>,
-    /// Length of each column, and the standard deviation that its number is known to have.
-    length: Vec<f64>,
+    /// The standard deviation that each column's number is known to have.
     sd: Vec<f64>,
     /// One over the variance of a block's reading, per channel.
-    pub(in crate::force) weight: Vec<f64>,
+    pub(super) weight: Vec<f64>,
+    /// Rows of each channel.
+    pub(super) rows: f64,
 }
+
+/// A sum of columns, `(column, factor)` each, with what its number is known to, over one channel or over all.
+pub(super) type Sum = (Vec<(usize, f64)>, f64, Option<usize>);
 
 /// A hypothesis fitted: its numbers, and what it leaves of unseen blocks.
 #[derive(Debug, Clone)]
 pub(in crate::force) struct Fitted {
     /// Places of its columns.
     pub(in crate::force) columns: Vec<usize>,
-    pub(super) numbers: Vec<f64>,
+    numbers: Vec<f64>,
     /// The same without each fold.
     pub(super) without: Vec<Vec<f64>>,
     /// Weighted squares left of each fold, channel by channel.
@@ -41,25 +45,26 @@ impl Folds {
     /// `least`: variances that blocks have by noise alone, channel by channel.
     pub(in crate::force) fn new(columns: &Columns, pair: &Pair, least: &[f64]) -> Self {
         let fold_of = folds(pair);
-        let channels = pair.reading.len();
-        let places: Vec<(usize, usize)> = (0..FOLDS)
-            .flat_map(|fold| (0..channels).map(move |channel| (fold, channel)))
-            .collect();
-        let normal = |&(fold, channel): &(usize, usize)| {
+        let count = columns.all.len();
+        let normal = |(fold, channel): (usize, usize)| {
             let rows: Vec<usize> = (0..fold_of.len())
                 .filter(|&row| fold_of[row] == fold)
                 .collect();
-            let sums = products(columns, &pair.reading[channel], channel, &rows);
-            (sums, rows.len() as f64)
+            let dense = DMatrix::from_fn(rows.len(), count + 1, |row, column| {
+                columns.all.get(column).unwrap_or(&pair.reading)[(rows[row], channel)]
+            });
+            let products = dense.tr_mul(&dense);
+            NormalEquations::from_products(count, |a, b| products[(a, b)])
         };
-        let all: Vec<(NormalEquations, f64)> = haptical_parallel::map(&places, normal);
-        let parts = all.chunks(channels.max(1)).map(<[_]>::to_vec).collect();
+        let channels = least.len();
+        let places = (0..FOLDS).flat_map(|fold| (0..channels).map(move |channel| (fold, channel)));
+        let all = haptical_parallel::map(places.collect::<Vec<_>>(), normal);
         let mut folds = Self {
-            parts,
+            parts: all.chunks(channels.max(1)).map(<[_]>::to_vec).collect(),
             sums: Vec::new(),
-            length: Vec::new(),
             sd: columns.sd.clone(),
             weight: vec![1.0; channels],
+            rows: fold_of.len() as f64,
         };
         folds.weigh(least);
         folds
@@ -67,35 +72,30 @@ impl Folds {
 
     /// Weights by what all columns together leave of each channel.
     fn weigh(&mut self, least: &[f64]) {
-        let mean = |folds: &Self, channel: usize, left: &dyn Fn(&NormalEquations) -> f64| {
-            let parts = folds.parts.iter().map(|parts| &parts[channel]);
-            let square: f64 = parts.clone().map(|(sums, _)| left(sums)).sum();
-            (square / folds.rows(channel).max(1.0))
-                .max(least[channel])
-                .max(1e-300)
-        };
-        for channel in 0..self.weight.len() {
-            self.weight[channel] = 1.0 / mean(self, channel, &NormalEquations::target_square);
-        }
         let every: Vec<usize> = (0..self.sd.len()).collect();
-        for _ in 0..2 {
-            self.measure();
-            let numbers = self.solve(&every, None);
+        let mut numbers: Option<Vec<f64>> = None;
+        for _ in 0..3 {
             for channel in 0..self.weight.len() {
-                let left = |sums: &NormalEquations| sums.left(&every, &numbers);
-                self.weight[channel] = 1.0 / mean(self, channel, &left);
+                let left = |sums: &NormalEquations| match &numbers {
+                    Some(numbers) => sums.left(&every, numbers),
+                    None => sums.target_square(),
+                };
+                let square: f64 = self.parts.iter().map(|parts| left(&parts[channel])).sum();
+                let mean = (square / self.rows.max(1.0)).max(least[channel]);
+                self.weight[channel] = 1.0 / mean.max(1e-300);
             }
+            self.measure();
+            numbers = Some(self.solve(&every, FOLDS).coefficients().to_vec());
         }
-        self.measure();
     }
 
-    /// Sums over the weighted channels, and the columns' lengths by them.
+    /// Sums over the weighted channels.
     fn measure(&mut self) {
         let count = self.sd.len();
-        let mut sums = vec![NormalEquations::new(count); self.parts.len() + 1];
+        let mut sums = vec![NormalEquations::new(count); FOLDS + 1];
         for (fold, parts) in self.parts.iter().enumerate() {
             let mut own = NormalEquations::new(count);
-            for ((part, _), &weight) in parts.iter().zip(&self.weight) {
+            for (part, &weight) in parts.iter().zip(&self.weight) {
                 own.add(part, weight);
             }
             let without = sums.iter_mut().enumerate();
@@ -104,28 +104,18 @@ impl Folds {
             }
         }
         self.sums = sums;
-        let all = self.without(None);
-        self.length = (0..count)
-            .map(|column| all.product(column, column).sqrt())
-            .collect();
     }
 
-    /// Sums of all folds but one.
-    fn without(&self, fold: Option<usize>) -> &NormalEquations {
-        &self.sums[fold.unwrap_or(self.parts.len())]
+    /// Square of a column on all blocks.
+    fn square(&self, column: usize) -> f64 {
+        self.sums[FOLDS].product(column, column)
     }
 
-    /// What is known of a number beforehand, and of those that only sums of which show a smallest solution.
-    fn known(&self, column: usize) -> f64 {
-        RIDGE * self.length[column].powi(2) + self.sd[column].powi(-2)
-    }
-
-    /// Numbers of the columns, one fold left out.
-    fn solve(&self, columns: &[usize], without: Option<usize>) -> Vec<f64> {
-        let fit = self
-            .without(without)
-            .solve(columns, |column| self.known(column));
-        fit.coefficients().to_vec()
+    /// Fits columns to all folds but one, whose number that is. Of a number that is known beforehand its deviation counts; those that only
+    /// sums of which show have a smallest solution.
+    fn solve(&self, columns: &[usize], without: usize) -> NormalSolution {
+        let known = |column: usize| RIDGE * self.square(column) + self.sd[column].powi(-2);
+        self.sums[without].solve(columns, known)
     }
 
     /// What a sum of a fit's numbers, `(column, factor)` each, is wrong by because what is known of its numbers beforehand is
@@ -137,10 +127,7 @@ impl Folds {
             own.map(|(_, factor)| factor).sum()
         };
         let right: Vec<f64> = columns.iter().map(factor).collect();
-        let fit = self
-            .without(None)
-            .solve(columns, |column| self.known(column));
-        let moved = fit.inverse_times(&right);
+        let moved = self.solve(columns, FOLDS).inverse_times(&right);
         let pairs = columns.iter().zip(&moved);
         let square = pairs.map(|(&column, moved)| (moved / self.sd[column]).powi(2));
         square.sum::<f64>().sqrt()
@@ -149,69 +136,42 @@ impl Folds {
     /// Fits a hypothesis on all blocks, and on all but each fold.
     pub(in crate::force) fn fit(&self, columns: &[usize]) -> Fitted {
         let mut columns = columns.to_vec();
-        columns.retain(|&column| self.length[column] > 0.0);
-        let folds = 0..self.parts.len();
-        let without: Vec<Vec<f64>> =
-            haptical_parallel::map(folds, |fold| self.solve(&columns, Some(fold)));
+        columns.retain(|&column| self.square(column) > 0.0);
+        let numbers = |without| self.solve(&columns, without).coefficients().to_vec();
+        let mut without = haptical_parallel::map(0..=FOLDS, numbers);
+        let numbers = without.pop().unwrap_or_default();
         let left = self.parts.iter().zip(&without).map(|(parts, numbers)| {
             let parts = parts.iter().zip(&self.weight);
-            parts
-                .map(|((part, _), weight)| weight * part.left(&columns, numbers))
-                .collect()
+            let left = parts.map(|(part, weight)| weight * part.left(&columns, numbers));
+            left.collect()
         });
         Fitted {
             left: left.collect(),
-            numbers: self.solve(&columns, None),
+            numbers,
             without,
             columns,
         }
     }
 
-    /// Adds the sum of some columns, channel by channel, with what each of these factors is known to; their places.
-    pub(super) fn scale(&mut self, columns: &[usize], numbers: &[f64], sds: &[f64]) -> Vec<usize> {
+    /// Adds sums of columns; their places.
+    pub(super) fn add_sums(&mut self, sums: &[Sum]) -> Vec<usize> {
         let first = self.sd.len();
-        let terms: Vec<(usize, f64)> = columns
-            .iter()
-            .copied()
-            .zip(numbers.iter().copied())
-            .collect();
-        for (channel, (part, _)) in self
-            .parts
-            .iter_mut()
-            .flat_map(|parts| parts.iter_mut().enumerate())
-        {
-            for place in 0..sds.len() {
-                let own = if place == channel {
-                    terms.as_slice()
-                } else {
-                    &[]
-                };
-                *part = part.with_sum(own);
+        for parts in &mut self.parts {
+            for (channel, part) in parts.iter_mut().enumerate() {
+                for (terms, _, only) in sums {
+                    let is_here = only.is_none_or(|only| only == channel);
+                    *part = part.with_sum(if is_here { terms } else { &[] });
+                }
             }
         }
-        self.sd.extend(sds);
-        self.measure();
-        (first..self.sd.len()).collect()
-    }
-
-    /// Adds sums of columns, `(column, factor)` each, over all channels, of whose factors nothing is known; their places.
-    pub(super) fn add_sums(&mut self, sums: &[Vec<(usize, f64)>]) -> Vec<usize> {
-        let first = self.sd.len();
-        for (part, _) in self.parts.iter_mut().flatten() {
-            for sum in sums {
-                *part = part.with_sum(sum);
-            }
-        }
-        self.sd.extend(sums.iter().map(|_| f64::INFINITY));
+        self.sd.extend(sums.iter().map(|own| own.1));
         self.measure();
         (first..self.sd.len()).collect()
     }
 
     /// Normal equations of some columns over all blocks, less what `beside` can take of them.
-    pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> DMatrix<f64> {
-        let all = self.without(None);
-        let left = all.across(&all.solve(beside, |column| self.known(column)), columns);
-        DMatrix::from_fn(columns.len(), columns.len(), |a, b| left[(a, b)])
+    pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> Matrix {
+        self.sums[FOLDS].across(&self.solve(beside, FOLDS), columns)
     }
 
     /// With another standard deviation of a number.
@@ -219,15 +179,18 @@ impl Folds {
         self.sd[column] = sd;
     }
 
-    /// Weighted squares of some channels by noise alone; `variance`: of a block's reading, per channel.
-    pub(in crate::force) fn noise(&self, channels: &[usize], variance: &[f64]) -> f64 {
-        let of = |&channel: &usize| self.weight[channel] * variance[channel] * self.rows(channel);
-        channels.iter().map(of).sum()
-    }
-
-    /// Rows of each channel.
-    pub(in crate::force) fn rows(&self, channel: usize) -> f64 {
-        self.parts.iter().map(|parts| parts[channel].1).sum()
+    /// Share of the squares beyond noise of all channels that one hypothesis leaves and another does not; `variance`: of a block's reading
+    /// by noise alone, per channel.
+    pub(in crate::force) fn closed(&self, [null, all]: [&Fitted; 2], variance: &[f64]) -> f64 {
+        let noise = self
+            .weight
+            .iter()
+            .zip(variance)
+            .map(|(a, b)| a * b * self.rows);
+        let [before, after] = [null, all].map(|own| own.by_fold(|_| true));
+        closed_share(&before, &after, noise.sum())
+            .share
+            .clamp(0.0, 1.0)
     }
 }
 
@@ -248,63 +211,41 @@ impl Fitted {
     }
 
     /// What it leaves of some channels, fold by fold.
-    pub(in crate::force) fn by_fold(&self, channels: &[usize]) -> Vec<f64> {
-        let of = |left: &Vec<f64>| channels.iter().map(|&channel| left[channel]).sum();
-        self.left.iter().map(of).collect()
+    fn by_fold(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<f64> {
+        let wanted = |left: &Vec<f64>| {
+            let channels = left.iter().enumerate();
+            channels
+                .filter(|(channel, _)| is_wanted(*channel))
+                .map(|own| own.1)
+                .sum()
+        };
+        self.left.iter().map(wanted).collect()
     }
 
     /// What it leaves of some channels, all folds.
-    pub(in crate::force) fn left_on(&self, channels: &[usize]) -> f64 {
-        self.by_fold(channels).iter().sum()
+    pub(super) fn left_on(&self, channels: &[usize]) -> f64 {
+        self.by_fold(|channel| channels.contains(&channel))
+            .iter()
+            .sum()
     }
 
-    /// Share of the squares beyond noise that `other` leaves of some channels and this does not.
-    pub(in crate::force) fn closed_of(&self, other: &Self, channels: &[usize], noise: f64) -> f64 {
-        let (before, after) = (other.by_fold(channels), self.by_fold(channels));
-        closed_share(&before, &after, noise).share.clamp(0.0, 1.0)
-    }
-
-    /// What `other` leaves more than this on some channels.
-    pub(in crate::force) fn gain_over(&self, other: &Self, channels: &[usize]) -> Gain {
-        Gain::between(&other.by_fold(channels), &self.by_fold(channels))
+    /// What `other` leaves more than this, of all channels or of one.
+    pub(in crate::force) fn gain_over(&self, other: &Self, of: Option<usize>) -> Gain {
+        let [before, after] =
+            [other, self].map(|own| own.by_fold(|channel| of.is_none_or(|only| only == channel)));
+        Gain::between(&before, &after)
     }
 }
 
 /// Fold of each block: those before a change and those after it are cut alike.
 fn folds(pair: &Pair) -> Vec<usize> {
-    let count = |is_after: bool| pair.is_after.iter().filter(|&&own| own == is_after).count();
-    let counts = [count(false), count(true)];
+    let count = |side: bool| pair.is_after().filter(|&own| own == side).count();
+    let counts = [false, true].map(count);
     let mut seen = [0, 0];
-    let fold = |&is_after: &bool| {
+    let fold = |is_after: bool| {
         let side = usize::from(is_after);
-        let place = seen[side];
         seen[side] += 1;
-        place * FOLDS / counts[side].max(1)
+        (seen[side] - 1) * FOLDS / counts[side].max(1)
     };
-    pair.is_after.iter().map(fold).collect()
-}
-
-/// Products of the rows of one fold and channel.
-fn products(columns: &Columns, reading: &[f64], channel: usize, rows: &[usize]) -> NormalEquations {
-    let count = columns.all.len();
-    // columns that touch the channel, side by side, and the reading behind them
-    let touching: Vec<usize> = (0..count)
-        .filter(|&index| columns.all[index][channel].is_some())
-        .collect();
-    let dense = DMatrix::from_fn(rows.len(), touching.len() + 1, |row, place| {
-        let column = touching
-            .get(place)
-            .and_then(|&index| columns.all[index][channel].as_ref());
-        column.map_or(reading[rows[row]], |column| column[rows[row]])
-    });
-    let products = dense.tr_mul(&dense);
-    let mut place = vec![None; count + 1];
-    place[count] = Some(touching.len());
-    for (at, &index) in touching.iter().enumerate() {
-        place[index] = Some(at);
-    }
-    NormalEquations::from_products(count, |a, b| match (place[a], place[b]) {
-        (Some(a), Some(b)) => products[(a, b)],
-        _ => 0.0,
-    })
+    pair.is_after().map(fold).collect()
 }

@@ -26,21 +26,30 @@ pub(super) struct Carrier {
 }
 
 impl Carrier {
+    /// Its torque is read with each joint's scale, which is known to a deviation.
+    fn new(
+        (link, columns): (Option<usize>, Vec<usize>),
+        folds: &mut Folds,
+        common: &[usize],
+        scale_sds: &[f64],
+    ) -> Self {
+        let fitted = folds.fit(&[common, &columns].concat());
+        let terms = columns
+            .iter()
+            .map(|&column| (column, fitted.number(column)));
+        let terms: Vec<(usize, f64)> = terms.collect();
+        let scales = scale_sds.iter().enumerate();
+        let scales = scales.map(|(channel, &sd)| (terms.clone(), sd, Some(channel)));
+        Self {
+            link,
+            columns,
+            scales: folds.add_sums(&scales.collect::<Vec<_>>()),
+        }
+    }
+
     /// All its columns.
     pub(super) fn all(&self) -> Vec<usize> {
         [self.columns.as_slice(), &self.scales].concat()
-    }
-
-    /// Its torque is read with each joint's scale, which is known to a deviation.
-    fn scaled(mut self, folds: &mut Folds, common: &[usize], scale_sds: &[f64]) -> Self {
-        let fitted = folds.fit(&[common, &self.columns].concat());
-        let numbers: Vec<f64> = self
-            .columns
-            .iter()
-            .map(|&column| fitted.number(column))
-            .collect();
-        self.scales = folds.scale(&self.columns, &numbers, scale_sds);
-        self
     }
 }
 
@@ -55,42 +64,61 @@ pub(super) struct Hypothesis {
 
 impl Hypothesis {
     /// The place of a mass that does best on unseen blocks, beside the changes of drives that these blocks show with it.
-    pub(super) fn found(
-        along: &Along<'_>,
-        columns: &Columns,
-        folds: &mut Folds,
-        every: &[usize],
-    ) -> Option<Self> {
+    pub(super) fn found(along: &Along<'_>, columns: &Columns, folds: &mut Folds) -> Option<Self> {
         let common: Vec<usize> = columns.common.clone().collect();
-        know_flange(columns, folds, &common);
+        // the place of a mass at the flange is known to some centimetres of it: its size first
+        let mass = columns.flange.start;
+        let first = folds
+            .fit(&[common.as_slice(), &[mass]].concat())
+            .number(mass);
+        for (number, column) in columns.flange.clone().enumerate().skip(1) {
+            let reach = if number < 4 { 1 } else { 2 };
+            folds.knowing(column, FLANGE_REACH_M.powi(reach) * first.abs().max(1e-6));
+        }
+        // the flange, and every link that a drive in front of others carries
+        let links = columns.links.iter().enumerate().skip(1);
+        let links = links.map(|(link, numbers)| {
+            (
+                Some(link),
+                numbers.iter().map(|(column, _)| *column).collect(),
+            )
+        });
+        let places = std::iter::once((None, columns.flange.clone().collect())).chain(links);
         let scale_sds = along.scale_sds();
-        let carriers: Vec<Carrier> = carriers(columns)
-            .map(|carrier| carrier.scaled(folds, &common, &scale_sds))
-            .collect();
+        let carriers = places.map(|place| Carrier::new(place, folds, &common, &scale_sds));
+        let carriers: Vec<Carrier> = carriers.collect();
         let kinds = KINDS[..KINDS_WITH_PAYLOAD].iter();
         let mut drives = Drives {
             kinds: kinds.map(|kind| columns.every(kind)).collect(),
             carriers: &carriers,
             folds,
             common,
-            every,
         };
-        let start = Self::beside(&carriers, folds, &drives.common, every);
+        let start = drives.best();
         let Ok(found) = haptical_judge::select(&mut drives, start);
         found
     }
+}
 
-    /// The same beside some columns: the flange, unless a link does much better.
-    fn beside(
-        carriers: &[Carrier],
-        folds: &Folds,
-        common: &[usize],
-        every: &[usize],
-    ) -> Option<Self> {
-        let null = folds.fit(common);
-        let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, every));
-        let tried = carriers.iter().map(|carrier| {
-            let fitted = folds.fit(&[common, &carrier.all()].concat());
+/// What drives changed by with a mass, one kind on all joints after the other.
+struct Drives<'d> {
+    /// Columns of the kinds that are still to be tried.
+    kinds: Vec<Vec<usize>>,
+    carriers: &'d [Carrier],
+    folds: &'d Folds,
+    /// Columns of the base model and of the kinds that were taken.
+    common: Vec<usize>,
+}
+
+impl Drives<'_> {
+    /// The place of a mass: the flange, unless a link does much better.
+    fn best(&self) -> Option<Hypothesis> {
+        let null = self.folds.fit(&self.common);
+        let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, None));
+        let tried = self.carriers.iter().map(|carrier| {
+            let fitted = self
+                .folds
+                .fit(&[self.common.as_slice(), &carrier.all()].concat());
             (carrier, fitted)
         });
         let found: Vec<(&Carrier, Fitted)> = tried.filter(|own| gains(&own.1, &null)).collect();
@@ -104,24 +132,13 @@ impl Hypothesis {
         let links = [links.iter().min(), links.iter().max()].map(Option::<&usize>::copied);
         let (carrier, fitted) = found.into_iter().nth(best)?;
         let own = carrier.link.unwrap_or_default();
-        Some(Self {
+        Some(Hypothesis {
             carrier: carrier.clone(),
             fitted,
             null,
             links: links.map(|link| link.unwrap_or(own)),
         })
     }
-}
-
-/// What drives changed by with a mass, one kind on all joints after the other.
-struct Drives<'d> {
-    /// Columns of the kinds that are still to be tried.
-    kinds: Vec<Vec<usize>>,
-    carriers: &'d [Carrier],
-    folds: &'d Folds,
-    /// Columns of the base model and of the kinds that were taken.
-    common: Vec<usize>,
-    every: &'d [usize],
 }
 
 impl Forward for Drives<'_> {
@@ -136,18 +153,15 @@ impl Forward for Drives<'_> {
         let Some(found) = found else {
             return Ok(Vec::new());
         };
-        let gains = self.kinds.iter().map(|kind| {
+        let proposal = |kind: &Vec<usize>| {
             let all = [self.common.as_slice(), kind, &found.carrier.all()].concat();
-            let with_kind = self.folds.fit(&all);
-            (kind, with_kind.gain_over(&found.fitted, self.every))
-        });
-        let supported = gains.filter(|(_, gain)| is_beyond_chance(*gain));
-        Ok(supported
-            .map(|(kind, gain)| Proposal {
+            let gain = self.folds.fit(&all).gain_over(&found.fitted, None);
+            is_beyond_chance(gain).then(|| Proposal {
                 merit: gain.sum,
                 further: kind.clone(),
             })
-            .collect())
+        };
+        Ok(self.kinds.iter().filter_map(proposal).collect())
     }
 
     fn rule(
@@ -157,32 +171,6 @@ impl Forward for Drives<'_> {
     ) -> Result<Ruling<Option<Hypothesis>>, Infallible> {
         self.kinds.retain(|kind| *kind != best.further);
         self.common.extend(best.further);
-        let next = Hypothesis::beside(self.carriers, self.folds, &self.common, self.every);
-        Ok(Ruling::Taken(next))
-    }
-}
-
-/// The flange, and every link that a drive in front of others carries.
-fn carriers(columns: &Columns) -> impl Iterator<Item = Carrier> {
-    let flange = Carrier {
-        link: None,
-        columns: columns.flange.clone().collect(),
-        scales: Vec::new(),
-    };
-    let links = columns.links.iter().enumerate().skip(1);
-    std::iter::once(flange).chain(links.map(|(link, numbers)| Carrier {
-        link: Some(link),
-        columns: numbers.iter().map(|(column, _)| *column).collect(),
-        scales: Vec::new(),
-    }))
-}
-
-/// The place of a mass at the flange is known to some centimetres of it: to find its size first.
-fn know_flange(columns: &Columns, folds: &mut Folds, common: &[usize]) {
-    let mass = columns.flange.start;
-    let first = folds.fit(&[common, &[mass]].concat()).number(mass).abs();
-    for (number, column) in columns.flange.clone().enumerate().skip(1) {
-        let reach = if number < 4 { 1 } else { 2 };
-        folds.knowing(column, FLANGE_REACH_M.powi(reach) * first.max(1e-6));
+        Ok(Ruling::Taken(self.best()))
     }
 }

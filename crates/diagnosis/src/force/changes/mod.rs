@@ -4,81 +4,184 @@
 //! runs alike (friction, springs, cables) is a function of the state that both share.
 
 mod blocks;
-pub(super) mod carried;
 mod columns;
 mod folds;
 mod gain;
 mod hypothesis;
 mod judge;
-pub(super) mod second;
 mod size;
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
+use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
+
 pub(super) use self::blocks::Pair;
-pub(super) use self::columns::{Column, Columns, only};
+pub(super) use self::columns::Columns;
+#[cfg(test)]
+pub(super) use self::columns::flange;
 pub(super) use self::folds::{Fitted, Folds};
 pub(super) use self::gain::is_beyond_choice;
-pub(super) use self::judge::{Payload, UnseenBlocks};
+pub(super) use self::judge::Payload;
+use super::Means;
 use super::along::Along;
 use super::base::Base;
+use crate::answer::{CauseAnswer, ParameterAnswer};
+use crate::select::excess;
 pub(super) use crate::thresholds::payload::FOLDS;
 use crate::thresholds::payload::{LEAST_BLOCKS, MOST_RUNS};
+use crate::thresholds::torque::LISTED_PROBABILITY;
 
-/// What changed from run to run.
-#[derive(Debug, Default)]
-pub(super) struct Changes {
+/// What the arm carries in some runs and not in others: off the readings from here on.
+#[derive(Debug)]
+pub(super) struct Carried {
     /// Payloads that were put on or down, in the order of the runs.
     pub(super) payloads: Vec<Payload>,
     /// Why no payload was looked for, or not after some run.
     pub(super) not_tested: Option<String>,
+    /// What the base model says of the block means, no payload taken off, and what it leaves.
+    pub(super) fitted_before: Means,
+    pub(super) rest_before: Means,
+    /// Structured energy of that.
+    energy: f64,
+    /// Torque of all payloads together.
+    pub(super) torque_nm: Means,
 }
 
-/// Looks for payloads: every run against those before it, back to the last change.
-pub(super) fn changes(along: &Along<'_>, base: &Base) -> Changes {
-    let recorded = along.recorded;
-    let mut changes = Changes::default();
-    if recorded.hand_is_unknown() {
-        let why = "no columns fx_n, fy_n, fz_n: nobody knows what of a weight the hand carries";
-        changes.not_tested = Some(why.to_owned());
-        return changes;
-    }
-    let runs: Vec<Range<usize>> = runs_of_blocks(along);
-    if runs.len() < 2 {
-        changes.not_tested = Some("one run only: masses that all rows share are fitted".to_owned());
-        return changes;
-    }
-    if recorded.channels.len() < 2 {
-        let why = "one torque alone: a payload shows on several joints";
-        changes.not_tested = Some(why.to_owned());
-        return changes;
-    }
-    let mut before = runs[0].clone();
-    for (run, after) in runs.iter().enumerate().skip(1) {
-        if run > MOST_RUNS {
-            changes.not_tested = Some(format!("runs after number {run} were not compared"));
-            break;
+impl Carried {
+    /// Looks for payloads, unless their name is left out of the catalogue.
+    pub(super) fn new(along: &Along<'_>, base: &Base, without: &[String]) -> Self {
+        let rest = base.rest();
+        let free = along.recorded.free_directions();
+        let mut carried = Self {
+            payloads: Vec::new(),
+            not_tested: None,
+            fitted_before: &along.reading - &rest,
+            torque_nm: rest.map(|_| 0.0),
+            rest_before: rest,
+            energy: excess(&base.energy(free)).0.max(0.0),
+        };
+        if !without.iter().any(|name| name == PAYLOAD.name) {
+            carried.not_tested = carried.look(along, base).err();
         }
-        if before.len() < LEAST_BLOCKS || after.len() < LEAST_BLOCKS {
-            changes.not_tested = Some("a run is too short to be compared".to_owned());
-            before = before.start..after.end;
-            continue;
+        for payload in &carried.payloads {
+            carried.torque_nm += &payload.torque_nm;
         }
-        let pair = Pair::new(along, before.clone(), after.clone());
-        match judge::payload(along, base, &pair, run) {
-            Some(found) => {
-                changes.payloads.push(found);
-                before = after.clone();
+        carried
+    }
+
+    /// Every run against those before it, back to the last change; why some were not compared.
+    fn look(&mut self, along: &Along<'_>, base: &Base) -> Result<(), String> {
+        let recorded = &along.recorded;
+        if recorded.is_held {
+            let why = "no columns fx_n, fy_n, fz_n: nobody knows what of a weight the hand carries";
+            return Err(why.to_owned());
+        }
+        let runs = runs_of_blocks(along);
+        if runs.len() < 2 {
+            return Err("one run only: masses that all rows share are fitted".to_owned());
+        }
+        if recorded.channels.len() < 2 {
+            return Err("one torque alone: a payload shows on several joints".to_owned());
+        }
+        let mut is_whole = true;
+        let mut before = runs[0].clone();
+        for (run, after) in runs.iter().enumerate().skip(1) {
+            if run > MOST_RUNS {
+                return Err(format!("runs after number {run} were not compared"));
             }
-            None => before = before.start..after.end,
+            let is_long = before.len() >= LEAST_BLOCKS && after.len() >= LEAST_BLOCKS;
+            is_whole &= is_long;
+            let pair = is_long.then(|| Pair::new(along, before.clone(), after.clone()));
+            match pair.and_then(|pair| judge::payload(along, base, &pair, run)) {
+                Some(found) => {
+                    self.payloads.push(found);
+                    before = after.clone();
+                }
+                None => before = before.start..after.end,
+            }
+        }
+        match is_whole {
+            true => Ok(()),
+            false => Err("a run is too short to be compared".to_owned()),
         }
     }
-    changes
+
+    /// Share of the gap that the payloads leave for other effects: `left` is its structured energy, `total` the squares that
+    /// other effects are asked of.
+    pub(super) fn rest_share(&self, left: f64, total: f64) -> f64 {
+        if self.payloads.is_empty() {
+            return 1.0;
+        }
+        let closed = (self.energy - left.max(0.0)).max(0.0);
+        total / (total + closed).max(1e-300)
+    }
+
+    /// Share of the squares beyond noise that the payloads close on unseen blocks: of the change that closes least.
+    pub(super) fn closed_share(&self) -> Option<f64> {
+        let shares = self.payloads.iter().map(|payload| payload.closed_share);
+        shares.reduce(f64::min)
+    }
+
+    /// What the numbers of a payload rest on that the torques do not fix.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let told = |payload: &Payload| {
+            let ([least, most], link) = (payload.size.lever_m?, payload.link? + 1);
+            Some(format!(
+                "payload from run {}: the torques fix its moment about link {link}, mass times distance, and not its mass; the \
+                 interval of mass_kg is what the moment gives at distances of {least:.3} m to {most:.3} m",
+                payload.run + 1
+            ))
+        };
+        self.payloads.iter().filter_map(told).collect()
+    }
+
+    /// The payloads as findings, largest first.
+    pub(super) fn findings(&self, rest_share: f64) -> Vec<CauseAnswer> {
+        let square = |payload: &Payload| payload.torque_nm.norm_squared();
+        let all: f64 = self.payloads.iter().map(square).sum();
+        let closed = 1.0 - rest_share;
+        let share = |payload: &Payload| closed * square(payload) / all.max(1e-300);
+        let found = self.payloads.iter().map(|own| finding(own, share(own)));
+        let mut found: Vec<CauseAnswer> = found.collect();
+        found.sort_by(|a, b| b.share.total_cmp(&a.share));
+        found
+    }
+}
+
+fn finding(payload: &Payload, share: f64) -> CauseAnswer {
+    let number = |value: f64, ci95: [f64; 2]| Some(ParameterAnswer { value, ci95 });
+    let size = &payload.size;
+    let from_run = (payload.run + 1) as f64;
+    let value = |name: &str| match name {
+        "mass_kg" => number(size.mass_kg, size.ci95_kg),
+        "moment_kg_m" => size
+            .moment_kg_m
+            .and_then(|(value, ci95)| number(value, ci95)),
+        "on_link" => number(
+            (payload.link? + 1) as f64,
+            payload.links.map(|link| (link + 1) as f64),
+        ),
+        "from_run" => number(from_run, [from_run; 2]),
+        _ => None,
+    };
+    let spec = match payload.link {
+        Some(_) => &PAYLOAD_ON_LINK,
+        None => &PAYLOAD,
+    };
+    let parameters = spec.parameters.iter();
+    let parameters = parameters.filter_map(|own| Some((own.name.to_owned(), value(own.name)?)));
+    CauseAnswer {
+        parameters: parameters.collect::<BTreeMap<_, _>>(),
+        share,
+        held_out: Some(payload.unseen.clone()),
+        ..CauseAnswer::named(spec.name, None, LISTED_PROBABILITY)
+    }
 }
 
 /// Blocks of each run that has any, in order.
 fn runs_of_blocks(along: &Along<'_>) -> Vec<Range<usize>> {
-    let recorded = along.recorded;
+    let recorded = &along.recorded;
     let mut first = 0;
     let own = recorded.context.runs.iter().map(|run| {
         let rest = &recorded.blocks[first..];
@@ -88,10 +191,4 @@ fn runs_of_blocks(along: &Along<'_>) -> Vec<Range<usize>> {
         range
     });
     own.collect()
-}
-
-/// One kilogram at the flange in all blocks, by the links' columns.
-#[cfg(test)]
-pub(super) fn at_flange(along: &Along<'_>) -> Vec<f64> {
-    columns::of_last_link(along, &columns::flange(&along.flange_m())[0])
 }

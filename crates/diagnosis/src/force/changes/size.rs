@@ -7,7 +7,7 @@ use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
 use crate::thresholds::payload::{
-    CERTAIN, FIXED_MASS, FOLDS_HALF_WIDTH, KNOWN_INERTIA, LEVER, SESSION_FACTOR,
+    CERTAIN, FIXED_MASS, FOLDS, FOLDS_HALF_WIDTH, KNOWN_INERTIA, LEVER, SESSION_FACTOR,
 };
 
 /// A payload's numbers.
@@ -44,87 +44,79 @@ pub(super) fn size(
 ) -> Size {
     // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
     let sd_of = |value: &dyn Fn(Numbers<'_>) -> f64, sum: &[(usize, f64)]| {
-        let each = (0..fitted.without.len()).map(|fold| value(&|column| fitted.nth(fold, column)));
+        let each = (0..FOLDS).map(|fold| value(&|column| fitted.nth(fold, column)));
         jackknife_sd(each).hypot(1.96 / FOLDS_HALF_WIDTH * folds.prior_sd(fitted, sum))
     };
     let known = |value: f64, sd: f64| {
         let half = (FOLDS_HALF_WIDTH * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
         [value - half, value + half]
     };
-    let Some(link) = link else {
-        let mass = columns.flange.start;
+    // the number of a column as a mass, with its standard deviation
+    let by_column = |mass: usize| {
         let mass_kg = fitted.number(mass);
         let sd_kg = sd_of(&|number| number(mass), &[(mass, 1.0)]);
-        return Size {
+        let size = Size {
             mass_kg,
             ci95_kg: known(mass_kg, sd_kg),
             moment_kg_m: None,
             lever_m: None,
             deviations: mass_kg.abs() / sd_kg.max(1e-300),
         };
+        (size, sd_kg)
+    };
+    let Some(link) = link else {
+        return by_column(columns.flange.start).0;
     };
     let column = |number: usize| {
         let mut own = columns.links[link].iter();
         own.find(|(_, other)| *other == number)
             .map(|(column, _)| *column)
     };
-    let moment_of = |of: &dyn Fn(usize) -> f64| {
+    let number = |place: usize| column(place).map_or(0.0, |own| fitted.number(own));
+    let moment_of = |of: Numbers<'_>| {
         let square = (1..4).filter_map(column).map(|column| of(column).powi(2));
         square.sum::<f64>().sqrt()
     };
     let moment = moment_of(&|column| fitted.number(column));
-    let along_it = (1..4).filter_map(column).map(|column| {
-        let factor = fitted.number(column) / moment.max(1e-300);
-        (column, factor)
-    });
+    let direction = [1, 2, 3].map(|place| number(place) / moment.max(1e-300));
+    let along_it = (1..4).filter_map(|place| Some((column(place)?, direction[place - 1])));
     let moment_sd = sd_of(&moment_of, &along_it.collect::<Vec<_>>());
-    let sign = sign(fitted, &column);
     let deviations = moment / moment_sd.max(1e-300);
     let [low, high] = known(moment, moment_sd);
-    let moment_kg_m = Some((moment, [low.max(0.0), high]));
-    if let Some(mass) = column(0) {
-        let mass_kg = fitted.number(mass);
-        let sd_kg = sd_of(&|number| number(mass), &[(mass, 1.0)]);
-        if sd_kg < FIXED_MASS * mass_kg.abs() {
-            return Size {
-                mass_kg,
-                ci95_kg: known(mass_kg, sd_kg),
-                moment_kg_m,
-                lever_m: None,
-                // of a link that the axes behind it leave free, no moment along them is seen
-                deviations: deviations.max(mass_kg.abs() / sd_kg.max(1e-300)),
-            };
-        }
-    }
-    let direction = [1, 2, 3]
-        .map(|number| column(number).map_or(0.0, |own| fitted.number(own)) / moment.max(1e-300));
-    if let Some((mass_kg, ci95_kg)) =
-        by_inertia((along, columns), folds, (link, &direction), fitted)
-    {
-        return Size {
-            mass_kg,
-            ci95_kg,
-            moment_kg_m,
-            lever_m: None,
-            deviations,
-        };
-    }
-    // the drives see the moment alone: of the mass no more than what fits between the axis and the end of the link
-    let reach_m = longest_m(along);
-    let [least, most] = LEVER.map(|share| share * reach_m);
-    let ends = [low.max(0.0) / most, high / least];
-    let mass_kg = moment / (least * most).sqrt();
-    let ci95_kg = match sign < 0.0 {
-        true => [-ends[1], -ends[0]],
-        false => ends,
+    let of_link = |size: Size| Size {
+        moment_kg_m: Some((moment, [low.max(0.0), high])),
+        // of a link that the axes behind it leave free, no moment along them is seen
+        deviations: deviations.max(size.deviations),
+        ..size
     };
-    Size {
-        mass_kg: sign * mass_kg,
-        ci95_kg,
-        moment_kg_m,
-        lever_m: Some([least, most]),
-        deviations,
+    let by_mass = column(0).map(by_column);
+    if let Some((size, _)) = by_mass.filter(|(size, sd)| *sd < FIXED_MASS * size.mass_kg.abs()) {
+        return of_link(size);
     }
+    let by_inertia = by_inertia((along, columns), folds, (link, &direction), fitted);
+    let (mass_kg, ci95_kg, lever_m) = match by_inertia {
+        Some((mass_kg, ci95_kg)) => (mass_kg, ci95_kg, None),
+        None => {
+            // the drives see the moment alone: of the mass no more than what fits between the axis and the end of the link
+            let reach_m = longest_m(along);
+            let [least, most] = LEVER.map(|share| share * reach_m);
+            let ends = [low.max(0.0) / most, high / least];
+            let mass_kg = moment / (least * most).sqrt();
+            let lever_m = Some([least, most]);
+            // whether it was put on or down: its inertia is above or below zero
+            match (4..7).map(number).sum::<f64>() < 0.0 {
+                true => (-mass_kg, [-ends[1], -ends[0]], lever_m),
+                false => (mass_kg, ends, lever_m),
+            }
+        }
+    };
+    of_link(Size {
+        mass_kg,
+        ci95_kg,
+        moment_kg_m: None,
+        lever_m,
+        deviations,
+    })
 }
 
 /// The mass of a point along a direction from the link's origin: `(m b)^2 / (m b^2)`, its moment's square over its inertia
@@ -148,14 +140,13 @@ fn by_inertia(
         -x * z,
         -y * z,
     ];
-    let moment = own.iter().filter(|(_, number)| (1..4).contains(number));
-    let moment = moment.map(|(column, number)| (*column, direction[number - 1]));
-    let inertia = own.iter().filter(|(_, number)| *number > 3);
-    let inertia = inertia.map(|(column, number)| (*column, shape[number - 4]));
+    let sums = [(1, direction.as_slice()), (4, &shape)].map(|(first, factors)| {
+        let factor = |number: usize| factors.get(number.checked_sub(first)?).copied();
+        let terms = own.iter().filter_map(|own| Some((own.0, factor(own.1)?)));
+        (terms.collect(), f64::INFINITY, None)
+    });
     let mut with = folds.clone();
-    let [moment, inertia] = *with
-        .add_sums(&[moment.collect(), inertia.collect()])
-        .first_chunk::<2>()?;
+    let [moment, inertia] = *with.add_sums(&sums).first_chunk::<2>()?;
     let is_other = |column: &&usize| !own.iter().any(|(own, _)| own == *column);
     let common: Vec<usize> = fitted.columns.iter().filter(is_other).copied().collect();
     let found = with.fit(&[common.as_slice(), &[moment, inertia]].concat());
@@ -166,8 +157,7 @@ fn by_inertia(
     let mass_kg = mass_of(&|column| found.number(column))?;
     // logarithms: a ratio of two numbers is no normal one
     let beside = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
-    let parts =
-        (0..found.without.len()).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
+    let parts = (0..FOLDS).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
     let of_folds = SESSION_FACTOR * jackknife_sd(parts.collect::<Option<Vec<_>>>()?.into_iter());
     // scales within what is stated of them, offsets and friction as they like
     for (drive, sd) in columns.own.iter().zip(along.scale_sds()) {
@@ -190,13 +180,6 @@ fn by_inertia(
     let ends = [mass_kg * (-half).exp(), mass_kg * half.exp()];
     let ci95_kg = [ends[0].min(ends[1]), ends[0].max(ends[1])];
     (half < KNOWN_INERTIA).then_some((mass_kg, ci95_kg))
-}
-
-/// Whether a mass was put on or down: its inertia is above or below zero.
-fn sign(fitted: &Fitted, column: &dyn Fn(usize) -> Option<usize>) -> f64 {
-    let trace = |of: &dyn Fn(usize) -> f64| (4..7).filter_map(column).map(of).sum::<f64>();
-    let all = trace(&|column| fitted.number(column));
-    if all < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// Longest row of the chain \[m\].

@@ -2,7 +2,7 @@
 
 use super::arm::{Scene, arm};
 use super::{examined, examined_as, examined_held};
-use crate::force::answer::names::names;
+use crate::force::names;
 
 const ROWS: usize = 2500;
 

@@ -9,6 +9,7 @@ use super::{examined, examined_held};
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::along::Along;
 use crate::force::answer::ForceAnswer;
+use crate::force::changes::flange;
 use crate::force::recorded::Recorded;
 
 /// Rows of a run.
@@ -288,20 +289,20 @@ fn the_law_is_that_of_the_links_columns() {
     for device in [arm(), other_arm()] {
         let recording = recorded(Scene::alone(90, 2 * RUN), 2);
         let context = Context::new(&device, &recording, &[]).unwrap();
-        let recorded = Recorded::new(&context).unwrap();
-        let along = Along::new(&recorded).unwrap();
+        let recorded = Recorded::new(&context, false).unwrap();
+        let along = Along::new(recorded).unwrap();
         let catalogue = drive_catalogue(&device);
         let law = catalogue
             .iter()
             .find(|effect| effect.name() == "payload")
             .unwrap();
         let signal = law.signal(&context, &[1.0], 1.0);
+        let recorded = &along.recorded;
         let means = recorded.signal_means(&signal);
-        let columns = crate::force::changes::at_flange(&along);
+        // one kilogram at the flange in all blocks
+        let columns = along.link_torques(&flange(&along)[0]);
         let blocks = recorded.blocks.len();
-        let largest = columns
-            .iter()
-            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let largest = columns.amax();
         for (cell, (law, column)) in means.iter().zip(&columns).enumerate() {
             let block = &recorded.blocks[cell % blocks];
             if block.rows.start < RUN {

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
 use crate::engine::regression::Regression;
+use crate::force::Means;
 use crate::force::along::Along;
+use crate::force::harmonics::within;
 use crate::force::posture::{PER_LINK, Posture};
 use crate::force::recorded::{Besides, Recorded};
-use crate::force::rows::TorqueRows;
-use crate::force::rows::fast::within;
-use crate::force::rows::whitener::Whitener;
+use crate::force::rows::{TorqueRows, Whitener};
 use crate::select::excess;
 use crate::select::scan::Candidate;
 use crate::thresholds::torque::{ANGLE_SD_RAD, LENGTH_SD_M};
@@ -163,16 +163,17 @@ fn a_score_is_what_a_projection_gives() {
             &spread * spread.transpose() + DMatrix::identity(2, 2)
         })
         .collect();
-    let whitener = Whitener::new(channels, covariances.clone()).unwrap();
+    let whitener = Whitener::new(covariances.clone().into_iter()).unwrap();
     let mut column = || -> Vec<f64> { (0..rows).map(|_| noise.normal()).collect() };
     let reading = column();
     let base: Vec<Vec<f64>> = (0..4).map(|_| column()).collect();
     let added = [column(), column()];
     // priors of variance 0.04 on the last two base columns
     let priors = [0.0, 0.0, 25.0, 25.0];
-    let layout = TorqueRows::new(whitener.clone(), 4);
+    let layout = TorqueRows::new(whitener.clone(), (blocks, channels), 4);
+    let means = |column: &[f64]| Means::from_column_slice(blocks, channels, column);
     let lengthened = |column: &[f64]| {
-        let mut white = whitener.whiten(column);
+        let mut white = whitener.whiten(&means(column)).as_slice().to_vec();
         white.resize(rows + 4, 0.0);
         white
     };
@@ -183,7 +184,10 @@ fn a_score_is_what_a_projection_gives() {
         regression.add(column);
     }
     let system = &regression.system;
-    let columns = added.iter().map(|column| layout.of_means(column)).collect();
+    let columns = added
+        .iter()
+        .map(|column| layout.of_means(&means(column)))
+        .collect();
     let score = Candidate::of_columns(system, columns, 0, 0.0).score(system);
 
     // the same with the priors as rows of their own
@@ -261,8 +265,8 @@ fn slow_energy_of_noise_is_its_freedom() {
     for seed in seeds.clone() {
         let (device, recording) = (arm(), Scene::new(seed, 3000).record());
         let context = Context::new(&device, &recording, &[]).unwrap();
-        let recorded = Recorded::new(&context).unwrap();
-        let along = Along::new(&recorded).unwrap();
+        let recorded = Recorded::new(&context, false).unwrap();
+        let along = Along::new(recorded).unwrap();
         let whitener = along.whitener(Besides::Nothing).unwrap();
         let base = along.fit(&whitener, Besides::Nothing);
         let (energy, sd) = excess(&base.energy(0));
@@ -278,8 +282,8 @@ fn slow_energy_of_noise_is_its_freedom() {
 fn what_no_torque_shows_is_as_assumed() {
     let (device, recording) = (arm(), Scene::new(39, 3000).record());
     let context = Context::new(&device, &recording, &[]).unwrap();
-    let recorded = Recorded::new(&context).unwrap();
-    let along = Along::new(&recorded).unwrap();
+    let recorded = Recorded::new(&context, false).unwrap();
+    let along = Along::new(recorded).unwrap();
     let whitener = along.whitener(Besides::Nothing).unwrap();
     let base = along.fit(&whitener, Besides::Nothing);
     // 0.3 kg at 0.02 m
