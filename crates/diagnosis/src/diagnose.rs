@@ -9,6 +9,7 @@ use haptical_motion::{LoadSource, is_moving_arm};
 
 use crate::answer::assemble::answer;
 use crate::answer::corrected::{changed, not_in_file};
+use crate::answer::second::OnSecond;
 use crate::answer::second::judged;
 use crate::answer::{Diagnosis, Verdict};
 use crate::current::without_currents;
@@ -17,7 +18,6 @@ use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
 use crate::engine::own_sizes::own_sizes;
-use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
 use crate::judge::findings::{Findings, Inputs};

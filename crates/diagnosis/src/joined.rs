@@ -7,7 +7,7 @@ use haptical_calibration::CalibrationError;
 
 use crate::DiagnosisError;
 use crate::answer::{
-    CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, SecondAnswer, Untestable, Verdict,
+    CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, Untestable, Verdict,
 };
 use crate::thresholds::joined::MOST_OVER_NOISE;
 use crate::thresholds::servo::ALL_CLOSED;
@@ -171,11 +171,11 @@ impl Weighed {
         let channels = channels.into_iter().flat_map(of_view).collect();
         answer.gap = Gap::new(verdict, located, channels);
         answer.second = match (answer.second, other.second) {
-            (Some(first), Some(other)) => Some(SecondAnswer {
-                channels: [first.channels, other.channels].concat(),
-                not_predicted: [first.not_predicted, other.not_predicted].concat(),
-                is_gap_of_it_alone: false,
-            }),
+            (Some(mut first), Some(other)) => {
+                first.extend(other);
+                first.is_gap_of_it_alone = false;
+                Some(first)
+            }
             (first, other) => first.or(other),
         };
         answer.not_in_file.extend(other.not_in_file);

@@ -8,12 +8,13 @@ use haptical_motion::why_not;
 
 use crate::answer::corrected::{not_in_file, of_drives};
 use crate::answer::place::in_torques;
+use crate::answer::second::OnSecond;
 use crate::answer::{
     CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING, Trace,
     Untestable, Verdict,
 };
 use crate::force::answer::ForceAnswer;
-use crate::force::{OnSecond, examine_both};
+use crate::force::examine_both;
 use crate::judge::verdict;
 use crate::servo_loop::has_commands;
 use crate::thresholds::servo::UNTRUSTED_SCALE;
@@ -79,7 +80,7 @@ pub(crate) fn diagnose(
     let mut warnings = warnings_of(&force, slow.as_deref());
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
-    let second = seen.as_ref().map(OnSecond::answer);
+    let second = seen.as_ref().map(|seen| seen.second.clone());
     let shown = seen.iter().flat_map(|seen| &seen.held_out);
     let shown = shown.filter(|channel| located == Some(channel.channel.as_str()));
     let shown = shown.map(|channel| channel.clone().agreeing(&gap)).next();

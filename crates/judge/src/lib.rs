@@ -14,7 +14,8 @@ mod tests;
 
 pub use gain::{Closed, Gain, closed_share};
 pub use question::{
-    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without,
+    Backward, Forward, InPlace, Less, Needless, Other, Others, Proposal, Proposals, Ruled, Ruling,
+    Without,
 };
 pub use rivals::{Rival, Rivals, nearest, probability, rivals};
 pub use select::{Kept, select, without_needless};

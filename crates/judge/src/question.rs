@@ -13,21 +13,20 @@ pub trait Forward {
     ///
     /// # Errors
     /// Where a fit fails.
-    fn proposals(
-        &mut self,
-        state: &Self::State,
-    ) -> Result<Vec<Proposal<Self::Further>>, Self::Error>;
+    fn proposals(&mut self, state: &Self::State) -> Proposals<Self>;
 
     /// Rules on the best proposal.
     ///
     /// # Errors
     /// Where a fit fails.
-    fn rule(
-        &mut self,
-        state: &Self::State,
-        best: Proposal<Self::Further>,
-    ) -> Result<Ruling<Self::State>, Self::Error>;
+    fn rule(&mut self, state: &Self::State, best: Proposal<Self::Further>) -> Ruled<Self>;
 }
+
+/// What is proposed, or why a fit fails.
+pub type Proposals<Q> = Result<Vec<Proposal<<Q as Forward>::Further>>, <Q as Forward>::Error>;
+
+/// What becomes of the best proposal, or why a fit fails.
+pub type Ruled<Q> = Result<Ruling<<Q as Forward>::State>, <Q as Forward>::Error>;
 
 /// A further effect.
 #[derive(Debug, Clone)]
@@ -74,12 +73,11 @@ pub trait Backward {
     ///
     /// # Errors
     /// Where a fit fails.
-    fn without(
-        &mut self,
-        state: &Self::State,
-        effect: usize,
-    ) -> Result<Without<Self::State>, Self::Error>;
+    fn without(&mut self, state: &Self::State, effect: usize) -> Less<Self>;
 }
+
+/// A model without one of its effects, or why its fit fails.
+pub type Less<Q> = Result<Without<<Q as Backward>::State>, <Q as Backward>::Error>;
 
 /// A model without one of its effects.
 #[derive(Debug, Clone)]
@@ -128,11 +126,12 @@ pub trait InPlace: Backward {
         without: &Self::State,
         whole: &Self::State,
         effect: usize,
-    ) -> Result<Others<Self>, Self::Error>;
+    ) -> Others<Self>;
 }
 
-/// What may be in the place of an effect.
-pub type Others<Q> = Vec<Other<<Q as InPlace>::Name, <Q as InPlace>::Fit>>;
+/// What may be in the place of an effect, or why a fit fails.
+pub type Others<Q> =
+    Result<Vec<Other<<Q as InPlace>::Name, <Q as InPlace>::Fit>>, <Q as Backward>::Error>;
 
 /// An effect in another's place.
 #[derive(Debug, Clone)]

@@ -33,7 +33,7 @@ impl Forward for Sums {
     type Further = usize;
     type Error = Infallible;
 
-    fn proposals(&mut self, state: &Vec<usize>) -> Result<Vec<Proposal<usize>>, Infallible> {
+    fn proposals(&mut self, state: &Vec<usize>) -> Proposals<Self> {
         self.asked += 1;
         let open =
             (0..4).filter(|effect| !state.contains(effect) && !self.refused.contains(effect));
@@ -46,11 +46,7 @@ impl Forward for Sums {
             .collect())
     }
 
-    fn rule(
-        &mut self,
-        state: &Vec<usize>,
-        best: Proposal<usize>,
-    ) -> Result<Ruling<Vec<usize>>, Infallible> {
+    fn rule(&mut self, state: &Vec<usize>, best: Proposal<usize>) -> Ruled<Self> {
         if best.merit < 1.0 {
             return Ok(Ruling::Ended);
         }
@@ -70,11 +66,7 @@ impl Backward for Sums {
         state.len()
     }
 
-    fn without(
-        &mut self,
-        state: &Vec<usize>,
-        effect: usize,
-    ) -> Result<Without<Vec<usize>>, Infallible> {
+    fn without(&mut self, state: &Vec<usize>, effect: usize) -> Less<Self> {
         let mut less = state.clone();
         less.remove(effect);
         let worth = self.explained(state) - self.explained(&less);
@@ -97,12 +89,7 @@ impl InPlace for Sums {
     type Name = usize;
     type Fit = ();
 
-    fn in_place(
-        &mut self,
-        without: &Vec<usize>,
-        whole: &Vec<usize>,
-        _: usize,
-    ) -> Result<Others<Self>, Infallible> {
+    fn in_place(&mut self, without: &Vec<usize>, whole: &Vec<usize>, _: usize) -> Others<Self> {
         let found = self.proposals(without)?;
         let others = found
             .into_iter()
@@ -176,7 +163,7 @@ impl Backward for Repeated {
         1
     }
 
-    fn without(&mut self, (): &(), _: usize) -> Result<Without<()>, Infallible> {
+    fn without(&mut self, (): &(), _: usize) -> Less<Self> {
         let worth = 5.0;
         Ok(Without { state: (), worth })
     }
@@ -186,7 +173,7 @@ impl InPlace for Repeated {
     type Name = &'static str;
     type Fit = ();
 
-    fn in_place(&mut self, (): &(), (): &(), _: usize) -> Result<Others<Self>, Infallible> {
+    fn in_place(&mut self, (): &(), (): &(), _: usize) -> Others<Self> {
         let all = [("lag", 1.0), ("play", 2.0), ("lag", 3.0), ("play", 1.5)];
         let other = |(name, merit)| Other {
             name,

@@ -36,7 +36,7 @@ pub struct Unseen {
 
 impl Unseen {
     /// Of no rows yet.
-    pub(crate) fn new(joint: usize, noise: f64) -> Self {
+    pub fn new(joint: usize, noise: f64) -> Self {
         Self {
             joint,
             noise,
@@ -50,7 +50,7 @@ impl Unseen {
     }
 
     /// Counts a row, of so many, by the squares that are left of it.
-    pub(crate) fn add(&mut self, (row, count): (usize, usize), [before, after]: [f64; 2]) {
+    pub fn add(&mut self, (row, count): (usize, usize), [before, after]: [f64; 2]) {
         let part = row * PARTS / count;
         self.rows[part] += 1;
         self.before[part] += before;

@@ -4,7 +4,8 @@ use std::convert::Infallible;
 use std::ops::Range;
 
 use haptical_judge::{
-    Backward, Forward, Gain, Needless, Proposal, Ruling, Without, without_needless,
+    Backward, Forward, Gain, Less, Needless, Proposal, Proposals, Ruled, Ruling, Without,
+    without_needless,
 };
 
 use crate::fit::{Fit, Problem, Shape, Terms};
@@ -174,7 +175,7 @@ impl Forward for Chooser<'_, '_> {
     type Further = (Law, Judged);
     type Error = Infallible;
 
-    fn proposals(&mut self, chosen: &Judged) -> Result<Vec<Proposal<Self::Further>>, Infallible> {
+    fn proposals(&mut self, chosen: &Judged) -> Proposals<Self> {
         let has_droop = self.problem.has_droop();
         self.further.retain(|law| *law != Law::Droop || has_droop);
         let law = self.further.pop();
@@ -187,11 +188,7 @@ impl Forward for Chooser<'_, '_> {
         }))
     }
 
-    fn rule(
-        &mut self,
-        chosen: &Judged,
-        best: Proposal<Self::Further>,
-    ) -> Result<Ruling<Judged>, Infallible> {
+    fn rule(&mut self, chosen: &Judged, best: Proposal<Self::Further>) -> Ruled<Self> {
         let (law, with) = best.further;
         let gain = Gain::between(&chosen.unseen, &with.unseen);
         let is_known = law != Law::Droop || self.has_load;
@@ -213,7 +210,7 @@ impl Backward for Chooser<'_, '_> {
         laws(chosen).count()
     }
 
-    fn without(&mut self, chosen: &Judged, effect: usize) -> Result<Without<Judged>, Infallible> {
+    fn without(&mut self, chosen: &Judged, effect: usize) -> Less<Self> {
         let law = laws(chosen).nth(effect);
         let terms = law.map_or(chosen.terms, |law| law.set(chosen.terms, false));
         let state = self.judged(terms, Some(chosen.fit.shape));

@@ -1,6 +1,7 @@
 //! The noise floor of a channel, and why a share of the gap above it may not be known.
 
 use haptical_calibration::Channel;
+use haptical_motion::Unseen;
 use serde::Serialize;
 
 use crate::noise::{NoiseSource, is_above};
@@ -65,6 +66,15 @@ impl Floor {
             is_another: false,
             is_contradicted: false,
         }
+    }
+
+    /// That of a joint's rows which a fit did not see.
+    pub(crate) fn of_rows(unseen: &Unseen) -> Self {
+        let channel = Channel::Output {
+            joint: unseen.joint,
+        };
+        let freedom = (unseen.rows_in_all() as f64).max(1.0);
+        Self::new(channel, unseen.noise, freedom, NoiseSource::Motion)
     }
 
     /// 95 % interval of a root mean square with degrees of freedom (Wilson & Hilferty 1931 on chi-square).

@@ -7,6 +7,7 @@ use super::{HeldOutAnswer, Verdict};
 use crate::noise::NoiseSource;
 use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
+use haptical_motion::{PARTS, Unseen};
 
 /// The gap: [`Gap::new`] makes its channels agree with the verdict.
 #[derive(Debug, Clone, Serialize)]
@@ -205,27 +206,51 @@ pub(crate) fn reduction_percent(closed: f64) -> f64 {
     100.0 * (1.0 - (1.0 - closed.min(1.0)).sqrt())
 }
 
-/// Reduction of a gap's size \[%\], with its 95 % interval by parts of rows that a fit did not see (jackknife): the rows of each part,
-/// the sums of squares that are left in it before and after, and the root mean square of noise.
-pub(crate) fn reduction_of_parts(
-    rows: &[f64],
-    [before, after]: [&Vec<f64>; 2],
-    noise: f64,
-) -> (Option<f64>, Option<[f64; 2]>) {
-    let reduction = |without: Option<usize>| {
-        let kept = |values: &[f64]| -> f64 {
-            let own = values.iter().enumerate();
-            let own = own.filter(|(part, _)| Some(*part) != without);
-            own.map(|(_, value)| value).sum()
-        };
-        let [before, after] = [before, after].map(|sums| (kept(sums) / kept(rows)).sqrt());
-        gap_reduction_percent(before, after, noise)
+/// The gap of a joint's channel (its name and its unit) on rows that a fit did not see, with the sums of squares that are left in
+/// parts of them.
+pub(crate) fn held_out(
+    (channel, unit): (String, &'static str),
+    unseen: &Unseen,
+    sums_after: &[f64; PARTS],
+) -> HeldOutAnswer {
+    let rms = |sums: &[f64; PARTS], without: Option<usize>| {
+        let kept = (0..PARTS).filter(|part| Some(*part) != without);
+        let (sum, rows) = kept.fold((0.0, 0), |(sum, rows), part| {
+            (sum + sums[part], rows + unseen.rows[part])
+        });
+        (sum / rows.max(1) as f64).sqrt()
     };
-    let parts: Option<Vec<f64>> = (0..rows.len()).map(|part| reduction(Some(part))).collect();
+    let [rms_before, rms_after] = [&unseen.before, sums_after].map(|sums| rms(sums, None));
+    // where no other rows predict those that hold most of the gap, the rest says nothing of it
+    let beyond = |(rows, square): (usize, f64)| square - rows as f64 * unseen.noise.powi(2);
+    let predicted = (unseen.rows_in_all(), unseen.before.iter().sum::<f64>());
+    let is_elsewhere = unseen.left_out.0 > 0
+        && (predicted.0 == 0 || beyond(unseen.left_out) > beyond(predicted).max(0.0));
+    // within what the noise is known to there is no gap, and no share of one
+    let is_gap = rms_before > Floor::of_rows(unseen).ci95()[1];
+    let reduction = |without| {
+        let [before, after] = [&unseen.before, sums_after].map(|sums| rms(sums, without));
+        let share = gap_reduction_percent(before, after, unseen.noise);
+        share.filter(|_| is_gap && !is_elsewhere)
+    };
     let percent = reduction(None);
+    let parts: Option<Vec<f64>> = (0..PARTS).map(|part| reduction(Some(part))).collect();
     let interval = percent.zip(parts).map(|(percent, parts)| {
         let half = 1.96 * jackknife_sd(parts.into_iter());
         [percent - half, (percent + half).min(100.0)]
     });
-    (percent, interval)
+    HeldOutAnswer {
+        channel,
+        rms_before,
+        rms_after,
+        noise_floor: unseen.noise,
+        unit: unit.to_owned(),
+        reduction_percent: percent,
+        reduction_ci95: interval,
+        no_reduction: match (is_elsewhere, is_gap) {
+            (true, _) => Some(NoReduction::Undetermined),
+            (false, true) => None,
+            (false, false) => Some(NoReduction::WithinNoise),
+        },
+    }
 }

@@ -1,10 +1,11 @@
 //! What the model of a log leaves of a second recording: one rule for every kind of log.
 
+use haptical_motion::Unseen;
 use serde::Serialize;
 
-use super::{ChannelGap, Diagnosis, Gap, NoReduction, Place, Verdict};
+use super::{ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, Place, Prediction, Verdict};
 use crate::noise::NoiseSource;
-use crate::thresholds::second::SDS;
+use crate::thresholds::second::{ALLOWED, SDS};
 
 /// What the model of the log leaves of a second recording.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -15,6 +16,93 @@ pub struct SecondAnswer {
     pub not_predicted: Vec<String>,
     /// Whether the log itself has no gap, and the second recording has one.
     pub is_gap_of_it_alone: bool,
+}
+
+impl SecondAnswer {
+    /// Nothing but why a part of it was not predicted.
+    pub(crate) fn not_predicted(why: String) -> Self {
+        Self {
+            not_predicted: vec![why],
+            ..Self::default()
+        }
+    }
+
+    /// With what another view of the same recording says.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.channels.extend(other.channels);
+        self.not_predicted.extend(other.not_predicted);
+    }
+}
+
+/// What a second recording shows of torques, or of encoders on links.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct OnSecond {
+    /// Gap of each channel before and after.
+    pub(crate) held_out: Vec<HeldOutAnswer>,
+    /// Of block means, at the row in the middle of each.
+    pub(crate) predictions: Vec<Prediction>,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) second: SecondAnswer,
+}
+
+impl OnSecond {
+    /// Nothing but why the torques are not judged.
+    pub(crate) fn not_predicted(why: &str) -> Self {
+        Self {
+            second: SecondAnswer::not_predicted(not_predicted(why)),
+            ..Self::default()
+        }
+    }
+
+    /// With a joint's rows, whose gap is `answer`; `of_log`: root mean square of what the model leaves of the log itself, and readings of
+    /// that. What is not named predicts nothing.
+    pub(crate) fn add(
+        &mut self,
+        answer: HeldOutAnswer,
+        unseen: &Unseen,
+        (of_log, readings): (f64, usize),
+        is_named: bool,
+    ) {
+        let left = |rms: f64, readings: usize| Left {
+            rms,
+            noise: unseen.noise,
+            readings: readings as f64,
+        };
+        let rows = [readings, unseen.rows_in_all()];
+        let of_both = unseen.of_both;
+        let of_both = of_both.map(|both| [0, 1].map(|of| left(both[of] * unseen.noise, rows[of])));
+        let name = (
+            answer.channel.clone(),
+            Some(unseen.joint + 1),
+            &*answer.unit,
+        );
+        let own = (left(answer.rms_after, rows[1]), of_log);
+        let channel = SecondChannel::new(name, own, ALLOWED, of_both);
+        self.second.channels.push(channel);
+        let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
+            row: *row,
+            channel: answer.channel.clone(),
+            measured: *measured,
+            before: *before,
+            after: if is_named { *after } else { *before },
+        };
+        self.predictions
+            .extend(unseen.predictions.iter().map(of_row));
+        self.held_out.push(answer);
+    }
+
+    /// With what another view of the same recording says.
+    pub(crate) fn extend(&mut self, other: Self) {
+        self.held_out.extend(other.held_out);
+        self.predictions.extend(other.predictions);
+        self.warnings.extend(other.warnings);
+        self.second.extend(other.second);
+    }
+}
+
+/// Why the torques of a second recording are not judged.
+pub(crate) fn not_predicted(why: &str) -> String {
+    format!("the torques of the second recording were not predicted: {why}")
 }
 
 /// One channel of a second recording.

@@ -3,8 +3,8 @@
 use std::convert::Infallible;
 
 use haptical_judge::{
-    Backward, Forward, Gain, InPlace, Needless, Other, Others, Proposal, Rival, Ruling, Without,
-    rivals, select, without_needless,
+    Backward, Forward, Gain, InPlace, Less, Needless, Other, Others, Proposal, Proposals, Rival,
+    Ruled, Ruling, Without, rivals, select, without_needless,
 };
 
 use super::rows::Rows;
@@ -115,7 +115,7 @@ impl Forward for Search<'_> {
     type Further = Fitted;
     type Error = Infallible;
 
-    fn proposals(&mut self, state: &Fitted) -> Result<Vec<Proposal<Fitted>>, Infallible> {
+    fn proposals(&mut self, state: &Fitted) -> Proposals<Self> {
         let further = self.further(&state.taken).map(|(_, further)| further);
         let sure = further.filter(|further| self.is_sure(state, further));
         Ok(sure
@@ -126,7 +126,7 @@ impl Forward for Search<'_> {
             .collect())
     }
 
-    fn rule(&mut self, _: &Fitted, best: Proposal<Fitted>) -> Result<Ruling<Fitted>, Infallible> {
+    fn rule(&mut self, _: &Fitted, best: Proposal<Fitted>) -> Ruled<Self> {
         Ok(Ruling::Taken(best.further))
     }
 }
@@ -139,7 +139,7 @@ impl Backward for Search<'_> {
         state.taken.len()
     }
 
-    fn without(&mut self, state: &Fitted, effect: usize) -> Result<Without<Fitted>, Infallible> {
+    fn without(&mut self, state: &Fitted, effect: usize) -> Less<Self> {
         let mut taken = state.taken.clone();
         taken.remove(effect);
         let less = self.fit(taken);
@@ -165,12 +165,7 @@ impl InPlace for Search<'_> {
     type Name = &'static str;
     type Fit = ();
 
-    fn in_place(
-        &mut self,
-        without: &Fitted,
-        whole: &Fitted,
-        _: usize,
-    ) -> Result<Others<Self>, Infallible> {
+    fn in_place(&mut self, without: &Fitted, whole: &Fitted, _: usize) -> Others<Self> {
         let name = |law: usize| self.0.terms[law].effect;
         let is_in = |law: &usize| whole.taken.iter().any(|own| name(*own) == name(*law));
         let others = self.further(&without.taken);

@@ -1,6 +1,8 @@
 //! The chain along a recording, block by block: columns of the inertial parameters, of forces at
 //! the handle, of the geometry and of a delay.
 
+use std::ops::Range;
+
 use haptical_model::DeviceChain;
 use haptical_model::kinematics::Parameter;
 use nalgebra::{DMatrix, DVector, Matrix3, MatrixXx3, Vector3};
@@ -49,10 +51,8 @@ impl<'a> Along<'a> {
         let chain = DeviceChain::of_hand(context.device, 0);
         let joints = context.device.joints.len();
         let (blocks, channels) = recorded.shape();
-        let means = recorded
-            .torque_nm
-            .iter()
-            .flat_map(|own| recorded.means(own));
+        let torques = recorded.torque_nm.iter();
+        let means = torques.flat_map(|own| recorded.means(own));
         let mut along = Self {
             halves: Vec::with_capacity(2 * blocks),
             angle: DMatrix::zeros(blocks, joints),
@@ -86,11 +86,9 @@ impl<'a> Along<'a> {
                 along.angle[(block, joint)] += 0.5 * position[joint];
                 along.rate[(block, joint)] += 0.5 * rate[joint];
             }
-            let arms = recorded
-                .channels
-                .iter()
-                .map(|&joint| posture.hand(joint).transpose());
-            let hand = MatrixXx3::from_rows(&arms.collect::<Vec<_>>());
+            let arm = |&joint: &usize| posture.hand(joint).transpose();
+            let arms: Vec<_> = recorded.channels.iter().map(arm).collect();
+            let hand = MatrixXx3::from_rows(&arms);
             along.force_n.push(mean_force(recorded, block, &half));
             along.halves.push(Half { hand, posture });
         }
@@ -129,12 +127,12 @@ impl<'a> Along<'a> {
     /// Standard deviation of a row of a channel: its torque's noise and the hand force's.
     pub(super) fn row_sd(&self, channel: usize) -> f64 {
         let recorded = &self.recorded;
-        let sd = Vector3::from(recorded.force_noise.map(|own| own.sd)).transpose();
         let of_hand = |block: usize| {
-            self.hand(block)
-                .row(channel)
-                .component_mul(&sd)
-                .norm_squared()
+            let arm = self.hand(block);
+            let noise = recorded.force_noise.iter().enumerate();
+            noise
+                .map(|(k, own)| (arm[(channel, k)] * own.sd).powi(2))
+                .sum::<f64>()
         };
         let blocks = recorded.blocks.len();
         let hand = match recorded.force_n.is_some() {
@@ -169,18 +167,13 @@ impl<'a> Along<'a> {
     ) -> Vec<(Vector3<f64>, Matrix3<f64>)> {
         let white = whitener.whiten(rest);
         let force = |block: usize| {
-            let hand = self.hand(block);
-            let arm = whitener
-                .factor(block)
-                .solve_lower_triangular(&hand)
-                .unwrap_or(hand);
+            let (factor, hand) = (whitener.factor(block), self.hand(block));
+            let arm = factor.solve_lower_triangular(&hand).unwrap_or(hand);
             // a direction in which the handle cannot be pushed has no force
             let information = Matrix3::identity() * FORCE_PRIOR + arm.tr_mul(&arm);
             let covariance = information.try_inverse().unwrap_or_else(Matrix3::zeros);
-            (
-                covariance * arm.tr_mul(&white.row(block).transpose()),
-                covariance,
-            )
+            let force = covariance * arm.tr_mul(&white.row(block).transpose());
+            (force, covariance)
         };
         (0..white.nrows()).map(force).collect()
     }
@@ -263,32 +256,32 @@ impl<'a> Along<'a> {
     /// What an error of a joint's angle adds whose accelerations are these, row by row: torques for an acceleration that the link does
     /// not have, by the joint's column of the mass matrix.
     pub(super) fn accelerated(&self, joint: usize, inertia: &[f64], acceleration: &[f64]) -> Means {
-        let rows = self.recorded.halves().map(|own| own.1);
-        let means =
-            rows.map(|rows| acceleration[rows.clone()].iter().sum::<f64>() / rows.len() as f64);
-        let means: Vec<f64> = means.collect();
+        let mean = |rows: Range<usize>| mean_of(&rows, |row| acceleration[row]);
+        let means: Vec<f64> = self.recorded.halves().map(|own| mean(own.1)).collect();
         self.of_halves(|index, half| {
             let mut torque = half.posture.mass_column(joint, inertia);
             torque[joint] += inertia[PER_LINK * torque.len() + joint];
             let channels = self.recorded.channels.iter();
-            let torques: Vec<f64> = channels
-                .map(|&channel| -torque[channel] * means[index])
-                .collect();
-            DVector::from_vec(torques)
+            let torques = channels.map(|&channel| -torque[channel] * means[index]);
+            DVector::from_vec(torques.collect())
         })
     }
 }
 
-fn mean_joints(recorded: &Recorded<'_>, half: &std::ops::Range<usize>) -> [Vec<f64>; 3] {
-    let context = recorded.context;
+/// Mean of a value over some rows.
+fn mean_of(rows: &Range<usize>, value: impl Fn(usize) -> f64) -> f64 {
+    rows.clone().map(value).sum::<f64>() / rows.len().max(1) as f64
+}
+
+/// Mean positions, rates and accelerations of the joints in half a block.
+fn mean_joints(recorded: &Recorded<'_>, half: &Range<usize>) -> [Vec<f64>; 3] {
+    let (context, motion) = (recorded.context, &recorded.motion);
     let mean = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-        let joints = 0..recorded.motion.len();
-        let sum = |joint| half.clone().map(|row| value(joint, row)).sum::<f64>();
+        let joints = 0..motion.len();
         joints
-            .map(|joint| sum(joint) / half.len().max(1) as f64)
+            .map(|joint| mean_of(half, |row| value(joint, row)))
             .collect()
     };
-    let motion = &recorded.motion;
     // the smoothed reading through the transmission, whose slope is nearly 1
     let position = |joint: usize, row: usize| {
         context.output[joint][row] + motion[joint].value[row] - context.recording.joint[joint][row]
@@ -300,11 +293,7 @@ fn mean_joints(recorded: &Recorded<'_>, half: &std::ops::Range<usize>) -> [Vec<f
     ]
 }
 
-fn mean_force(
-    recorded: &Recorded<'_>,
-    block: usize,
-    half: &std::ops::Range<usize>,
-) -> Vector3<f64> {
+fn mean_force(recorded: &Recorded<'_>, block: usize, half: &Range<usize>) -> Vector3<f64> {
     let Some(force) = &recorded.force_n else {
         return Vector3::zeros();
     };

@@ -6,6 +6,7 @@ use haptical_effects::device::{attached_at, bare};
 use haptical_effects::{Context, streams};
 use haptical_metrics::chi_square_p_value;
 use haptical_model::{Device, DeviceEffect, Recording};
+use haptical_motion::Unseen;
 use nalgebra::DVector;
 
 use super::Model;
@@ -16,6 +17,7 @@ use super::recorded::{Recorded, may_be_held};
 use super::select::Pick;
 use crate::DiagnosisError;
 use crate::answer::HeldOutAnswer;
+use crate::answer::gap::held_out;
 use crate::select::misfit;
 use crate::select::scan::Score;
 use crate::thresholds::torque::UNSEEN_PART;
@@ -131,10 +133,14 @@ impl Model<'_> {
         let Ok(recorded) = Recorded::new(&context, false) else {
             return Ok(None);
         };
-        let seen = self.predicted(&Along::new(recorded)?);
-        let gap = |own: &HeldOutAnswer| own.rms_before / own.noise_floor.max(f64::MIN_POSITIVE);
-        let channels = seen.held_out.into_iter();
-        Ok(channels.max_by(|a, b| gap(a).total_cmp(&gap(b))))
+        let unseen = self.predicted(&Along::new(recorded)?);
+        let gap = |own: &Unseen| own.before.iter().sum::<f64>() / own.noise.powi(2).max(1e-300);
+        let largest = unseen.iter().max_by(|a, b| gap(a).total_cmp(&gap(b)));
+        let own = &self.effects.along.recorded;
+        Ok(largest.and_then(|unseen| {
+            let channel = own.channel(unseen.joint)?;
+            Some(held_out(own.named(channel), unseen, &unseen.after))
+        }))
     }
 
     /// Takes an effect up into the model, at the shape at which it explains most; none where no shape of it is possible.

@@ -76,11 +76,8 @@ impl Base {
     /// Squares of what the torques pull each number of the geometry by, over its tolerance, per number.
     pub(super) fn strain(&self) -> f64 {
         let system = &self.regression.system;
-        let rows = self
-            .geometry
-            .clone()
-            .map(|index| system.layout.prior(index));
-        let square: f64 = rows.map(|row| system.residual[row].powi(2)).sum();
+        let pull = |index| system.residual[system.layout.prior(index)];
+        let square: f64 = self.geometry.clone().map(|index| pull(index).powi(2)).sum();
         square / self.geometry.len().max(1) as f64
     }
 

@@ -126,9 +126,8 @@ impl<'a> Effects<'a> {
             spec.hook == Hook::ForceSensor && is_linear && spec.amplitudes == 3
         };
         let plain = (0..self.all.len()).filter(is_plain);
-        plain
-            .flat_map(|index| self.columns(base, index, 0.0))
-            .collect()
+        let columns = plain.flat_map(|index| self.columns(base, index, 0.0));
+        columns.collect()
     }
 
     /// A harmonic error of the motor-side angle, as the torques see it: it makes an acceleration that the link does not
@@ -143,9 +142,8 @@ impl<'a> Effects<'a> {
         };
         let column = |values: &Vec<f64>| {
             let motion = local_motion(values, time_s, &recorded.context.runs);
-            let torques = self
-                .along
-                .accelerated(joint, &base.inertia, &motion.acceleration);
+            let along = &self.along;
+            let torques = along.accelerated(joint, &base.inertia, &motion.acceleration);
             base.regression.system.layout.of_means(&torques)
         };
         let first = first_harmonic(order);

@@ -47,12 +47,11 @@ pub(super) fn unbalanced(
         let release = |own: &Known| rows.release(own.0, assuming.column(own.0)[rows.prior(own.0)]);
         link.shown.iter().map(release).collect()
     };
-    let saved = links.iter().map(|link| {
-        Candidate::of_columns(system, released(link), 0, 0.0)
-            .score(system)
-            .score
-    });
-    let saved: Vec<f64> = saved.collect();
+    let score = |columns| Candidate::of_columns(system, columns, 0, 0.0).score(system);
+    let saved: Vec<f64> = links
+        .iter()
+        .map(|link| score(released(link)).score)
+        .collect();
     let Some(best) = (0..saved.len()).max_by(|&a, &b| saved[a].total_cmp(&saved[b])) else {
         return Ok(None);
     };

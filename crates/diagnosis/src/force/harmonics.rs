@@ -79,11 +79,8 @@ pub(super) fn rows(along: &Along<'_>, fitted: &Means) -> Vec<FastRows> {
         });
         let all = matrix(own, values.len());
         let (orders, controls) = all.columns_range_pair(..2 * ORDERS, 2 * ORDERS..);
-        let scores = controls
-            .column_iter()
-            .step_by(2)
-            .zip(controls.column_iter().skip(1).step_by(2));
-        let scores = scores.filter_map(|(a, b)| {
+        let scores = (0..ORDERS).filter_map(|order| {
+            let [a, b] = [2 * order, 2 * order + 1].map(|k| controls.column(k));
             let across = a.dot(&b);
             let own = Matrix2::new(a.norm_squared(), across, across, b.norm_squared());
             let right = nalgebra::Vector2::new(a.dot(&values), b.dot(&values));

@@ -35,9 +35,9 @@ use self::base::Base;
 use self::changes::Carried;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded, may_be_held};
-pub(crate) use self::second::{OnSecond, not_predicted};
 use self::select::Selection;
 use crate::DiagnosisError;
+use crate::answer::second::OnSecond;
 
 /// Means over blocks: a row for each block, a column for each channel.
 type Means = nalgebra::DMatrix<f64>;

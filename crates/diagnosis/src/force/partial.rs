@@ -7,7 +7,7 @@
 use std::convert::Infallible;
 
 use haptical_effects::{Family, Hook};
-use haptical_judge::{Backward, Needless, Without, without_needless};
+use haptical_judge::{Backward, Less, Needless, Without, without_needless};
 use nalgebra::DVector;
 
 use super::Model;
@@ -53,11 +53,7 @@ impl Backward for Comparison {
         kept.len()
     }
 
-    fn without(
-        &mut self,
-        kept: &Vec<usize>,
-        index: usize,
-    ) -> Result<Without<Vec<usize>>, Infallible> {
+    fn without(&mut self, kept: &Vec<usize>, index: usize) -> Less<Self> {
         let mut others = kept.clone();
         others.remove(index);
         Ok(Without {

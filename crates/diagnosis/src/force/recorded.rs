@@ -11,8 +11,6 @@ use nalgebra::{DMatrix, Matrix3, MatrixXx3, Vector3};
 
 use super::Means;
 use super::harmonics::{harmonics, without_harmonics};
-use crate::answer::gap::reduction_of_parts;
-use crate::answer::{HeldOutAnswer, NoReduction};
 use crate::noise::{self, Known, NoiseSource};
 use crate::thresholds::torque::{
     BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, SLOWEST_S,
@@ -266,45 +264,16 @@ impl<'a> Recorded<'a> {
         self.noise.iter().map(|own| own.of_mean(rows)).collect()
     }
 
-    /// A channel's gap on block means that a fit did not see, by the squares that are left in parts of as many rows, before and after;
-    /// `variance`: of a block by noise alone.
-    pub(super) fn held_out(
-        &self,
-        channel: usize,
-        rows: f64,
-        variance: f64,
-        sums: [Vec<f64>; 2],
-    ) -> HeldOutAnswer {
-        let parts = vec![rows / sums[0].len() as f64; sums[0].len()];
-        let noise_floor = variance.sqrt();
-        let (percent, ci95) = reduction_of_parts(&parts, sums.each_ref(), noise_floor);
-        let rms = |sums: Vec<f64>| (sums.iter().sum::<f64>() / rows.max(1.0)).sqrt();
-        let [rms_before, rms_after] = sums.map(rms);
-        HeldOutAnswer {
-            channel: self.name(channel),
-            rms_before,
-            rms_after,
-            noise_floor,
-            unit: self.unit(channel).to_owned(),
-            reduction_percent: percent,
-            reduction_ci95: ci95,
-            no_reduction: percent.is_none().then_some(NoReduction::WithinNoise),
-        }
-    }
-
     /// Name of a joint's torque column in a log.
     pub(super) fn column(&self, joint: usize) -> String {
         self.context.device.joints[joint].torque_column(joint + 1)
     }
 
-    /// Name of a channel in an answer.
-    pub(super) fn name(&self, channel: usize) -> String {
-        format!("torque{}", self.channels[channel] + 1)
-    }
-
-    /// Unit of a channel's torque: N where its joint slides.
-    pub(super) fn unit(&self, channel: usize) -> &'static str {
-        self.context.device.joints[self.channels[channel]].torque_unit()
+    /// A channel by its name in an answer, and its unit: N where its joint slides.
+    pub(super) fn named(&self, channel: usize) -> (String, &'static str) {
+        let joint = self.channels[channel];
+        let unit = self.context.device.joints[joint].torque_unit();
+        (format!("torque{}", joint + 1), unit)
     }
 
     /// Whether a force of the hand is recorded that is not constant.

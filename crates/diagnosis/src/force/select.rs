@@ -2,8 +2,8 @@
 
 use haptical_effects::transmission::INPUT_DRUM_HARMONIC;
 use haptical_judge::{
-    Backward, Forward, InPlace, Needless, Other, Others, Proposal, Ruling, Without, probability,
-    rivals, without_needless,
+    Backward, Forward, InPlace, Less, Needless, Other, Others, Proposal, Proposals, Ruled, Ruling,
+    Without, probability, rivals, without_needless,
 };
 use haptical_linalg::golden_section;
 
@@ -165,10 +165,9 @@ impl Effects<'_> {
     fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
         let columns = |shape: f64| self.columns(base, pick.effect, shape);
         let dense = |shape: f64| -> Vec<Vec<f64>> {
-            let columns = columns(shape).into_iter();
-            columns
-                .map(|own| base.regression.system.dense(&own))
-                .collect()
+            let columns = columns(shape);
+            let dense = columns.iter().map(|own| base.regression.system.dense(own));
+            dense.collect()
         };
         if !self.effect(pick.effect).spec().shape.is_continuous() {
             return (pick.shape, dense(pick.shape));
@@ -225,7 +224,7 @@ impl Forward for Search<'_, '_> {
     type Further = Score;
     type Error = DiagnosisError;
 
-    fn proposals(&mut self, chosen: &Chosen) -> Result<Vec<Proposal<Score>>, DiagnosisError> {
+    fn proposals(&mut self, chosen: &Chosen) -> Proposals<Self> {
         let effects = self.effects;
         if chosen.picks.len() >= effects.most_names() {
             return Ok(Vec::new());
@@ -239,11 +238,7 @@ impl Forward for Search<'_, '_> {
         Ok(scores.into_iter().map(proposal).collect())
     }
 
-    fn rule(
-        &mut self,
-        chosen: &Chosen,
-        best: Proposal<Score>,
-    ) -> Result<Ruling<Chosen>, DiagnosisError> {
+    fn rule(&mut self, chosen: &Chosen, best: Proposal<Score>) -> Ruled<Self> {
         let (effects, score) = (self.effects, best.further);
         let effect = effects.effect(score.effect);
         let is_fresh = is_scale(effect) || chosen.picks.is_empty();
@@ -286,11 +281,7 @@ impl Backward for Search<'_, '_> {
         chosen.picks.len()
     }
 
-    fn without(
-        &mut self,
-        chosen: &Chosen,
-        index: usize,
-    ) -> Result<Without<Chosen>, DiagnosisError> {
+    fn without(&mut self, chosen: &Chosen, index: usize) -> Less<Self> {
         let mut less = chosen.clone();
         let gone = less.picks.remove(index);
         let base = &mut less.base;
@@ -339,12 +330,7 @@ impl InPlace for Search<'_, '_> {
     type Name = (&'static str, Option<usize>);
     type Fit = ();
 
-    fn in_place(
-        &mut self,
-        without: &Chosen,
-        whole: &Chosen,
-        index: usize,
-    ) -> Result<Others<Self>, DiagnosisError> {
+    fn in_place(&mut self, without: &Chosen, whole: &Chosen, index: usize) -> Others<Self> {
         let effects = self.effects;
         let name = |index: usize| {
             let effect = effects.effect(index);
@@ -389,11 +375,9 @@ impl Search<'_, '_> {
             let name = self.effects.effect(pick.effect).name();
             pick.score = without.state.gone.map_or(0.0, |score| score.score);
             pick.probability = probability(found.iter().map(|rival| rival.behind));
-            let near = found.iter().filter(|rival| rival.behind < CONFUSABLE_NATS);
-            let near = near
-                .map(|rival| rival.name.0)
-                .filter(|other| *other != name);
-            pick.rivals = near.collect();
+            let near = found.iter().filter(|own| own.behind < CONFUSABLE_NATS);
+            let names = near.map(|own| own.name.0);
+            pick.rivals = names.filter(|other| *other != name).collect();
         }
         Ok(picks)
     }

@@ -35,8 +35,6 @@ pub(super) fn positions_show_a_gap(context: &Context<'_>) -> bool {
         let sd = noise::difference_sd(&rest, &context.runs)?;
         Some(rms > POSITION_GAP * sd.hypot(rounding))
     };
-    context
-        .streams
-        .iter()
-        .any(|stream| shows_gap(stream) == Some(true))
+    let mut streams = context.streams.iter();
+    streams.any(|stream| shows_gap(stream) == Some(true))
 }

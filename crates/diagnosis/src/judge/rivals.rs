@@ -1,7 +1,7 @@
 //! Rivals: effects that explain as much in a cause's place, and how far behind they are.
 
 use haptical_effects::{Context, Effect, Family, Follows};
-use haptical_judge::{Backward, InPlace, Other, Others, Without, probability};
+use haptical_judge::{Backward, InPlace, Less, Other, Others, Without, probability};
 
 use crate::DiagnosisError;
 use crate::engine::model::{Cause, Refit};
@@ -123,7 +123,7 @@ impl Backward for InPlaceOf<'_, '_> {
         whole.model.causes.len()
     }
 
-    fn without(&mut self, whole: &Refit, index: usize) -> Result<Without<Refit>, DiagnosisError> {
+    fn without(&mut self, whole: &Refit, index: usize) -> Less<Self> {
         let selection = &mut *self.selection;
         let selector = &mut selection.selector;
         let state = if whole.model.causes.len() == 1 {
@@ -153,12 +153,7 @@ impl InPlace for InPlaceOf<'_, '_> {
     type Name = (&'static str, Option<usize>);
     type Fit = Known;
 
-    fn in_place(
-        &mut self,
-        without: &Refit,
-        whole: &Refit,
-        index: usize,
-    ) -> Result<Others<Self>, DiagnosisError> {
+    fn in_place(&mut self, without: &Refit, whole: &Refit, index: usize) -> Others<Self> {
         let selector = &self.selection.selector;
         let own = selector.effects[whole.model.causes[index].effect].as_ref();
         let template = Score::of_cause(&whole.model.causes[index], self.explained);

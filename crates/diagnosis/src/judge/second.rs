@@ -5,12 +5,11 @@ use haptical_model::Recording;
 
 use crate::DiagnosisError;
 use crate::answer::floors::channel_rms;
-use crate::answer::second::{Left, SecondAnswer, SecondChannel};
+use crate::answer::second::{Left, SecondAnswer, SecondChannel, not_predicted};
 use crate::answer::shrink::Unseen;
 use crate::answer::{SECOND_RECORDING, Verdict};
 use crate::engine::base::Base;
 use crate::engine::{Engine, Prepared};
-use crate::force::not_predicted;
 use crate::judge::findings::Findings;
 use crate::judge::wrong_angles::torque_nm;
 use crate::noise::cleaning::without_readings;
@@ -60,11 +59,10 @@ pub(crate) fn on_second(
         is_gap_of_it_alone: false,
     };
     if let Some(torques) = &findings.torques_of_second {
-        let mut of_torques = torques.answer();
-        if let Some(why) = &findings.force.not_tested {
-            of_torques.channels.clear();
-            of_torques.not_predicted = vec![not_predicted(why)];
-        }
+        let mut of_torques = match &findings.force.not_tested {
+            Some(why) => SecondAnswer::not_predicted(not_predicted(why)),
+            None => torques.second.clone(),
+        };
         // as in the log, a torque that wrong angles cause is none of the device's
         let has_effects = !findings.inputs.recording.added.is_empty();
         if has_effects || verdict != Verdict::NoGap {
@@ -80,8 +78,7 @@ pub(crate) fn on_second(
                     .for_each(SecondChannel::quieten);
             }
         }
-        answer.channels.extend(of_torques.channels);
-        answer.not_predicted.extend(of_torques.not_predicted);
+        answer.extend(of_torques);
     }
     Ok(Some(answer))
 }

@@ -10,8 +10,8 @@ use haptical_motion::{
 
 use super::words::Words;
 use crate::answer::CauseAnswer;
+use crate::answer::second::OnSecond;
 use crate::answer::second::{Left, SecondChannel};
-use crate::force::OnSecond;
 use crate::force::answer::ForceAnswer;
 use crate::thresholds::moving::STIFFNESS_SD;
 use crate::thresholds::second::ALLOWED;
@@ -218,7 +218,8 @@ impl Links {
         findings.extend(torques.findings);
         let seen = has_second.then(|| {
             let mut seen = words.on_second();
-            seen.channels
+            seen.second
+                .channels
                 .extend(self.on_second.iter().flatten().cloned());
             seen.extend(of_torques.unwrap_or_default());
             seen

@@ -15,9 +15,10 @@ use self::followed::followed;
 pub(crate) use self::warnings::leaves_of_second;
 use self::warnings::warnings;
 use self::words::Words;
+use crate::answer::second::OnSecond;
 use crate::answer::{CauseAnswer, ChannelGap};
 use crate::force::answer::ForceAnswer;
-use crate::force::{OnSecond, names, not_predicted};
+use crate::force::names;
 
 /// What the torques of a moving arm say, and what is left of a second recording's; none for a device or a recording of another kind.
 pub(crate) fn of_moving_arm(
@@ -38,10 +39,8 @@ pub(crate) fn of_moving_arm(
                 not_tested: Some(why.to_string()),
                 ..ForceAnswer::default()
             };
-            let seen = second.map(|_| OnSecond {
-                not_predicted: vec![not_predicted("those of the log were not tested")],
-                ..OnSecond::default()
-            });
+            let why = "those of the log were not tested";
+            let seen = second.map(|_| OnSecond::not_predicted(why));
             return Some((answer, seen));
         }
     };

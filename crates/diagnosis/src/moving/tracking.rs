@@ -5,7 +5,7 @@ use haptical_model::{Device, Recording};
 use haptical_motion::{Examined, Untracked, examine_tracking};
 
 use super::words::Words;
-use crate::force::OnSecond;
+use crate::answer::second::OnSecond;
 use crate::force::answer::ForceAnswer;
 
 /// The torques' answer with what the commands show: a delay as a cause, or why none can be told.

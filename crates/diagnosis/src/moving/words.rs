@@ -3,16 +3,14 @@
 use haptical_calibration::Channel;
 use haptical_judge::probability;
 use haptical_model::{Device, JointType};
-use haptical_motion::{ChannelFit, Examined, Finding, MotionError, PARTS, Unseen};
+use haptical_motion::{ChannelFit, Examined, Finding, MotionError, Unseen};
 
 use crate::answer::floor::{Floor, NoReduction};
-use crate::answer::gap::reduction_of_parts;
-use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer, Prediction};
+use crate::answer::gap::held_out;
+use crate::answer::second::{OnSecond, not_predicted};
+use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer};
 use crate::force::answer::Course;
-use crate::force::{OnSecond, not_predicted};
 use crate::noise::NoiseSource;
-use crate::thresholds::second::ALLOWED;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What is examined of each joint.
@@ -75,6 +73,11 @@ impl<'e> Words<'e> {
         }
     }
 
+    /// A joint's channel by its name and its unit.
+    fn named(&self, joint: usize) -> (String, &'static str) {
+        (self.channel(joint), self.unit(joint))
+    }
+
     pub(super) fn channel(&self, joint: usize) -> String {
         let name = match self.shown {
             Shown::Torque => "torque",
@@ -87,7 +90,9 @@ impl<'e> Words<'e> {
     /// Channel by channel, on the rows that were fitted.
     fn gaps_of_fit(&self) -> Vec<ChannelGap> {
         let gaps = self.examined.channels.iter().map(|own| {
-            let floor = floor(own.joint, own.noise, own.before.len() as f64);
+            let channel = Channel::Output { joint: own.joint };
+            let freedom = (own.before.len() as f64).max(1.0);
+            let floor = Floor::new(channel, own.noise, freedom, NoiseSource::Motion);
             let after = if self.is_adequate {
                 own.rms_after
             } else {
@@ -115,10 +120,7 @@ impl<'e> Words<'e> {
             let mut unseen = self.examined.unseen.iter();
             let seen = unseen.find(|unseen| unseen.joint == own.joint);
             match seen.filter(|_| gap.has_gap) {
-                Some(seen) => {
-                    let floor = floor(own.joint, seen.noise, seen.rows_in_all() as f64);
-                    gap.on_unseen(&self.answer_of(seen), &floor)
-                }
+                Some(seen) => gap.on_unseen(&self.answer_of(seen), &Floor::of_rows(seen)),
                 None => gap,
             }
         };
@@ -204,7 +206,7 @@ impl<'e> Words<'e> {
     /// The gap of the torques as the log has them, and once its rows are set right: no torque was fitted for that.
     pub(super) fn set_right(&self) -> Option<HeldOutAnswer> {
         let own = largest_of(&self.examined.set_right)?;
-        Some(self.answer_with(own, &own.after))
+        Some(held_out(self.named(own.joint), own, &own.after))
     }
 
     fn answer_of(&self, unseen: &Unseen) -> HeldOutAnswer {
@@ -213,38 +215,7 @@ impl<'e> Words<'e> {
             true => &unseen.after,
             false => &unseen.before,
         };
-        self.answer_with(unseen, sums_after)
-    }
-
-    fn answer_with(&self, unseen: &Unseen, sums_after: &[f64; PARTS]) -> HeldOutAnswer {
-        let count = unseen.rows_in_all();
-        let rms = |sums: &[f64; PARTS]| (sums.iter().sum::<f64>() / count.max(1) as f64).sqrt();
-        // where no other rows predict those that hold most of the gap, the rest says nothing of it
-        let beyond = |(rows, square): (usize, f64)| square - rows as f64 * unseen.noise.powi(2);
-        let predicted = (count, unseen.before.iter().sum::<f64>());
-        let is_elsewhere = unseen.left_out.0 > 0
-            && (predicted.0 == 0 || beyond(unseen.left_out) > beyond(predicted).max(0.0));
-        // within what the noise is known to there is no gap, and no share of one
-        let is_gap =
-            rms(&unseen.before) > floor(unseen.joint, unseen.noise, count as f64).ci95()[1];
-        let rows = unseen.rows.map(|rows| rows as f64);
-        let sums = [&unseen.before, sums_after].map(|sums| sums.to_vec());
-        let (percent, ci95) = reduction_of_parts(&rows, sums.each_ref(), unseen.noise);
-        let is_known = is_gap && !is_elsewhere;
-        HeldOutAnswer {
-            channel: self.channel(unseen.joint),
-            rms_before: rms(&unseen.before),
-            rms_after: rms(sums_after),
-            noise_floor: unseen.noise,
-            unit: self.unit(unseen.joint).to_owned(),
-            reduction_percent: percent.filter(|_| is_known),
-            reduction_ci95: ci95.filter(|_| is_known),
-            no_reduction: match (is_elsewhere, is_gap) {
-                (true, _) => Some(NoReduction::Undetermined),
-                (false, true) => None,
-                (false, false) => Some(NoReduction::WithinNoise),
-            },
-        }
+        held_out(self.named(unseen.joint), unseen, sums_after)
     }
 
     fn why_not_predicted(&self, why: &MotionError) -> String {
@@ -278,47 +249,15 @@ impl<'e> Words<'e> {
         let is_second = self.examined.second.is_none();
         let unseen = self.examined.unseen.iter().filter(|_| is_second);
         let not_predicted = self.examined.second.iter();
-        let mut found = OnSecond {
-            not_predicted: not_predicted
-                .map(|why| self.why_not_predicted(why))
-                .collect(),
-            ..OnSecond::default()
-        };
+        let not_predicted = not_predicted.map(|why| self.why_not_predicted(why));
+        let mut found = OnSecond::default();
+        found.second.not_predicted.extend(not_predicted);
         for own in unseen {
-            let answer = self.answer_of(own);
-            let left = |rms: f64, rows: usize| Left {
-                rms,
-                noise: own.noise,
-                readings: rows as f64,
-            };
             let mut fitted = self.examined.channels.iter();
             let fitted = fitted.find(|fit| fit.joint == own.joint);
-            let rows = [fitted.map_or(0, |fit| fit.before.len()), own.rows_in_all()];
-            let of_both = own
-                .of_both
-                .map(|both| [0, 1].map(|of| left(both[of] * own.noise, rows[of])));
-            found.channels.push(SecondChannel::new(
-                (
-                    self.channel(own.joint),
-                    Some(own.joint + 1),
-                    self.unit(own.joint),
-                ),
-                (
-                    left(answer.rms_after, rows[1]),
-                    fitted.map_or(0.0, |fit| fit.rms_after),
-                ),
-                ALLOWED,
-                of_both,
-            ));
-            found.held_out.push(answer);
-            let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
-                row: *row,
-                channel: self.channel(own.joint),
-                measured: *measured,
-                before: *before,
-                after: if self.is_adequate { *after } else { *before },
-            };
-            found.predictions.extend(own.predictions.iter().map(of_row));
+            let fitted = fitted.map_or((0.0, 0), |fit| (fit.rms_after, fit.before.len()));
+            let answer = self.answer_of(own);
+            found.add(answer, own, fitted, self.is_adequate);
         }
         found
     }
@@ -365,9 +304,4 @@ fn largest_of(unseen: &[Unseen]) -> Option<&Unseen> {
 pub(super) fn largest(channels: &[ChannelGap]) -> Option<usize> {
     let share = |index: &usize| channels[*index].share_of_gap;
     (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))
-}
-
-fn floor(joint: usize, noise: f64, rows: f64) -> Floor {
-    let channel = Channel::Output { joint };
-    Floor::new(channel, noise, rows.max(1.0), NoiseSource::Motion)
 }

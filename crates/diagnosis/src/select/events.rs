@@ -6,7 +6,7 @@ use std::convert::Infallible;
 use std::ops::Range;
 
 use haptical_effects::{Context, Effect, Signal};
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 use haptical_linalg::Direction;
 
 use crate::DiagnosisError;
@@ -181,7 +181,7 @@ impl Forward for FurtherSteps<'_> {
     type Further = Score;
     type Error = Infallible;
 
-    fn proposals(&mut self, times: &Vec<f64>) -> Result<Vec<Proposal<Score>>, Infallible> {
+    fn proposals(&mut self, times: &Vec<f64>) -> Proposals<Self> {
         if times.len() >= MOST_STEPS_OF_AN_EVENT {
             return Ok(Vec::new());
         }
@@ -189,11 +189,7 @@ impl Forward for FurtherSteps<'_> {
         Ok(Proposal::of_best(best, |best| best.score))
     }
 
-    fn rule(
-        &mut self,
-        times: &Vec<f64>,
-        best: Proposal<Score>,
-    ) -> Result<Ruling<Vec<f64>>, Infallible> {
+    fn rule(&mut self, times: &Vec<f64>, best: Proposal<Score>) -> Ruled<Self> {
         if best.merit <= STEP_SCORE || best.merit <= STEP_SHARE * self.one {
             return Ok(Ruling::Ended);
         }

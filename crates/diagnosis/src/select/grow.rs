@@ -1,7 +1,7 @@
 //! Causes that are picked one after the other.
 
 use haptical_effects::Family;
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use crate::DiagnosisError;
 use crate::engine::model::Refit;
@@ -96,10 +96,7 @@ impl Forward for Growth<'_, '_> {
     type Further = (Refit, Score);
     type Error = DiagnosisError;
 
-    fn proposals(
-        &mut self,
-        grown: &Grown,
-    ) -> Result<Vec<Proposal<(Refit, Score)>>, DiagnosisError> {
+    fn proposals(&mut self, grown: &Grown) -> Proposals<Self> {
         self.selector.engine.base.interrupt.check()?;
         if self.has_moved_far(grown) {
             return Ok(Vec::new());
@@ -118,11 +115,7 @@ impl Forward for Growth<'_, '_> {
         Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
 
-    fn rule(
-        &mut self,
-        grown: &Grown,
-        best: Proposal<(Refit, Score)>,
-    ) -> Result<Ruling<Grown>, DiagnosisError> {
+    fn rule(&mut self, grown: &Grown, best: Proposal<(Refit, Score)>) -> Ruled<Self> {
         let (next, score) = best.further;
         let system = self.selector.system_of(&next);
         let after = system.slow_energy(&system.residual);

@@ -2,7 +2,7 @@
 //! others do by the same law, each with a stiffness of its own.
 
 use haptical_effects::{Family, Hook};
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use super::{Grown, Selector, excess};
 use crate::DiagnosisError;
@@ -136,7 +136,7 @@ impl Forward for Extension<'_, '_> {
     type Further = (Refit, Score);
     type Error = DiagnosisError;
 
-    fn proposals(&mut self, with: &Grown) -> Result<Vec<Proposal<(Refit, Score)>>, DiagnosisError> {
+    fn proposals(&mut self, with: &Grown) -> Proposals<Self> {
         if with.refit.model.causes.len() >= self.most {
             return Ok(Vec::new());
         }
@@ -146,11 +146,7 @@ impl Forward for Extension<'_, '_> {
         Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
 
-    fn rule(
-        &mut self,
-        with: &Grown,
-        best: Proposal<(Refit, Score)>,
-    ) -> Result<Ruling<Grown>, DiagnosisError> {
+    fn rule(&mut self, with: &Grown, best: Proposal<(Refit, Score)>) -> Ruled<Self> {
         let (refit, score) = best.further;
         let system = self.selector.system_of(&refit);
         let after = system.slow_energy(&system.residual);

@@ -1,7 +1,7 @@
 //! Causes that those picked after them have made superfluous are taken out again (docs/diagnosis.md,
 //! "Selection").
 
-use haptical_judge::{Backward, Needless, Without, without_needless};
+use haptical_judge::{Backward, Less, Needless, Without, without_needless};
 
 use crate::DiagnosisError;
 use crate::engine::model::Refit;
@@ -68,7 +68,7 @@ impl Backward for Trim<'_, '_> {
         refit.model.causes.len()
     }
 
-    fn without(&mut self, refit: &Refit, index: usize) -> Result<Without<Refit>, DiagnosisError> {
+    fn without(&mut self, refit: &Refit, index: usize) -> Less<Self> {
         let selector = self.selector;
         if refit.model.causes.len() != self.causes {
             let system = selector.system_of(refit);

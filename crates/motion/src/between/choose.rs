@@ -3,7 +3,8 @@
 use std::convert::Infallible;
 
 use haptical_judge::{
-    Backward, Forward, InPlace, Other, Others, Proposal, Ruling, Without, rivals, select,
+    Backward, Forward, InPlace, Less, Other, Others, Proposal, Proposals, Ruled, Ruling, Without,
+    rivals, select,
 };
 
 use super::fit::{Fitted, fit};
@@ -258,7 +259,7 @@ impl Forward for Search<'_> {
     type Further = State;
     type Error = Infallible;
 
-    fn proposals(&mut self, state: &State) -> Result<Vec<Proposal<State>>, Infallible> {
+    fn proposals(&mut self, state: &State) -> Proposals<Self> {
         if state.taken >= MOST_TERMS {
             return Ok(Vec::new());
         }
@@ -282,7 +283,7 @@ impl Forward for Search<'_> {
             .collect())
     }
 
-    fn rule(&mut self, _: &State, best: Proposal<State>) -> Result<Ruling<State>, Infallible> {
+    fn rule(&mut self, _: &State, best: Proposal<State>) -> Ruled<Self> {
         Ok(match best.merit > LEAST_NATS {
             true => Ruling::Taken(best.further),
             false => Ruling::Ended,
@@ -298,7 +299,7 @@ impl Backward for Search<'_> {
         places(state).count()
     }
 
-    fn without(&mut self, state: &State, effect: usize) -> Result<Without<State>, Infallible> {
+    fn without(&mut self, state: &State, effect: usize) -> Less<Self> {
         let (at, terms) = others(state, effect);
         let mut less = self.with(state, at, &terms);
         if !less.fitted[at].is_possible(&self.rows[at]) {
@@ -316,12 +317,7 @@ impl InPlace for Search<'_> {
     type Name = Kind;
     type Fit = ();
 
-    fn in_place(
-        &mut self,
-        without: &State,
-        whole: &State,
-        effect: usize,
-    ) -> Result<Others<Self>, Infallible> {
+    fn in_place(&mut self, without: &State, whole: &State, effect: usize) -> Others<Self> {
         let (at, kept) = others(whole, effect);
         let less = without.score(self.rows);
         let taken = &whole.fitted[at].terms;

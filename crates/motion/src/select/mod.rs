@@ -11,7 +11,10 @@ mod shape;
 use std::convert::Infallible;
 use std::rc::Rc;
 
-use haptical_judge::{Backward, Forward, Needless, Proposal, Ruling, Without, without_needless};
+use haptical_judge::{
+    Backward, Forward, Less, Needless, Proposal, Proposals, Ruled, Ruling, Without,
+    without_needless,
+};
 
 pub(crate) use self::fitted::{Fitted, Frame, within_limits};
 use self::numbers::numbers;
@@ -218,7 +221,7 @@ impl<'c> Forward for Search<'_, '_, 'c> {
     type Further = State<'c>;
     type Error = Infallible;
 
-    fn proposals(&mut self, state: &State<'c>) -> Result<Vec<Proposal<State<'c>>>, Infallible> {
+    fn proposals(&mut self, state: &State<'c>) -> Proposals<Self> {
         let is_full = kinds(&state.taken) > MOST_EFFECTS || state.taken.len() >= MOST_PLACES;
         let has_enough = !state.taken.is_empty() && is_quiet(self.frame.problem, &state.fitted);
         if is_full || has_enough {
@@ -235,11 +238,7 @@ impl<'c> Forward for Search<'_, '_, 'c> {
             .collect())
     }
 
-    fn rule(
-        &mut self,
-        state: &State<'c>,
-        best: Proposal<State<'c>>,
-    ) -> Result<Ruling<State<'c>>, Infallible> {
+    fn rule(&mut self, state: &State<'c>, best: Proposal<State<'c>>) -> Ruled<Self> {
         if kinds(&best.further.taken) > MOST_EFFECTS {
             return Ok(Ruling::Ended);
         }
@@ -256,11 +255,7 @@ impl<'c> Backward for Search<'_, '_, 'c> {
         state.taken.len()
     }
 
-    fn without(
-        &mut self,
-        state: &State<'c>,
-        effect: usize,
-    ) -> Result<Without<State<'c>>, Infallible> {
+    fn without(&mut self, state: &State<'c>, effect: usize) -> Less<Self> {
         let mut taken = state.taken.clone();
         let gone = taken.remove(effect);
         // a delay that was taken is in the recorded rows: what is in its place has to do without

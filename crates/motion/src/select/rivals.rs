@@ -1,6 +1,5 @@
 //! What would explain as much in the place of an effect that was taken.
 
-use std::convert::Infallible;
 use std::rc::Rc;
 
 use haptical_judge::{Backward, InPlace, Other, Others, rivals};
@@ -43,12 +42,7 @@ impl<'c> InPlace for Search<'_, '_, 'c> {
     type Name = Place;
     type Fit = f64;
 
-    fn in_place(
-        &mut self,
-        without: &State<'c>,
-        whole: &State<'c>,
-        effect: usize,
-    ) -> Result<Others<Self>, Infallible> {
+    fn in_place(&mut self, without: &State<'c>, whole: &State<'c>, effect: usize) -> Others<Self> {
         let near = nearest(self.frame, self.pool, without);
         let pick = &whole.taken[effect];
         let of_pick = without.fitted.excess - whole.fitted.excess - penalty(self.frame, pick);

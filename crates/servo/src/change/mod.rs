@@ -8,7 +8,7 @@ mod torque;
 
 use std::convert::Infallible;
 
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use self::scan::{Likely, Scan};
 pub(crate) use self::still::of_a_still_joint;
@@ -187,7 +187,7 @@ impl Forward for Changes {
     type Further = Change;
     type Error = Infallible;
 
-    fn proposals(&mut self, found: &Found) -> Result<Vec<Proposal<Change>>, Infallible> {
+    fn proposals(&mut self, found: &Found) -> Proposals<Self> {
         if found.changes.len() >= MOST_CHANGES {
             return Ok(Vec::new());
         }
@@ -195,7 +195,7 @@ impl Forward for Changes {
         Ok(Proposal::of_best(next, |_| 0.0))
     }
 
-    fn rule(&mut self, found: &Found, next: Proposal<Change>) -> Result<Ruling<Found>, Infallible> {
+    fn rule(&mut self, found: &Found, next: Proposal<Change>) -> Ruled<Self> {
         let mut rest = found.rest.clone();
         next.further.undo(&mut rest);
         Ok(Ruling::Taken(Found {

@@ -66,7 +66,7 @@ impl Model<'_> {
                 (of_before + before + added[channel]).sqrt(),
                 (of_after + after).sqrt(),
             ];
-            let (name, unit) = (recorded.name(channel), recorded.unit(channel));
+            let (name, unit) = recorded.named(channel);
             ChannelGap::fitted(name, Some(joint), sizes, &floor, unit)
         };
         recorded.channels.iter().enumerate().map(gap).collect()
@@ -109,7 +109,7 @@ impl Model<'_> {
         let own = |rest: &Means| rest.column(channel).iter().copied().collect();
         Some(Course {
             channel: channels[channel].channel.clone(),
-            unit: recorded.unit(channel),
+            unit: recorded.named(channel).1,
             time_s: recorded.means(time_s),
             before: own(self.rest_before()),
             after: own(&self.selection.rest_after),

@@ -27,7 +27,7 @@ impl Model<'_> {
         let torques = self.base.torque_nm.column_iter();
         let mut channels = recorded.noise.iter().zip(torques).enumerate();
         channels.find_map(|(channel, (noise, torque_nm))| {
-            let (sd_nm, unit) = (noise.sd, recorded.unit(channel));
+            let (sd_nm, (_, unit)) = (noise.sd, recorded.named(channel));
             let rms_nm = (torque_nm.norm_squared() / torque_nm.len().max(1) as f64).sqrt();
             let column = recorded.column(recorded.channels[channel]);
             (sd_nm > rms_nm).then(|| {

@@ -1,5 +1,6 @@
 //! Two groups of runs side by side: their blocks, and which of them repeat one another.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use crate::force::Means;
@@ -78,39 +79,32 @@ impl Pair {
     }
 }
 
-/// Later blocks, each with the earlier one of the same place in its run, where the postures are the same; none where
+/// Later blocks, each with the one of the same place in the run before, where the postures are the same; none where
 /// the trajectories differ.
 fn twins(
     along: &Along<'_>,
     before: &Range<usize>,
     after: &Range<usize>,
 ) -> Option<(Vec<usize>, Vec<usize>)> {
-    // the last of the earlier runs of that length
     let recorded = &along.recorded;
-    let start_of = |block: usize| {
+    let place = |block: usize| {
         let row = recorded.blocks[block].rows.start;
         let run = recorded.context.runs.iter().find(|run| run.contains(&row));
-        run.map_or(0, |run| row - run.start)
+        let start = run.map_or(0, |run| run.start);
+        (start, row - start)
     };
+    let last = place(before.end - 1).0;
+    let of_last = before.clone().filter(|block| place(*block).0 == last);
+    let earlier = of_last.map(|block| (place(block).1, block));
+    let earlier: BTreeMap<usize, usize> = earlier.collect();
     let ranges = along.ranges();
-    let is_same = |own: usize, twin: usize| {
-        let off = along.angle.row(own) - along.angle.row(twin);
+    let is_same = |(own, twin): &(usize, usize)| {
+        let off = along.angle.row(*own) - along.angle.row(*twin);
         let mut off = off.iter().zip(&ranges);
         off.all(|(off, range)| off.abs() <= SAME_POSTURE * range.max(1e-12))
     };
-    let mut pairs = Vec::with_capacity(after.len());
-    let mut earlier = before.clone().rev().peekable();
-    for own in after.clone().rev() {
-        let place = start_of(own);
-        while earlier.peek().is_some_and(|&twin| start_of(twin) > place) {
-            earlier.next();
-        }
-        let twin = earlier.peek().filter(|&&twin| start_of(twin) == place);
-        pairs.extend(
-            twin.filter(|&&twin| is_same(own, twin))
-                .map(|&twin| (own, twin)),
-        );
-    }
-    pairs.reverse();
-    (5 * pairs.len() >= 4 * after.len()).then(|| pairs.into_iter().unzip())
+    let paired = |own: usize| Some((own, *earlier.get(&place(own).1)?));
+    let pairs = after.clone().filter_map(paired);
+    let (own, twin): (Vec<usize>, Vec<usize>) = pairs.filter(is_same).unzip();
+    (5 * own.len() >= 4 * after.len()).then_some((own, twin))
 }

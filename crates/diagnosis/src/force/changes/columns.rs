@@ -91,9 +91,8 @@ impl Columns {
             let angle = along.angle.column(joint);
             let (middle, half) = (angle.mean(), (0.5 * ranges[joint]).max(1e-12));
             for degree in 0..=COMMON_DEGREE {
-                add(angle
-                    .map(|angle| ((angle - middle) / half).powi(degree))
-                    .as_slice());
+                let power = angle.map(|angle| ((angle - middle) / half).powi(degree));
+                add(power.as_slice());
             }
             let [side, rate] = friction(along, joint);
             let torque = base.torque_nm.column(channel);

@@ -5,6 +5,7 @@
 
 use haptical_judge::{Gain, closed_share};
 use haptical_linalg::{Matrix, NormalEquations, NormalSolution};
+use haptical_motion::Unseen;
 use nalgebra::DMatrix;
 
 use super::blocks::Pair;
@@ -21,9 +22,9 @@ pub(in crate::force) struct Folds {
     /// The standard deviation that each column's number is known to have.
     sd: Vec<f64>,
     /// One over the variance of a block's reading, per channel.
-    pub(super) weight: Vec<f64>,
-    /// Rows of each channel.
-    pub(super) rows: f64,
+    weight: Vec<f64>,
+    /// Rows of each fold.
+    rows: Vec<usize>,
 }
 
 /// A sum of columns, `(column, factor)` each, with what its number is known to, over one channel or over all.
@@ -38,18 +39,16 @@ pub(in crate::force) struct Fitted {
     /// The same without each fold.
     pub(super) without: Vec<Vec<f64>>,
     /// Weighted squares left of each fold, channel by channel.
-    pub(super) left: Vec<Vec<f64>>,
+    left: Vec<Vec<f64>>,
 }
 
 impl Folds {
     /// `least`: variances that blocks have by noise alone, channel by channel.
     pub(in crate::force) fn new(columns: &Columns, pair: &Pair, least: &[f64]) -> Self {
-        let fold_of = folds(pair);
+        let rows = folds(pair);
         let count = columns.all.len();
         let normal = |(fold, channel): (usize, usize)| {
-            let rows: Vec<usize> = (0..fold_of.len())
-                .filter(|&row| fold_of[row] == fold)
-                .collect();
+            let rows: &[usize] = &rows[fold];
             let dense = DMatrix::from_fn(rows.len(), count + 1, |row, column| {
                 columns.all.get(column).unwrap_or(&pair.reading)[(rows[row], channel)]
             });
@@ -64,7 +63,7 @@ impl Folds {
             sums: Vec::new(),
             sd: columns.sd.clone(),
             weight: vec![1.0; channels],
-            rows: fold_of.len() as f64,
+            rows: rows.iter().map(Vec::len).collect(),
         };
         folds.weigh(least);
         folds
@@ -81,7 +80,7 @@ impl Folds {
                     None => sums.target_square(),
                 };
                 let square: f64 = self.parts.iter().map(|parts| left(&parts[channel])).sum();
-                let mean = (square / self.rows.max(1.0)).max(least[channel]);
+                let mean = (square / self.count().max(1.0)).max(least[channel]);
                 self.weight[channel] = 1.0 / mean.max(1e-300);
             }
             self.measure();
@@ -104,6 +103,20 @@ impl Folds {
             }
         }
         self.sums = sums;
+    }
+
+    /// Rows of each channel.
+    fn count(&self) -> f64 {
+        self.rows.iter().sum::<usize>() as f64
+    }
+
+    /// Counts what two hypotheses leave of a channel of the blocks that they were not fitted to.
+    pub(super) fn unseen(&self, channel: usize, [null, all]: [&Fitted; 2], unseen: &mut Unseen) {
+        unseen.rows[..FOLDS].copy_from_slice(&self.rows);
+        for fold in 0..FOLDS {
+            let left = |own: &Fitted| own.left[fold][channel] / self.weight[channel];
+            (unseen.before[fold], unseen.after[fold]) = (left(null), left(all));
+        }
     }
 
     /// Square of a column on all blocks.
@@ -182,15 +195,11 @@ impl Folds {
     /// Share of the squares beyond noise of all channels that one hypothesis leaves and another does not; `variance`: of a block's reading
     /// by noise alone, per channel.
     pub(in crate::force) fn closed(&self, [null, all]: [&Fitted; 2], variance: &[f64]) -> f64 {
-        let noise = self
-            .weight
-            .iter()
-            .zip(variance)
-            .map(|(a, b)| a * b * self.rows);
+        let variances = self.weight.iter().zip(variance);
+        let noise = variances.map(|(weight, variance)| weight * variance * self.count());
         let [before, after] = [null, all].map(|own| own.by_fold(|_| true));
-        closed_share(&before, &after, noise.sum())
-            .share
-            .clamp(0.0, 1.0)
+        let closed = closed_share(&before, &after, noise.sum());
+        closed.share.clamp(0.0, 1.0)
     }
 }
 
@@ -214,19 +223,16 @@ impl Fitted {
     fn by_fold(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<f64> {
         let wanted = |left: &Vec<f64>| {
             let channels = left.iter().enumerate();
-            channels
-                .filter(|(channel, _)| is_wanted(*channel))
-                .map(|own| own.1)
-                .sum()
+            let wanted = channels.filter(|own| is_wanted(own.0));
+            wanted.map(|own| own.1).sum()
         };
         self.left.iter().map(wanted).collect()
     }
 
     /// What it leaves of some channels, all folds.
     pub(super) fn left_on(&self, channels: &[usize]) -> f64 {
-        self.by_fold(|channel| channels.contains(&channel))
-            .iter()
-            .sum()
+        let left = self.by_fold(|channel| channels.contains(&channel));
+        left.iter().sum()
     }
 
     /// What `other` leaves more than this, of all channels or of one.
@@ -237,15 +243,16 @@ impl Fitted {
     }
 }
 
-/// Fold of each block: those before a change and those after it are cut alike.
-fn folds(pair: &Pair) -> Vec<usize> {
-    let count = |side: bool| pair.is_after().filter(|&own| own == side).count();
-    let counts = [false, true].map(count);
-    let mut seen = [0, 0];
-    let fold = |is_after: bool| {
-        let side = usize::from(is_after);
-        seen[side] += 1;
-        (seen[side] - 1) * FOLDS / counts[side].max(1)
-    };
-    pair.is_after().map(fold).collect()
+/// Blocks of each fold: those before a change and those after it are cut alike.
+fn folds(pair: &Pair) -> Vec<Vec<usize>> {
+    let mut folds = vec![Vec::new(); FOLDS];
+    for side in [false, true] {
+        let blocks = pair.is_after().enumerate();
+        let own = blocks.filter(|(_, is_after)| *is_after == side);
+        let own: Vec<usize> = own.map(|(block, _)| block).collect();
+        for (place, block) in own.iter().enumerate() {
+            folds[place * FOLDS / own.len()].push(*block);
+        }
+    }
+    folds
 }

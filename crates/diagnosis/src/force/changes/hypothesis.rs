@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use super::columns::{Columns, Own};
 use super::folds::{Fitted, Folds};
@@ -34,10 +34,8 @@ impl Carrier {
         scale_sds: &[f64],
     ) -> Self {
         let fitted = folds.fit(&[common, &columns].concat());
-        let terms = columns
-            .iter()
-            .map(|&column| (column, fitted.number(column)));
-        let terms: Vec<(usize, f64)> = terms.collect();
+        let number = |&column: &usize| (column, fitted.number(column));
+        let terms: Vec<(usize, f64)> = columns.iter().map(number).collect();
         let scales = scale_sds.iter().enumerate();
         let scales = scales.map(|(channel, &sd)| (terms.clone(), sd, Some(channel)));
         Self {
@@ -68,21 +66,16 @@ impl Hypothesis {
         let common: Vec<usize> = columns.common.clone().collect();
         // the place of a mass at the flange is known to some centimetres of it: its size first
         let mass = columns.flange.start;
-        let first = folds
-            .fit(&[common.as_slice(), &[mass]].concat())
-            .number(mass);
+        let with_mass = folds.fit(&[common.as_slice(), &[mass]].concat());
+        let first_kg = with_mass.number(mass).abs().max(1e-6);
         for (number, column) in columns.flange.clone().enumerate().skip(1) {
             let reach = if number < 4 { 1 } else { 2 };
-            folds.knowing(column, FLANGE_REACH_M.powi(reach) * first.abs().max(1e-6));
+            folds.knowing(column, FLANGE_REACH_M.powi(reach) * first_kg);
         }
         // the flange, and every link that a drive in front of others carries
         let links = columns.links.iter().enumerate().skip(1);
-        let links = links.map(|(link, numbers)| {
-            (
-                Some(link),
-                numbers.iter().map(|(column, _)| *column).collect(),
-            )
-        });
+        let columns_of = |numbers: &Vec<(usize, usize)>| numbers.iter().map(|own| own.0).collect();
+        let links = links.map(|(link, numbers)| (Some(link), columns_of(numbers)));
         let places = std::iter::once((None, columns.flange.clone().collect())).chain(links);
         let scale_sds = along.scale_sds();
         let carriers = places.map(|place| Carrier::new(place, folds, &common, &scale_sds));
@@ -115,12 +108,8 @@ impl Drives<'_> {
     fn best(&self) -> Option<Hypothesis> {
         let null = self.folds.fit(&self.common);
         let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, None));
-        let tried = self.carriers.iter().map(|carrier| {
-            let fitted = self
-                .folds
-                .fit(&[self.common.as_slice(), &carrier.all()].concat());
-            (carrier, fitted)
-        });
+        let with = |own: &Carrier| self.folds.fit(&[&*self.common, &own.all()].concat());
+        let tried = self.carriers.iter().map(|own| (own, with(own)));
         let found: Vec<(&Carrier, Fitted)> = tried.filter(|own| gains(&own.1, &null)).collect();
         let better = |best: usize, own: usize| match gains(&found[own].1, &found[best].1) {
             true => own,
@@ -146,10 +135,7 @@ impl Forward for Drives<'_> {
     type Further = Vec<usize>;
     type Error = Infallible;
 
-    fn proposals(
-        &mut self,
-        found: &Option<Hypothesis>,
-    ) -> Result<Vec<Proposal<Vec<usize>>>, Infallible> {
+    fn proposals(&mut self, found: &Option<Hypothesis>) -> Proposals<Self> {
         let Some(found) = found else {
             return Ok(Vec::new());
         };
@@ -164,11 +150,7 @@ impl Forward for Drives<'_> {
         Ok(self.kinds.iter().filter_map(proposal).collect())
     }
 
-    fn rule(
-        &mut self,
-        _: &Option<Hypothesis>,
-        best: Proposal<Vec<usize>>,
-    ) -> Result<Ruling<Option<Hypothesis>>, Infallible> {
+    fn rule(&mut self, _: &Option<Hypothesis>, best: Proposal<Vec<usize>>) -> Ruled<Self> {
         self.kinds.retain(|kind| *kind != best.further);
         self.common.extend(best.further);
         Ok(Ruling::Taken(self.best()))

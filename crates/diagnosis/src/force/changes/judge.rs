@@ -1,6 +1,8 @@
 //! Whether what changed between two groups of runs is a payload: it is, where one mass accounts for unseen blocks of several
 //! joints, and no change of the drives does as well.
 
+use haptical_motion::Unseen;
+
 use super::blocks::Pair;
 use super::columns::{Columns, Own, flange};
 use super::folds::{Fitted, Folds};
@@ -8,6 +10,7 @@ use super::gain::{is_beyond_chance, is_steady};
 use super::hypothesis::{Carrier, Hypothesis, KINDS};
 use super::size::{Size, size};
 use crate::answer::HeldOutAnswer;
+use crate::answer::gap::held_out;
 use crate::force::Means;
 use crate::force::along::Along;
 use crate::force::base::Base;
@@ -79,24 +82,18 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     if !is_large(along, &torque_nm, pair.from) || !size.is_certain() {
         return None;
     }
-    let squares = |own: &Fitted, channel: usize| -> Vec<f64> {
-        let folds_left = own.left.iter().map(|left| left[channel]);
-        folds_left
-            .map(|left| left / folds.weight[channel])
-            .collect()
-    };
     let gain_of = |channel: usize| fitted.gain_over(null, Some(channel)).sum;
-    let channel = shown
-        .into_iter()
-        .max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
-    let both = [null, fitted].map(|own| squares(own, channel));
+    let shown = shown.into_iter();
+    let channel = shown.max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
+    let mut unseen = Unseen::new(recorded.channels[channel], noise[channel].sqrt());
+    folds.unseen(channel, [null, fitted], &mut unseen);
     Some(Payload {
         run,
         link: carrier.link,
         links: found.links,
         inertia,
         torque_nm,
-        unseen: recorded.held_out(channel, folds.rows, noise[channel], both),
+        unseen: held_out(recorded.named(channel), &unseen, &unseen.after),
         closed_share: folds.closed([null, fitted], &noise),
         size,
     })

@@ -28,7 +28,6 @@ use super::along::Along;
 use super::base::Base;
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::select::excess;
-pub(super) use crate::thresholds::payload::FOLDS;
 use crate::thresholds::payload::{LEAST_BLOCKS, MOST_RUNS};
 use crate::thresholds::torque::LISTED_PROBABILITY;
 

@@ -69,8 +69,7 @@ pub(super) fn size(
     };
     let column = |number: usize| {
         let mut own = columns.links[link].iter();
-        own.find(|(_, other)| *other == number)
-            .map(|(column, _)| *column)
+        own.find(|own| own.1 == number).map(|own| own.0)
     };
     let number = |place: usize| column(place).map_or(0.0, |own| fitted.number(own));
     let moment_of = |of: Numbers<'_>| {
@@ -185,7 +184,6 @@ fn by_inertia(
 /// Longest row of the chain \[m\].
 fn longest_m(along: &Along<'_>) -> f64 {
     let links = along.recorded.context.device.links.iter();
-    links
-        .map(|link| link.a_m.hypot(link.d_m))
-        .fold(0.0, f64::max)
+    let lengths = links.map(|link| link.a_m.hypot(link.d_m));
+    lengths.fold(0.0, f64::max)
 }

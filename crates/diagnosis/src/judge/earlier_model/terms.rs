@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use super::displaced::Displaced;
 use super::groups::{Group, chance};
@@ -144,7 +144,7 @@ impl<'t> Forward for Search<'t, '_, '_> {
     type Further = Term<'t>;
     type Error = Infallible;
 
-    fn proposals(&mut self, state: &Picked<'t>) -> Result<Vec<Proposal<Term<'t>>>, Infallible> {
+    fn proposals(&mut self, state: &Picked<'t>) -> Proposals<Self> {
         let proposal = |term: &Term<'t>| {
             let with: Vec<usize> = (state.chosen.iter().chain(term.columns()))
                 .copied()
@@ -157,11 +157,7 @@ impl<'t> Forward for Search<'t, '_, '_> {
         Ok(self.open.iter().map(proposal).collect())
     }
 
-    fn rule(
-        &mut self,
-        state: &Picked<'t>,
-        best: Proposal<Term<'t>>,
-    ) -> Result<Ruling<Picked<'t>>, Infallible> {
+    fn rule(&mut self, state: &Picked<'t>, best: Proposal<Term<'t>>) -> Ruled<Self> {
         let Proposal { further, merit } = best;
         let columns = further.columns();
         if merit < chance(columns.len()) || merit < TERM_SHARE * self.total {

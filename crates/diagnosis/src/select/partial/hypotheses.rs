@@ -2,7 +2,7 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::{Effect, Family, Shape};
-use haptical_judge::{Backward, Needless, Without};
+use haptical_judge::{Backward, Less, Needless, Without};
 use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
@@ -219,11 +219,7 @@ impl<'g> Backward for Group<'g> {
         allowed.members.len()
     }
 
-    fn without(
-        &mut self,
-        allowed: &Allowed<'g>,
-        index: usize,
-    ) -> Result<Without<Allowed<'g>>, NoneAllowed> {
+    fn without(&mut self, allowed: &Allowed<'g>, index: usize) -> Less<Self> {
         if index == 0 {
             self.before = self.alone.clone();
         }

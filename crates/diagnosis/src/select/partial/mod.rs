@@ -7,7 +7,7 @@ mod replaceable;
 mod support;
 mod taken;
 
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use crate::DiagnosisError;
 use crate::engine::model::Model;
@@ -92,7 +92,7 @@ impl Forward for Partly<'_, '_> {
     type Further = Found;
     type Error = DiagnosisError;
 
-    fn proposals(&mut self, taken: &Taken) -> Result<Vec<Proposal<Found>>, DiagnosisError> {
+    fn proposals(&mut self, taken: &Taken) -> Proposals<Self> {
         if self.hypotheses >= MOST_HYPOTHESES {
             return Ok(Vec::new());
         }
@@ -111,11 +111,7 @@ impl Forward for Partly<'_, '_> {
     }
 
     /// The hypothesis with all before it, where unseen rows support it.
-    fn rule(
-        &mut self,
-        taken: &Taken,
-        best: Proposal<Found>,
-    ) -> Result<Ruling<Taken>, DiagnosisError> {
+    fn rule(&mut self, taken: &Taken, best: Proposal<Found>) -> Ruled<Self> {
         let (selector, segments) = (&*self.selector, self.segments);
         let (hypothesis, rivals) = best.further;
         let mut model = taken.refit.model.clone();

@@ -7,7 +7,7 @@ mod rivals;
 use std::convert::Infallible;
 
 use haptical_effects::{Effect, Family, Hook, Shape, Signal};
-use haptical_judge::{Forward, Proposal, Ruling};
+use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 use nalgebra::{DMatrix, DVector};
 
 use crate::DiagnosisError;
@@ -294,7 +294,7 @@ impl Forward for Search<'_, '_> {
     type Further = Cable;
     type Error = Infallible;
 
-    fn proposals(&mut self, chosen: &Chosen) -> Result<Vec<Proposal<Cable>>, Infallible> {
+    fn proposals(&mut self, chosen: &Chosen) -> Proposals<Self> {
         if chosen.cables.len() >= MOST_CABLES {
             return Ok(Vec::new());
         }
@@ -308,11 +308,7 @@ impl Forward for Search<'_, '_> {
             .collect())
     }
 
-    fn rule(
-        &mut self,
-        chosen: &Chosen,
-        best: Proposal<Cable>,
-    ) -> Result<Ruling<Chosen>, Infallible> {
+    fn rule(&mut self, chosen: &Chosen, best: Proposal<Cable>) -> Ruled<Self> {
         let cable = best.further;
         let mut system = chosen.system.clone();
         system.take(cable.column.clone());
