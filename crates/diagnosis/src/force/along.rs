@@ -4,7 +4,8 @@
 use std::ops::Range;
 
 use haptical_model::DeviceChain;
-use haptical_model::kinematics::Parameter;
+use haptical_model::dynamics::Inertia;
+use haptical_model::kinematics::{Parameter, Pose};
 use nalgebra::{DMatrix, DVector, Matrix3, MatrixXx3, Vector3};
 
 use super::Means;
@@ -113,10 +114,24 @@ impl<'a> Along<'a> {
         joints.map(|angle| angle.max() - angle.min()).collect()
     }
 
-    /// The handle in the frame of the last link \[m\], which moves with it.
-    pub(super) fn flange_m(&self) -> Vector3<f64> {
+    /// Inertial numbers of an arm that carries nothing but what has these ten on a link, or about the flange, which is where the last
+    /// link has the handle.
+    pub(super) fn carrying(&self, link: Option<usize>, numbers: [f64; PER_LINK]) -> Vec<f64> {
         let flange = self.recorded.bodies.flange(0);
-        flange.map_or_else(Vector3::zeros, |flange| flange.pose.position_m)
+        let place = Pose {
+            position_m: flange.map_or_else(Vector3::zeros, |own| own.pose.position_m),
+            ..Pose::default()
+        };
+        let numbers = match link {
+            Some(_) => numbers,
+            None => Inertia::from_parameters(numbers)
+                .seen_from(&place)
+                .parameters(),
+        };
+        let mut all = vec![0.0; self.inertia.len()];
+        let first = PER_LINK * link.unwrap_or(self.joints() - 1);
+        all[first..first + PER_LINK].copy_from_slice(&numbers);
+        all
     }
 
     /// Means of a block's transposed Jacobian, a row for each channel.

@@ -161,7 +161,7 @@ impl Model<'_> {
         let scores = shaped.map(|(effect, shape)| Score {
             effect,
             shape,
-            ..base.score(effects.columns(base, effect, shape))
+            ..base.score(&effects.columns(base, effect, shape))
         });
         let possible = scores.filter(|score| effects.is_possible(score));
         // of equals the first

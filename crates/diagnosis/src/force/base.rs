@@ -11,7 +11,7 @@ use super::assumed::with_assumed;
 use super::recorded::Besides;
 use super::rows::{FastRows, TorqueRows, Whitener};
 use crate::engine::regression::Regression;
-use crate::engine::system::{Column, SlowEnergy, dot};
+use crate::engine::system::{SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
 use crate::thresholds::torque::{KNOWN_BEFOREHAND, SCALE_ROUNDS};
 
@@ -39,10 +39,9 @@ impl Base {
     fn add_known(&mut self, means: &Means, sd: f64) {
         let rows = &self.regression.system.layout;
         let row = rows.prior(self.regression.len());
-        let mut column = rows.whitener.whiten(means).as_slice().to_vec();
+        let mut column = rows.of_means(means);
         let prior = 1.0 / (sd * sd);
         let square = prior + KNOWN_BEFOREHAND * (dot(&column, &column) + prior);
-        column.resize(self.regression.reading().len(), 0.0);
         column[row] = if square > 0.0 { square.sqrt() } else { 1.0 };
         self.regression.add(column);
     }
@@ -54,17 +53,22 @@ impl Base {
     }
 
     /// Takes up effects' columns.
-    pub(super) fn adopt(&mut self, columns: &[Column]) {
-        for column in columns {
-            let dense = self.regression.system.dense(column);
-            self.regression.add(dense);
-        }
+    pub(super) fn adopt(&mut self, columns: &[Vec<f64>]) {
+        let columns = columns.iter().cloned();
+        columns.for_each(|column| self.regression.add(column));
     }
 
     /// What some columns explain in addition to the model.
-    pub(super) fn score(&self, columns: Vec<Column>) -> Score {
+    pub(super) fn score(&self, columns: &[Vec<f64>]) -> Score {
+        self.candidate(columns, 0, 0.0)
+            .score(&self.regression.system)
+    }
+
+    /// Columns of an effect at a shape, with what the model has of them.
+    pub(super) fn candidate(&self, columns: &[Vec<f64>], effect: usize, shape: f64) -> Candidate {
         let system = &self.regression.system;
-        Candidate::of_columns(system, columns, 0, 0.0).score(system)
+        let columns = columns.iter().map(|column| system.layout.split(column));
+        Candidate::of_columns(system, columns.collect(), effect, shape)
     }
 
     /// What the model leaves of the block means.

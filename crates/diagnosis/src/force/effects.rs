@@ -5,7 +5,6 @@ use haptical_effects::{Absorbed, Effect, Family, Follows, Hook, Shape, drive_cat
 
 use super::along::Along;
 use super::base::Base;
-use crate::engine::system::Column;
 use crate::select::scan::{Candidate, Score};
 
 /// The catalogue of a device, and what of it a recording can test.
@@ -71,7 +70,7 @@ impl<'a> Effects<'a> {
     pub(super) fn candidates(&self, base: &Base) -> Vec<Candidate> {
         let at = |(index, shape): (usize, f64)| {
             let columns = self.columns(base, index, shape);
-            Candidate::of_columns(&base.regression.system, columns, index, shape)
+            base.candidate(&columns, index, shape)
         };
         let with_shapes = |&index: &usize| self.shapes(index).into_iter().map(move |s| (index, s));
         let shaped = self.tested.iter().flat_map(with_shapes);
@@ -96,7 +95,7 @@ impl<'a> Effects<'a> {
     }
 
     /// Columns of an effect: of what the base model has within a tolerance, its freedom.
-    pub(super) fn columns(&self, base: &Base, index: usize, shape: f64) -> Vec<Column> {
+    pub(super) fn columns(&self, base: &Base, index: usize, shape: f64) -> Vec<Vec<f64>> {
         let (effect, channel) = (self.effect(index), self.channel(index));
         let recorded = &self.along.recorded;
         let rows = &base.regression.system.layout;
@@ -111,7 +110,7 @@ impl<'a> Effects<'a> {
             let mut column = rows.of_means(&recorded.signal_means(signal));
             if let (true, Some(channel)) = (is_harmonic(effect), channel) {
                 let harmonic = first_harmonic(shape) + number;
-                column.parts.extend(rows.fast(channel, harmonic));
+                rows.add_fast(channel, harmonic, &mut column);
             }
             column
         };
@@ -119,7 +118,7 @@ impl<'a> Effects<'a> {
     }
 
     /// Columns of a constant bias and of a gain of each axis.
-    pub(super) fn bias_and_gain(&self, base: &Base) -> Vec<Column> {
+    pub(super) fn bias_and_gain(&self, base: &Base) -> Vec<Vec<f64>> {
         let is_plain = |index: &usize| {
             let spec = self.effect(*index).spec();
             let is_linear = spec.family == Family::Stated && spec.shape == Shape::NONE;
@@ -132,7 +131,7 @@ impl<'a> Effects<'a> {
 
     /// A harmonic error of the motor-side angle, as the torques see it: it makes an acceleration that the link does not
     /// have.
-    pub(super) fn ripple(&self, base: &Base, index: usize, order: f64) -> Vec<Column> {
+    pub(super) fn ripple(&self, base: &Base, index: usize, order: f64) -> Vec<Vec<f64>> {
         let recorded = &self.along.recorded;
         let time_s = recorded.context.recording.time_s.as_ref();
         let joint = self.effect(index).joint();

@@ -8,7 +8,6 @@ use super::assumed::{Assumed, Known, assumed, with_knowledge};
 use super::base::Base;
 use super::posture::PER_LINK;
 use crate::DiagnosisError;
-use crate::engine::system::Column;
 use crate::select::scan::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{FAMILY_WISE_P, LEAST_WEIGHT};
@@ -42,24 +41,26 @@ pub(super) fn unbalanced(
     let assuming = with_knowledge(&base.regression, &known);
     let system = &assuming.system;
     // what sets a link's numbers free of what is known of them
-    let released = |link: &Assumed| -> Vec<Column> {
+    let released = |link: &Assumed| -> Vec<Vec<f64>> {
         let rows = &system.layout;
         let release = |own: &Known| rows.release(own.0, assuming.column(own.0)[rows.prior(own.0)]);
         link.shown.iter().map(release).collect()
     };
-    let score = |columns| Candidate::of_columns(system, columns, 0, 0.0).score(system);
-    let saved: Vec<f64> = links
-        .iter()
-        .map(|link| score(released(link)).score)
-        .collect();
+    let saved = links.iter().map(|link| {
+        let columns = released(link)
+            .iter()
+            .map(|own| system.layout.split(own))
+            .collect();
+        let candidate = Candidate::of_columns(system, columns, 0, 0.0);
+        candidate.score(system).score
+    });
+    let saved: Vec<f64> = saved.collect();
     let Some(best) = (0..saved.len()).max_by(|&a, &b| saved[a].total_cmp(&saved[b])) else {
         return Ok(None);
     };
     let (link, score) = (&links[best], saved[best]);
     let mut free = assuming.clone();
-    for column in released(link) {
-        free.add(system.dense(&column));
-    }
+    released(link).into_iter().for_each(|own| free.add(own));
     let solution = free.solution();
     let p = chi_square_p_value(score, link.shown.len() as f64)?;
     let mut change = vec![0.0; along.inertia.len()];

@@ -48,9 +48,8 @@ impl Posture {
         let handle = chain.derivatives(joints, &mut rows)?;
         let order = chain.convention().order();
         // a link's frame is behind this turn; a slide of its joint changes places with what follows in the row
-        let turn = order
-            .iter()
-            .position(|parameter| *parameter == Parameter::Theta);
+        let mut parameters = order.iter();
+        let turn = parameters.position(|own| *own == Parameter::Theta);
         let step = |(row, place): (usize, usize)| Step {
             twist: rows[row].get(order[place]),
             first_joint: row.saturating_sub(usize::from(Some(place) < turn)),
@@ -60,18 +59,15 @@ impl Posture {
             (0..rows.len()).flat_map(|row| (0..order.len()).map(move |place| (row, place)));
         let moved = rows.iter().zip(chain.motions());
         let links = (0..joints.len()).filter_map(|link| work.pose(link));
+        let from_handle = |link: &Pose| Pose {
+            position_m: link.position_m - handle.position_m,
+            ..*link
+        };
         Ok(Self {
-            handle,
-            joints: moved
-                .filter_map(|(row, motion)| row.joint(*motion))
-                .collect(),
+            joints: moved.filter_map(|(row, own)| row.joint(*own)).collect(),
             steps: places.map(step).collect(),
-            links: links
-                .map(|link| Pose {
-                    position_m: link.position_m - handle.position_m,
-                    ..*link
-                })
-                .collect(),
+            links: links.map(from_handle).collect(),
+            handle,
         })
     }
 

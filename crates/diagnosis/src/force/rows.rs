@@ -140,40 +140,35 @@ impl TorqueRows {
         self.whitener.colour(&white)
     }
 
-    /// Column of block means.
-    pub(super) fn of_means(&self, means: &Means) -> Column {
-        let white = self.whitener.whiten(means);
-        let channels = white.column_iter().enumerate();
-        let parts = channels.filter(|(_, own)| own.iter().any(|entry| *entry != 0.0));
-        Column {
-            parts: parts
-                .map(|(channel, own)| (channel, own.iter().copied().collect()))
-                .collect(),
-        }
-    }
-
-    /// A vector over all rows as a column.
-    pub(super) fn split(&self, dense: &[f64]) -> Column {
-        let streams = 0..=self.shape.1 + self.fast.len();
-        let parts = streams.map(|stream| (stream, dense[self.range(stream)].to_vec()));
-        Column {
-            parts: parts.collect(),
-        }
+    /// Column of block means, zero in all other rows.
+    pub(super) fn of_means(&self, means: &Means) -> Vec<f64> {
+        let mut column = self.whitener.whiten(means).as_slice().to_vec();
+        column.resize(self.count(), 0.0);
+        column
     }
 
     /// Column with nothing but an entry in one prior's row: it sets that number free.
-    pub(super) fn release(&self, index: usize, weight: f64) -> Column {
-        let mut row = vec![0.0; self.priors];
-        row[index] = weight;
-        Column {
-            parts: vec![(self.shape.1, row)],
+    pub(super) fn release(&self, index: usize, weight: f64) -> Vec<f64> {
+        let mut column = vec![0.0; self.count()];
+        column[self.prior(index)] = weight;
+        column
+    }
+
+    /// Adds a harmonic's part within the blocks of its channel to a column.
+    pub(super) fn add_fast(&self, channel: usize, harmonic: usize, column: &mut [f64]) {
+        if let Some(own) = self.fast.get(channel) {
+            let rows = &mut column[self.range(self.shape.1 + 1 + channel)];
+            rows.copy_from_slice(own.root.column(harmonic).as_slice());
         }
     }
 
-    /// A harmonic's part within the blocks of its channel.
-    pub(super) fn fast(&self, channel: usize, harmonic: usize) -> Option<(usize, Vec<f64>)> {
-        let root = &self.fast.get(channel)?.root;
-        let own = root.column(harmonic).iter().copied().collect();
-        Some((self.shape.1 + 1 + channel, own))
+    /// A column by those streams where it is not nothing.
+    pub(super) fn split(&self, column: &[f64]) -> Column {
+        let streams = 0..=self.shape.1 + self.fast.len();
+        let parts = streams.map(|stream| (stream, column[self.range(stream)].to_vec()));
+        let parts = parts.filter(|(_, own)| own.iter().any(|entry| *entry != 0.0));
+        Column {
+            parts: parts.collect(),
+        }
     }
 }

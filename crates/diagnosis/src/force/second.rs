@@ -131,11 +131,12 @@ impl Model<'_> {
 
 /// A warning where the arm carries more, or less, in the second recording than at the end of the first.
 fn told(payload: &Payload) -> String {
-    let [low, high] = payload.size.ci95_kg;
+    let mass_kg = payload.cause.parameters["mass_kg"];
+    let [low, high] = mass_kg.ci95;
     format!(
         "the arm carries {:+.3} kg [{low:.3}, {high:.3}] in the second recording, beyond what it carried at the end of \
          the log: the gap of the second recording has this in it",
-        payload.size.mass_kg
+        mass_kg.value
     )
 }
 

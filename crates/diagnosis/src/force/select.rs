@@ -11,7 +11,7 @@ use super::Means;
 use super::base::Base;
 use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
 use crate::DiagnosisError;
-use crate::engine::system::{Column, SlowEnergy};
+use crate::engine::system::SlowEnergy;
 use crate::select::chance::family_wise_p;
 use crate::select::scan::{Candidate, Score};
 use crate::select::{excess, misfit};
@@ -39,7 +39,7 @@ pub(super) struct Pick {
 }
 
 /// What the selection came to.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Selection {
     pub(super) picks: Vec<Pick>,
     /// Slow energy per channel of the base model, and of the picks' model.
@@ -70,26 +70,18 @@ impl Effects<'_> {
             candidates: self.candidates(base),
             effects: self,
         };
-        let energy = self.energy(base);
-        let start = Chosen {
-            before: energy.clone(),
-            after: energy,
-            rest_before: base.rest(),
+        let mut start = Chosen {
             base: base.clone(),
-            picks: Vec::new(),
             ripples: Vec::new(),
+            selection: Selection::default(),
             gone: None,
         };
-        let chosen = haptical_judge::select(&mut search, start)?;
-        let picks = search.compared(&chosen)?;
+        start.begin(self);
+        let mut chosen = haptical_judge::select(&mut search, start)?;
+        chosen.selection.picks = search.compared(&chosen)?;
         *base = chosen.base;
-        Ok(Selection {
-            picks,
-            before: chosen.before,
-            after: chosen.after,
-            rest_before: chosen.rest_before,
-            rest_after: base.rest(),
-        })
+        chosen.selection.rest_after = base.rest();
+        Ok(chosen.selection)
     }
 
     /// Whether an effect is in the model already, at its place; of the harmonics of a motor's angle some may be.
@@ -99,7 +91,7 @@ impl Effects<'_> {
             let other = self.effect(pick.effect);
             other.name() == effect.name() && other.joint() == effect.joint()
         };
-        let mut picked = chosen.picks.iter().filter(at_place);
+        let mut picked = chosen.selection.picks.iter().filter(at_place);
         if !is_harmonic(effect) {
             return picked.next().is_some();
         }
@@ -136,16 +128,14 @@ impl Effects<'_> {
         let mut beside = base.clone();
         beside.adopt(&self.bias_and_gain(base));
         let columns = self.columns(base, score.effect, score.shape);
-        beside.score(columns).score >= LEAST_LOOP * score.score
+        beside.score(&columns).score >= LEAST_LOOP * score.score
     }
 
     /// Adds an effect to the model, its shape searched.
     pub(super) fn taken(&self, base: &mut Base, score: &Score) -> Pick {
         let (shape, columns) = self.refined(base, score);
         let first = base.regression.len();
-        for column in &columns {
-            base.regression.add(column.clone());
-        }
+        base.adopt(&columns);
         if is_scale(self.effect(score.effect)) {
             self.along.settle(base);
         }
@@ -164,32 +154,27 @@ impl Effects<'_> {
     /// derivative by the shape's logarithm.
     fn refined(&self, base: &Base, pick: &Score) -> (f64, Vec<Vec<f64>>) {
         let columns = |shape: f64| self.columns(base, pick.effect, shape);
-        let dense = |shape: f64| -> Vec<Vec<f64>> {
-            let columns = columns(shape);
-            let dense = columns.iter().map(|own| base.regression.system.dense(own));
-            dense.collect()
-        };
         if !self.effect(pick.effect).spec().shape.is_continuous() {
-            return (pick.shape, dense(pick.shape));
+            return (pick.shape, columns(pick.shape));
         }
         let placed = |log: f64| pick.shape * log.exp();
-        let at = |log: f64| base.score(columns(placed(log))).score;
+        let at = |log: f64| base.score(&columns(placed(log))).score;
         let reach = TRANSITION_REACH.ln();
         let best = golden_section([-reach, reach], TRANSITION_STEPS, at);
         let shape = placed(best);
-        let amplitudes = base.score(columns(shape)).amplitudes;
-        let mut columns = dense(shape);
+        let mut found = columns(shape);
+        let amplitudes = base.score(&found).amplitudes;
         let mut slope = vec![0.0; base.regression.reading().len()];
         for side in [1.0, -1.0] {
-            let beside = dense(placed(best + side * SHAPE_STEP));
+            let beside = columns(placed(best + side * SHAPE_STEP));
             for (column, amplitude) in beside.iter().zip(&amplitudes) {
                 let factor = side * amplitude / (2.0 * SHAPE_STEP);
                 let entries = slope.iter_mut().zip(column);
                 entries.for_each(|(sum, value)| *sum += factor * value);
             }
         }
-        columns.push(slope);
-        (shape, columns)
+        found.push(slope);
+        (shape, found)
     }
 }
 
@@ -197,20 +182,26 @@ impl Effects<'_> {
 #[derive(Debug, Clone)]
 struct Ripple {
     of: (usize, f64),
-    columns: Vec<Column>,
+    columns: Vec<Vec<f64>>,
 }
 
 /// Effects chosen so far, as base columns of a model.
 #[derive(Debug, Clone)]
 struct Chosen {
     base: Base,
-    picks: Vec<Pick>,
     ripples: Vec<Ripple>,
-    before: Vec<SlowEnergy>,
-    after: Vec<SlowEnergy>,
-    rest_before: Means,
+    selection: Selection,
     /// Score of the effect that was taken out.
     gone: Option<Score>,
+}
+
+impl Chosen {
+    /// What the model leaves now is what picks are to explain.
+    fn begin(&mut self, effects: &Effects<'_>) {
+        self.selection.rest_before = self.base.rest();
+        self.selection.before = effects.energy(&self.base);
+        self.selection.after.clone_from(&self.selection.before);
+    }
 }
 
 /// The search of effects on the torques.
@@ -226,7 +217,7 @@ impl Forward for Search<'_, '_> {
 
     fn proposals(&mut self, chosen: &Chosen) -> Proposals<Self> {
         let effects = self.effects;
-        if chosen.picks.len() >= effects.most_names() {
+        if chosen.selection.picks.len() >= effects.most_names() {
             return Ok(Vec::new());
         }
         let mut scores = effects.scores(&chosen.base, &mut self.candidates);
@@ -241,8 +232,8 @@ impl Forward for Search<'_, '_> {
     fn rule(&mut self, chosen: &Chosen, best: Proposal<Score>) -> Ruled<Self> {
         let (effects, score) = (self.effects, best.further);
         let effect = effects.effect(score.effect);
-        let is_fresh = is_scale(effect) || chosen.picks.is_empty();
-        let rest = excess(&chosen.after).0.max(0.0);
+        let is_fresh = is_scale(effect) || chosen.selection.picks.is_empty();
+        let rest = excess(&chosen.selection.after).0.max(0.0);
         let is_part = is_fresh || is_harmonic(effect) || score.score >= SHARE_OF_REST * rest;
         if !effects.is_found(&score, self.candidates.len())?
             || !is_part
@@ -253,22 +244,22 @@ impl Forward for Search<'_, '_> {
         let mut next = chosen.clone();
         if is_harmonic(effect) && chosen.ripples.len() < MOST_RIPPLES {
             let columns = effects.ripple(&chosen.base, score.effect, score.shape);
-            let rival = chosen.base.score(columns.clone());
+            let rival = chosen.base.score(&columns);
             if rival.rank > 0 && effects.merit_as(&score, &rival) > best.merit {
                 next.base.adopt(&columns);
                 let of = (score.effect, score.shape);
                 next.ripples.push(Ripple { of, columns });
-                if next.picks.is_empty() {
+                if next.selection.picks.is_empty() {
                     // what an angle's error adds is no gap of the torques
-                    next.rest_before = next.base.rest();
-                    next.before = effects.energy(&next.base);
-                    next.after = next.before.clone();
+                    next.begin(effects);
                 }
                 return Ok(Ruling::Taken(next));
             }
         }
-        next.picks.push(effects.taken(&mut next.base, &score));
-        next.after = effects.energy(&next.base);
+        next.selection
+            .picks
+            .push(effects.taken(&mut next.base, &score));
+        next.selection.after = effects.energy(&next.base);
         Ok(Ruling::Taken(next))
     }
 }
@@ -278,26 +269,21 @@ impl Backward for Search<'_, '_> {
     type Error = DiagnosisError;
 
     fn effects(&self, chosen: &Chosen) -> usize {
-        chosen.picks.len()
+        chosen.selection.picks.len()
     }
 
     fn without(&mut self, chosen: &Chosen, index: usize) -> Less<Self> {
         let mut less = chosen.clone();
-        let gone = less.picks.remove(index);
+        let gone = less.selection.picks.remove(index);
         let base = &mut less.base;
         base.regression.truncate(base.scales.end);
-        for ripple in &less.ripples {
-            base.adopt(&ripple.columns);
-        }
-        for column in less.picks.iter().flat_map(|pick| &pick.columns) {
-            base.regression.add(column.clone());
-        }
-        let layout = &base.regression.system.layout;
-        let columns = gone.columns.iter().map(|own| layout.split(own));
+        let ripples = less.ripples.iter().map(|ripple| &ripple.columns);
+        let others = ripples.chain(less.selection.picks.iter().map(|pick| &pick.columns));
+        others.for_each(|columns| base.adopt(columns));
         let score = Score {
             effect: gone.effect,
             shape: gone.shape,
-            ..base.score(columns.collect())
+            ..base.score(&gone.columns)
         };
         let worth = self.effects.merit(&score);
         less.gone = Some(score);
@@ -336,7 +322,7 @@ impl InPlace for Search<'_, '_> {
             let effect = effects.effect(index);
             (effect.name(), effect.joint())
         };
-        let pick = &whole.picks[index];
+        let pick = &whole.selection.picks[index];
         let other = |name, merit| Other {
             name,
             merit,
@@ -352,7 +338,7 @@ impl InPlace for Search<'_, '_> {
         let effect = effects.effect(pick.effect);
         if let Some(score) = without.gone.as_ref().filter(|_| is_harmonic(effect)) {
             let ripple = effects.ripple(&without.base, pick.effect, pick.shape);
-            let merit = effects.merit_as(score, &without.base.score(ripple));
+            let merit = effects.merit_as(score, &without.base.score(&ripple));
             others.push(other((INPUT_DRUM_HARMONIC.name, effect.joint()), merit));
         }
         Ok(others)
@@ -361,14 +347,14 @@ impl InPlace for Search<'_, '_> {
 
 /// Merits are squares, and two of them a nat; the more is left, the less they weigh.
 fn dispersion(chosen: &Chosen) -> f64 {
-    2.0 * misfit(&chosen.after)
+    2.0 * misfit(&chosen.selection.after)
 }
 
 impl Search<'_, '_> {
     /// The picks that are needed, with what each saves with the others kept, and who would do as well in its place.
     fn compared(&mut self, chosen: &Chosen) -> Result<Vec<Pick>, DiagnosisError> {
         let kept = without_needless(self, chosen.clone(), 0)?.state;
-        let mut picks = kept.picks.clone();
+        let mut picks = kept.selection.picks.clone();
         for (index, pick) in picks.iter_mut().enumerate() {
             let without = self.without(&kept, index)?;
             let found = rivals(self, &kept, index, &without, dispersion(chosen))?;

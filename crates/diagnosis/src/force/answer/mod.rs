@@ -301,7 +301,8 @@ impl Model<'_> {
         answer.closed_unseen_share = closed.map(|share| share + of_rest);
         own.append(&mut answer.findings);
         answer.findings = own;
-        answer.warnings = self.carried.warnings();
+        let payloads = self.carried.payloads.iter();
+        answer.warnings = payloads.filter_map(|own| own.warning.clone()).collect();
         answer.significant = true;
         answer
     }

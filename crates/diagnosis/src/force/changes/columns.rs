@@ -2,9 +2,6 @@
 
 use std::ops::Range;
 
-use haptical_model::dynamics::Inertia;
-use haptical_model::kinematics::Pose;
-
 use super::blocks::Pair;
 use crate::force::Means;
 use crate::force::along::Along;
@@ -21,27 +18,31 @@ pub(in crate::force) struct Columns {
     pub(super) sd: Vec<f64>,
     /// What both sides share; empty where one repeats the other.
     pub(super) common: Range<usize>,
-    /// For each joint what its own torque may have changed by: an offset, friction, a gain.
-    pub(super) own: Vec<Own>,
-    /// For each link the numbers that another mass on it changes, with their places among its ten.
-    pub(super) links: Vec<Vec<(usize, usize)>>,
-    /// One kilogram at the flange, its first moments about there, and its inertia.
-    pub(super) flange: Range<usize>,
+    /// For each joint what its own torque may have changed by, of each kind: an offset, friction, a gain.
+    pub(super) own: Vec<[Vec<usize>; 3]>,
+    /// Where a mass may have been put: at the flange, and on each link.
+    pub(super) places: Vec<Place>,
 }
 
-/// Columns of one drive's change.
+/// A place of a mass.
 #[derive(Debug, Clone)]
-pub(in crate::force) struct Own {
-    pub(super) offset: usize,
-    pub(super) friction: Range<usize>,
-    pub(super) gain: usize,
+pub(in crate::force) struct Place {
+    /// The link; none at the flange.
+    pub(super) link: Option<usize>,
+    /// Columns of another mass there, with their places among its ten numbers: of the flange about there.
+    pub(super) numbers: Vec<(usize, usize)>,
 }
 
-impl Own {
-    pub(super) fn all(&self) -> Vec<usize> {
-        let mut all = vec![self.offset, self.gain];
-        all.extend(self.friction.clone());
-        all
+impl Place {
+    /// Its columns.
+    pub(super) fn columns(&self) -> Vec<usize> {
+        self.numbers.iter().map(|own| own.0).collect()
+    }
+
+    /// The column of one of the ten numbers.
+    pub(super) fn column(&self, number: usize) -> Option<usize> {
+        let mut numbers = self.numbers.iter();
+        numbers.find(|own| own.1 == number).map(|own| own.0)
     }
 }
 
@@ -118,54 +119,39 @@ impl Columns {
             let mut own = gained.map(|_| 0.0);
             own.set_column(channel, &gained.column(channel));
             let gain = self.add(own, f64::INFINITY);
-            self.own.push(Own {
-                offset,
-                friction: friction[0]..friction[1] + 1,
-                gain,
-            });
+            self.own.push([vec![offset], friction.to_vec(), vec![gain]]);
         }
     }
 
-    /// What another mass on each link adds, and one at the flange.
+    /// What another mass at the flange adds, and one on each link.
     fn carry(&mut self, along: &Along<'_>, pair: &Pair) {
-        self.links = vec![Vec::new(); along.joints()];
+        let mut links = vec![Vec::new(); along.joints()];
         for (number, column) in along.inertia.iter().enumerate() {
             let index = self.add(pair.later(column), f64::INFINITY);
             // no rotor is put on a link
-            let link = self.links.get_mut(number / PER_LINK);
+            let link = links.get_mut(number / PER_LINK);
             if let Some(link) = link.filter(|_| column.amax() > 0.0) {
                 link.push((index, number % PER_LINK));
             }
         }
-        let first = self.all.len();
-        for numbers in flange(along) {
-            let column = along.link_torques(&numbers);
-            self.add(pair.later(&column), f64::INFINITY);
-        }
-        self.flange = first..self.all.len();
+        let at_flange = (0..PER_LINK).map(|number| {
+            let mut unit = [0.0; PER_LINK];
+            unit[number] = 1.0;
+            let column = along.link_torques(&along.carrying(None, unit));
+            (self.add(pair.later(&column), f64::INFINITY), number)
+        });
+        let flange = (None, at_flange.collect());
+        let links = links.into_iter().enumerate();
+        let links = links.map(|(link, numbers)| (Some(link), numbers));
+        let places = std::iter::once(flange).chain(links);
+        let places = places.map(|(link, numbers)| Place { link, numbers });
+        self.places = places.collect();
     }
 
     /// Every drive's change of some kind.
-    pub(super) fn every(&self, kind: impl Fn(&Own) -> Vec<usize>) -> Vec<usize> {
-        self.own.iter().flat_map(kind).collect()
+    pub(super) fn every(&self, kind: usize) -> Vec<usize> {
+        self.own.iter().flat_map(|own| own[kind].clone()).collect()
     }
-}
-
-/// Inertial numbers of an arm that carries nothing but what hangs at its flange: one kilogram there, a unit of its first moments about
-/// there along each axis, and its inertia.
-pub(in crate::force) fn flange(along: &Along<'_>) -> [Vec<f64>; PER_LINK] {
-    let place = Pose {
-        position_m: along.flange_m(),
-        ..Pose::default()
-    };
-    std::array::from_fn(|number| {
-        let mut unit = [0.0; PER_LINK];
-        unit[number] = 1.0;
-        let seen = Inertia::from_parameters(unit).seen_from(&place);
-        let mut all = vec![0.0; PER_LINK * (along.joints() - 1)];
-        all.extend(seen.parameters());
-        all
-    })
 }
 
 /// Dry and viscous friction of a joint: the side on which the first is, -1 to 1, turns over within a part of the joint's usual rate.

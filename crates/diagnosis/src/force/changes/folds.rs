@@ -4,9 +4,8 @@
 //! by what the fullest hypothesis leaves of it, so that torques which no hypothesis describes do not drown the others.
 
 use haptical_judge::{Gain, closed_share};
-use haptical_linalg::{Matrix, NormalEquations, NormalSolution};
+use haptical_linalg::{Matrix, NormalEquations, NormalSolution, dot};
 use haptical_motion::Unseen;
-use nalgebra::DMatrix;
 
 use super::blocks::Pair;
 use super::columns::Columns;
@@ -48,12 +47,18 @@ impl Folds {
         let rows = folds(pair);
         let count = columns.all.len();
         let normal = |(fold, channel): (usize, usize)| {
-            let rows: &[usize] = &rows[fold];
-            let dense = DMatrix::from_fn(rows.len(), count + 1, |row, column| {
-                columns.all.get(column).unwrap_or(&pair.reading)[(rows[row], channel)]
+            let all = columns.all.iter().chain([&pair.reading]);
+            let own = all.map(|column| -> Option<Vec<f64>> {
+                let entries = rows[fold].iter().map(|&row| column[(row, channel)]);
+                // most columns of drives are nothing in the other channels
+                let is_here = entries.clone().any(|entry| entry != 0.0);
+                is_here.then(|| entries.collect())
             });
-            let products = dense.tr_mul(&dense);
-            NormalEquations::from_products(count, |a, b| products[(a, b)])
+            let own: Vec<Option<Vec<f64>>> = own.collect();
+            NormalEquations::from_products(count, |a, b| match (&own[a], &own[b]) {
+                (Some(a), Some(b)) => dot(a, b),
+                _ => 0.0,
+            })
         };
         let channels = least.len();
         let places = (0..FOLDS).flat_map(|fold| (0..channels).map(move |channel| (fold, channel)));

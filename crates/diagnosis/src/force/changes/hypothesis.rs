@@ -4,50 +4,37 @@ use std::convert::Infallible;
 
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
-use super::columns::{Columns, Own};
+use super::columns::{Columns, Place};
 use super::folds::{Fitted, Folds};
 use super::gain::is_beyond_chance;
 use crate::force::along::Along;
 use crate::thresholds::payload::{FLANGE_REACH_M, KINDS_WITH_PAYLOAD};
 
-/// What a drive may change by on all joints at once.
-pub(super) const KINDS: [fn(&Own) -> Vec<usize>; 3] = [
-    |own| vec![own.offset],
-    |own| own.friction.clone().collect(),
-    |own| vec![own.gain],
-];
-
-/// A place of a mass: the link, its columns beside the common ones, and those of the scales that its torque is read with.
+/// A place of a mass, with the columns of the scales that its torque is read with.
 #[derive(Debug, Clone)]
 pub(super) struct Carrier {
-    pub(super) link: Option<usize>,
-    pub(super) columns: Vec<usize>,
+    pub(super) place: Place,
     scales: Vec<usize>,
 }
 
 impl Carrier {
     /// Its torque is read with each joint's scale, which is known to a deviation.
-    fn new(
-        (link, columns): (Option<usize>, Vec<usize>),
-        folds: &mut Folds,
-        common: &[usize],
-        scale_sds: &[f64],
-    ) -> Self {
+    fn new(place: &Place, folds: &mut Folds, common: &[usize], scale_sds: &[f64]) -> Self {
+        let columns = place.columns();
         let fitted = folds.fit(&[common, &columns].concat());
-        let number = |&column: &usize| (column, fitted.number(column));
-        let terms: Vec<(usize, f64)> = columns.iter().map(number).collect();
+        let number = |column: usize| (column, fitted.number(column));
+        let terms: Vec<(usize, f64)> = columns.into_iter().map(number).collect();
         let scales = scale_sds.iter().enumerate();
         let scales = scales.map(|(channel, &sd)| (terms.clone(), sd, Some(channel)));
         Self {
-            link,
-            columns,
+            place: place.clone(),
             scales: folds.add_sums(&scales.collect::<Vec<_>>()),
         }
     }
 
     /// All its columns.
     pub(super) fn all(&self) -> Vec<usize> {
-        [self.columns.as_slice(), &self.scales].concat()
+        [self.place.columns(), self.scales.clone()].concat()
     }
 }
 
@@ -65,22 +52,19 @@ impl Hypothesis {
     pub(super) fn found(along: &Along<'_>, columns: &Columns, folds: &mut Folds) -> Option<Self> {
         let common: Vec<usize> = columns.common.clone().collect();
         // the place of a mass at the flange is known to some centimetres of it: its size first
-        let mass = columns.flange.start;
-        let with_mass = folds.fit(&[common.as_slice(), &[mass]].concat());
-        let first_kg = with_mass.number(mass).abs().max(1e-6);
-        for (number, column) in columns.flange.clone().enumerate().skip(1) {
+        let flange = columns.places[0].columns();
+        let with_mass = folds.fit(&[&*common, &flange[..1]].concat());
+        let first_kg = with_mass.number(flange[0]).abs().max(1e-6);
+        for (number, column) in flange.into_iter().enumerate().skip(1) {
             let reach = if number < 4 { 1 } else { 2 };
             folds.knowing(column, FLANGE_REACH_M.powi(reach) * first_kg);
         }
         // the flange, and every link that a drive in front of others carries
-        let links = columns.links.iter().enumerate().skip(1);
-        let columns_of = |numbers: &Vec<(usize, usize)>| numbers.iter().map(|own| own.0).collect();
-        let links = links.map(|(link, numbers)| (Some(link), columns_of(numbers)));
-        let places = std::iter::once((None, columns.flange.clone().collect())).chain(links);
+        let places = columns.places.iter().filter(|own| own.link != Some(0));
         let scale_sds = along.scale_sds();
         let carriers = places.map(|place| Carrier::new(place, folds, &common, &scale_sds));
         let carriers: Vec<Carrier> = carriers.collect();
-        let kinds = KINDS[..KINDS_WITH_PAYLOAD].iter();
+        let kinds = 0..KINDS_WITH_PAYLOAD;
         let mut drives = Drives {
             kinds: kinds.map(|kind| columns.every(kind)).collect(),
             carriers: &carriers,
@@ -117,10 +101,10 @@ impl Drives<'_> {
         };
         let best = (0..found.len()).reduce(better)?;
         let as_well = found.iter().filter(|own| !gains(&found[best].1, &own.1));
-        let links: Vec<usize> = as_well.filter_map(|own| own.0.link).collect();
+        let links: Vec<usize> = as_well.filter_map(|own| own.0.place.link).collect();
         let links = [links.iter().min(), links.iter().max()].map(Option::<&usize>::copied);
         let (carrier, fitted) = found.into_iter().nth(best)?;
-        let own = carrier.link.unwrap_or_default();
+        let own = carrier.place.link.unwrap_or_default();
         Some(Hypothesis {
             carrier: carrier.clone(),
             fitted,

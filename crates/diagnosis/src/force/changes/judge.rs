@@ -1,16 +1,17 @@
 //! Whether what changed between two groups of runs is a payload: it is, where one mass accounts for unseen blocks of several
 //! joints, and no change of the drives does as well.
 
+use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
 use haptical_motion::Unseen;
 
 use super::blocks::Pair;
-use super::columns::{Columns, Own, flange};
+use super::columns::Columns;
 use super::folds::{Fitted, Folds};
 use super::gain::{is_beyond_chance, is_steady};
-use super::hypothesis::{Carrier, Hypothesis, KINDS};
+use super::hypothesis::{Carrier, Hypothesis};
 use super::size::{Size, size};
-use crate::answer::HeldOutAnswer;
 use crate::answer::gap::held_out;
+use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
 use crate::force::Means;
 use crate::force::along::Along;
 use crate::force::base::Base;
@@ -18,24 +19,21 @@ use crate::force::posture::PER_LINK;
 use crate::thresholds::payload::{
     ALIKE, LEAST_CHANNELS, LEAST_GAIN_OF_CHANNEL, LEAST_SIGNAL, LEAST_T_OF_CHANNEL, SIZE_BESIDE,
 };
+use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// A payload that differs from a run on.
 #[derive(Debug, Clone)]
 pub(in crate::force) struct Payload {
     /// First run with it, from 0.
     pub(in crate::force) run: usize,
-    /// Link that carries it, from 0; none at the flange.
-    pub(in crate::force) link: Option<usize>,
-    /// First and last link that could as well carry it, from 0.
-    pub(in crate::force) links: [usize; 2],
-    pub(in crate::force) size: Size,
+    pub(in crate::force) cause: CauseAnswer,
+    /// What its numbers rest on that the torques do not fix.
+    pub(in crate::force) warning: Option<String>,
     /// What it changes of the links' inertial numbers.
     pub(in crate::force) inertia: Vec<f64>,
     /// What it adds to the torques of all blocks.
     pub(in crate::force) torque_nm: Means,
-    /// On blocks that the fit did not see, the channel that gains most.
-    pub(in crate::force) unseen: HeldOutAnswer,
-    /// Share of the squares beyond noise, all channels together, that it closes on those blocks.
+    /// Share of the squares beyond noise, all channels together, that it closes on blocks that the fit did not see.
     pub(in crate::force) closed_share: f64,
 }
 
@@ -61,7 +59,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     }
     let common: Vec<usize> = columns.common.clone().collect();
     let with = |more: &[usize]| folds.fit(&[common.as_slice(), more].concat());
-    let drives = columns.every(Own::all);
+    let drives = columns.own.concat().concat();
     let beside = with(&drives);
     let both = with(&[drives.as_slice(), &carrier.all()].concat());
     let is_more = is_beyond_chance(both.gain_over(&beside, None));
@@ -69,14 +67,19 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
         return None;
     }
     // changes of one drive, or of one kind on all drives, that leave as little of these channels
-    let of_kinds = KINDS.iter().map(|kind| columns.every(kind));
-    let mut rivals = of_kinds.chain(columns.own.iter().map(Own::all));
+    let of_kinds = (0..3).map(|kind| columns.every(kind));
+    let mut rivals = of_kinds.chain(columns.own.iter().map(|own| own.concat()));
     let left = fitted.left_on(&shown);
     if left >= beside.left_on(&shown) || rivals.any(|own| left >= with(&own).left_on(&shown)) {
         return None;
     }
-    let inertia = inertia_of(along, &columns, carrier, fitted);
-    let size = size(along, &columns, &folds, carrier.link, fitted);
+    let place = &carrier.place;
+    let mut numbers = [0.0; PER_LINK];
+    for &(column, number) in &place.numbers {
+        numbers[number] = fitted.number(column);
+    }
+    let inertia = along.carrying(place.link, numbers);
+    let size = size(along, &columns, &folds, place, fitted);
     let mut torque_nm = along.link_torques(&inertia);
     torque_nm.rows_mut(0, pair.from).fill(0.0);
     if !is_large(along, &torque_nm, pair.from) || !size.is_certain() {
@@ -87,16 +90,49 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let channel = shown.max_by(|a, b| gain_of(*a).total_cmp(&gain_of(*b)))?;
     let mut unseen = Unseen::new(recorded.channels[channel], noise[channel].sqrt());
     folds.unseen(channel, [null, fitted], &mut unseen);
+    let unseen = held_out(recorded.named(channel), &unseen, &unseen.after);
     Some(Payload {
         run,
-        link: carrier.link,
-        links: found.links,
+        cause: cause(
+            &size,
+            run,
+            place.link.map(|link| (link, found.links)),
+            unseen,
+        ),
+        warning: size.warning(run, place.link),
         inertia,
         torque_nm,
-        unseen: held_out(recorded.named(channel), &unseen, &unseen.after),
         closed_share: folds.closed([null, fitted], &noise),
-        size,
     })
+}
+
+/// A payload as a cause; `link`: the one that carries it, and the first and the last one that could as well.
+fn cause(
+    size: &Size,
+    run: usize,
+    link: Option<(usize, [usize; 2])>,
+    unseen: HeldOutAnswer,
+) -> CauseAnswer {
+    let number = |value: f64, ci95: [f64; 2]| Some(ParameterAnswer { value, ci95 });
+    let from_one = |place: usize| (place + 1) as f64;
+    let value = |name: &str| match name {
+        "mass_kg" => number(size.mass_kg, size.ci95_kg),
+        "moment_kg_m" => size.moment_kg_m.and_then(|own| number(own.0, own.1)),
+        "on_link" => number(from_one(link?.0), link?.1.map(from_one)),
+        "from_run" => number(from_one(run), [from_one(run); 2]),
+        _ => None,
+    };
+    let spec = match link {
+        Some(_) => &PAYLOAD_ON_LINK,
+        None => &PAYLOAD,
+    };
+    let parameters = spec.parameters.iter();
+    let parameters = parameters.filter_map(|own| Some((own.name.to_owned(), value(own.name)?)));
+    CauseAnswer {
+        parameters: parameters.collect(),
+        held_out: Some(unseen),
+        ..CauseAnswer::named(spec.name, None, LISTED_PROBABILITY)
+    }
 }
 
 /// Whether a torque is visible in some channel from a block on.
@@ -109,10 +145,11 @@ fn is_large(along: &Along<'_>, torque_nm: &Means, from: usize) -> bool {
 /// Whether two fits of a carrier, without and with changes of all drives, give about the same torques: of the part that no
 /// change of a drive can take (Hausman 1978).
 fn agree(folds: &Folds, carrier: &Carrier, drives: &[usize], fits: [&Fitted; 2]) -> bool {
-    let apart = folds.apart(&carrier.columns, drives);
+    let columns = carrier.place.columns();
+    let apart = folds.apart(&columns, drives);
     let numbers = |fitted: &Fitted| -> Vec<f64> {
-        let columns = carrier.columns.iter();
-        columns.map(|&column| fitted.number(column)).collect()
+        let numbers = columns.iter().map(|&column| fitted.number(column));
+        numbers.collect()
     };
     let [alone, beside] = fits.map(numbers);
     let dot = |a: &[f64], b: &[f64]| -> f64 {
@@ -123,28 +160,4 @@ fn agree(folds: &Folds, carrier: &Carrier, drives: &[usize], fits: [&Fitted; 2])
     let other = dot(&beside, &beside).max(0.0).sqrt();
     let [least, most] = SIZE_BESIDE;
     dot(&alone, &beside) > ALIKE * own * other && (least..most).contains(&(other / own))
-}
-
-/// What the carrier's numbers change of the links' inertial numbers.
-fn inertia_of(
-    along: &Along<'_>,
-    columns: &Columns,
-    carrier: &Carrier,
-    fitted: &Fitted,
-) -> Vec<f64> {
-    let mut inertia = vec![0.0; along.inertia.len()];
-    match carrier.link {
-        Some(link) => {
-            for &(column, number) in &columns.links[link] {
-                inertia[PER_LINK * link + number] = fitted.number(column);
-            }
-        }
-        None => {
-            for (numbers, &column) in flange(along).iter().zip(&carrier.columns) {
-                let numbers = inertia.iter_mut().zip(numbers);
-                numbers.for_each(|(own, number)| *own += fitted.number(column) * number);
-            }
-        }
-    }
-    inertia
 }

@@ -11,25 +11,21 @@ mod hypothesis;
 mod judge;
 mod size;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
-use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
+use haptical_effects::force::PAYLOAD;
 
 pub(super) use self::blocks::Pair;
 pub(super) use self::columns::Columns;
-#[cfg(test)]
-pub(super) use self::columns::flange;
 pub(super) use self::folds::{Fitted, Folds};
 pub(super) use self::gain::is_beyond_choice;
 pub(super) use self::judge::Payload;
 use super::Means;
 use super::along::Along;
 use super::base::Base;
-use crate::answer::{CauseAnswer, ParameterAnswer};
+use crate::answer::CauseAnswer;
 use crate::select::excess;
 use crate::thresholds::payload::{LEAST_BLOCKS, MOST_RUNS};
-use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What the arm carries in some runs and not in others: off the readings from here on.
 #[derive(Debug)]
@@ -122,59 +118,19 @@ impl Carried {
         shares.reduce(f64::min)
     }
 
-    /// What the numbers of a payload rest on that the torques do not fix.
-    pub(super) fn warnings(&self) -> Vec<String> {
-        let told = |payload: &Payload| {
-            let ([least, most], link) = (payload.size.lever_m?, payload.link? + 1);
-            Some(format!(
-                "payload from run {}: the torques fix its moment about link {link}, mass times distance, and not its mass; the \
-                 interval of mass_kg is what the moment gives at distances of {least:.3} m to {most:.3} m",
-                payload.run + 1
-            ))
-        };
-        self.payloads.iter().filter_map(told).collect()
-    }
-
     /// The payloads as findings, largest first.
     pub(super) fn findings(&self, rest_share: f64) -> Vec<CauseAnswer> {
         let square = |payload: &Payload| payload.torque_nm.norm_squared();
         let all: f64 = self.payloads.iter().map(square).sum();
         let closed = 1.0 - rest_share;
         let share = |payload: &Payload| closed * square(payload) / all.max(1e-300);
-        let found = self.payloads.iter().map(|own| finding(own, share(own)));
+        let found = self.payloads.iter().map(|own| CauseAnswer {
+            share: share(own),
+            ..own.cause.clone()
+        });
         let mut found: Vec<CauseAnswer> = found.collect();
         found.sort_by(|a, b| b.share.total_cmp(&a.share));
         found
-    }
-}
-
-fn finding(payload: &Payload, share: f64) -> CauseAnswer {
-    let number = |value: f64, ci95: [f64; 2]| Some(ParameterAnswer { value, ci95 });
-    let size = &payload.size;
-    let from_run = (payload.run + 1) as f64;
-    let value = |name: &str| match name {
-        "mass_kg" => number(size.mass_kg, size.ci95_kg),
-        "moment_kg_m" => size
-            .moment_kg_m
-            .and_then(|(value, ci95)| number(value, ci95)),
-        "on_link" => number(
-            (payload.link? + 1) as f64,
-            payload.links.map(|link| (link + 1) as f64),
-        ),
-        "from_run" => number(from_run, [from_run; 2]),
-        _ => None,
-    };
-    let spec = match payload.link {
-        Some(_) => &PAYLOAD_ON_LINK,
-        None => &PAYLOAD,
-    };
-    let parameters = spec.parameters.iter();
-    let parameters = parameters.filter_map(|own| Some((own.name.to_owned(), value(own.name)?)));
-    CauseAnswer {
-        parameters: parameters.collect::<BTreeMap<_, _>>(),
-        share,
-        held_out: Some(payload.unseen.clone()),
-        ..CauseAnswer::named(spec.name, None, LISTED_PROBABILITY)
     }
 }
 

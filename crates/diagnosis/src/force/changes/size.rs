@@ -3,7 +3,7 @@
 use haptical_effects::force::PAYLOAD;
 use haptical_linalg::jackknife_sd;
 
-use super::columns::{Columns, Own};
+use super::columns::{Columns, Place};
 use super::folds::{Fitted, Folds};
 use crate::force::along::Along;
 use crate::thresholds::payload::{
@@ -12,14 +12,14 @@ use crate::thresholds::payload::{
 
 /// A payload's numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::force) struct Size {
+pub(super) struct Size {
     /// Mass \[kg\], below zero where it was put down, with its 95 % interval.
-    pub(in crate::force) mass_kg: f64,
-    pub(in crate::force) ci95_kg: [f64; 2],
+    pub(super) mass_kg: f64,
+    pub(super) ci95_kg: [f64; 2],
     /// First moment about the link's origin \[kg m\] with its 95 % interval; none at the flange.
-    pub(in crate::force) moment_kg_m: Option<(f64, [f64; 2])>,
+    pub(super) moment_kg_m: Option<(f64, [f64; 2])>,
     /// Distances of the mass from the link's origin \[m\] that its interval assumes; none where the torques fix the mass.
-    pub(in crate::force) lever_m: Option<[f64; 2]>,
+    lever_m: Option<[f64; 2]>,
     /// What a fit can tell of it, over its standard deviation.
     deviations: f64,
 }
@@ -28,6 +28,16 @@ impl Size {
     /// Whether the interval leaves out zero, by much.
     pub(super) fn is_certain(&self) -> bool {
         self.deviations >= CERTAIN
+    }
+
+    /// What the mass rests on that the torques do not fix.
+    pub(super) fn warning(&self, run: usize, link: Option<usize>) -> Option<String> {
+        let ([least, most], link) = (self.lever_m?, link? + 1);
+        Some(format!(
+            "payload from run {}: the torques fix its moment about link {link}, mass times distance, and not its mass; the \
+             interval of mass_kg is what the moment gives at distances of {least:.3} m to {most:.3} m",
+            run + 1
+        ))
     }
 }
 
@@ -39,7 +49,7 @@ pub(super) fn size(
     along: &Along<'_>,
     columns: &Columns,
     folds: &Folds,
-    link: Option<usize>,
+    place: &Place,
     fitted: &Fitted,
 ) -> Size {
     // what the folds differ by, and what none of them can tell: the torques' scales, the place of a flange's mass
@@ -64,13 +74,10 @@ pub(super) fn size(
         };
         (size, sd_kg)
     };
-    let Some(link) = link else {
-        return by_column(columns.flange.start).0;
-    };
-    let column = |number: usize| {
-        let mut own = columns.links[link].iter();
-        own.find(|own| own.1 == number).map(|own| own.0)
-    };
+    if place.link.is_none() {
+        return by_column(place.numbers[0].0).0;
+    }
+    let column = |number: usize| place.column(number);
     let number = |place: usize| column(place).map_or(0.0, |own| fitted.number(own));
     let moment_of = |of: Numbers<'_>| {
         let square = (1..4).filter_map(column).map(|column| of(column).powi(2));
@@ -92,7 +99,7 @@ pub(super) fn size(
     if let Some((size, _)) = by_mass.filter(|(size, sd)| *sd < FIXED_MASS * size.mass_kg.abs()) {
         return of_link(size);
     }
-    let by_inertia = by_inertia((along, columns), folds, (link, &direction), fitted);
+    let by_inertia = by_inertia((along, columns), folds, (place, &direction), fitted);
     let (mass_kg, ci95_kg, lever_m) = match by_inertia {
         Some((mass_kg, ci95_kg)) => (mass_kg, ci95_kg, None),
         None => {
@@ -125,10 +132,10 @@ pub(super) fn size(
 fn by_inertia(
     (along, columns): (&Along<'_>, &Columns),
     folds: &Folds,
-    (link, direction): (usize, &[f64; 3]),
+    (place, direction): (&Place, &[f64; 3]),
     fitted: &Fitted,
 ) -> Option<(f64, [f64; 2])> {
-    let own = &columns.links[link];
+    let own = &place.numbers;
     let [x, y, z] = *direction;
     // 1 - d d^T: the inertia of 1 kg at 1 m about the origin
     let shape = [
@@ -159,10 +166,10 @@ fn by_inertia(
     let parts = (0..FOLDS).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
     let of_folds = SESSION_FACTOR * jackknife_sd(parts.collect::<Option<Vec<_>>>()?.into_iter());
     // scales within what is stated of them, offsets and friction as they like
-    for (drive, sd) in columns.own.iter().zip(along.scale_sds()) {
-        with.knowing(drive.gain, sd);
+    for (gain, sd) in columns.every(2).into_iter().zip(along.scale_sds()) {
+        with.knowing(gain, sd);
     }
-    let mut all = [common, columns.every(Own::all)].concat();
+    let mut all = [common, columns.own.concat().concat()].concat();
     all.sort_unstable();
     all.dedup();
     let changed = with.fit(&[all.as_slice(), &[moment, inertia]].concat());

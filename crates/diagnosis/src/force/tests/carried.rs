@@ -9,7 +9,6 @@ use super::{examined, examined_held};
 use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::along::Along;
 use crate::force::answer::ForceAnswer;
-use crate::force::changes::flange;
 use crate::force::recorded::Recorded;
 
 /// Rows of a run.
@@ -300,7 +299,8 @@ fn the_law_is_that_of_the_links_columns() {
         let recorded = &along.recorded;
         let means = recorded.signal_means(&signal);
         // one kilogram at the flange in all blocks
-        let columns = along.link_torques(&flange(&along)[0]);
+        let unit = std::array::from_fn(|number| f64::from(u8::from(number == 0)));
+        let columns = along.link_torques(&along.carrying(None, unit));
         let blocks = recorded.blocks.len();
         let largest = columns.amax();
         for (cell, (law, column)) in means.iter().zip(&columns).enumerate() {

@@ -184,10 +184,8 @@ fn a_score_is_what_a_projection_gives() {
         regression.add(column);
     }
     let system = &regression.system;
-    let columns = added
-        .iter()
-        .map(|column| layout.of_means(&means(column)))
-        .collect();
+    let column = |column: &Vec<f64>| layout.split(&layout.of_means(&means(column)));
+    let columns = added.iter().map(column).collect();
     let score = Candidate::of_columns(system, columns, 0, 0.0).score(system);
 
     // the same with the priors as rows of their own
