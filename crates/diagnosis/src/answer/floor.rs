@@ -56,7 +56,7 @@ impl NoReduction {
 }
 
 impl Floor {
-    /// One that nothing is against.
+    /// The floor that residuals are weighted by, which nothing contradicts so far.
     pub(crate) fn new(channel: Channel, rms: f64, freedom: f64, source: NoiseSource) -> Self {
         Self {
             channel,
@@ -68,7 +68,7 @@ impl Floor {
         }
     }
 
-    /// That of a joint's rows which a fit did not see.
+    /// The floor of a joint's rows that a fit did not see.
     pub(crate) fn of_rows(unseen: &Unseen) -> Self {
         let channel = Channel::Output {
             joint: unseen.joint,

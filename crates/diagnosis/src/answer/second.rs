@@ -19,7 +19,7 @@ pub struct SecondAnswer {
 }
 
 impl SecondAnswer {
-    /// Nothing but why a part of it was not predicted.
+    /// An answer that says only why something was not predicted.
     pub(crate) fn not_predicted(why: String) -> Self {
         Self {
             not_predicted: vec![why],
@@ -46,7 +46,7 @@ pub(crate) struct OnSecond {
 }
 
 impl OnSecond {
-    /// Nothing but why the torques are not judged.
+    /// An answer that says only why the torques are not judged.
     pub(crate) fn not_predicted(why: &str) -> Self {
         Self {
             second: SecondAnswer::not_predicted(not_predicted(why)),

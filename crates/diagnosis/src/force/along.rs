@@ -66,8 +66,14 @@ impl<'a> Along<'a> {
         let recorded = &along.recorded;
         let mut work = recorded.bodies.work();
         let mut torques = vec![0.0; PER_LINK * joints * joints];
-        for (block, half) in along.recorded.halves() {
-            let [position, rate, acceleration] = mean_joints(recorded, &half);
+        let motions: Vec<[Vec<f64>; 3]> =
+            (0..joints).map(|joint| motion(recorded, joint)).collect();
+        for (index, half) in recorded.halves().enumerate() {
+            let block = index / 2;
+            let [position, rate, acceleration] = [0, 1, 2].map(|order| -> Vec<f64> {
+                let joints = motions.iter();
+                joints.map(|motion| motion[order][index]).collect()
+            });
             let posture = (recorded.bodies)
                 .regressor(&position, &rate, &acceleration, &mut work, &mut torques)
                 .and_then(|()| Posture::new(&chain, &position, &work))
@@ -271,8 +277,7 @@ impl<'a> Along<'a> {
     /// What an error of a joint's angle adds whose accelerations are these, row by row: torques for an acceleration that the link does
     /// not have, by the joint's column of the mass matrix.
     pub(super) fn accelerated(&self, joint: usize, inertia: &[f64], acceleration: &[f64]) -> Means {
-        let mean = |rows: Range<usize>| mean_of(&rows, |row| acceleration[row]);
-        let means: Vec<f64> = self.recorded.halves().map(|own| mean(own.1)).collect();
+        let means = self.recorded.half_means(acceleration);
         self.of_halves(|index, half| {
             let mut torque = half.posture.mass_column(joint, inertia);
             torque[joint] += inertia[PER_LINK * torque.len() + joint];
@@ -283,29 +288,15 @@ impl<'a> Along<'a> {
     }
 }
 
-/// Mean of a value over some rows.
-fn mean_of(rows: &Range<usize>, value: impl Fn(usize) -> f64) -> f64 {
-    rows.clone().map(value).sum::<f64>() / rows.len().max(1) as f64
-}
-
-/// Mean positions, rates and accelerations of the joints in half a block.
-fn mean_joints(recorded: &Recorded<'_>, half: &Range<usize>) -> [Vec<f64>; 3] {
-    let (context, motion) = (recorded.context, &recorded.motion);
-    let mean = |value: &dyn Fn(usize, usize) -> f64| -> Vec<f64> {
-        let joints = 0..motion.len();
-        joints
-            .map(|joint| mean_of(half, |row| value(joint, row)))
-            .collect()
-    };
+/// Position, rate and acceleration of a joint, half block by half block.
+fn motion(recorded: &Recorded<'_>, joint: usize) -> [Vec<f64>; 3] {
+    let (context, motion) = (recorded.context, &recorded.motion[joint]);
+    let output = context.output[joint].iter().zip(&motion.value);
+    let readings = output.zip(&context.recording.joint[joint]);
     // the smoothed reading through the transmission, whose slope is nearly 1
-    let position = |joint: usize, row: usize| {
-        context.output[joint][row] + motion[joint].value[row] - context.recording.joint[joint][row]
-    };
-    [
-        mean(&position),
-        mean(&|joint, row| motion[joint].velocity[row]),
-        mean(&|joint, row| motion[joint].acceleration[row]),
-    ]
+    let position = readings.map(|((output, smooth), read)| output + smooth - read);
+    let position: Vec<f64> = position.collect();
+    [&position, &motion.velocity, &motion.acceleration].map(|own| recorded.half_means(own))
 }
 
 fn mean_force(recorded: &Recorded<'_>, block: usize, half: &Range<usize>) -> Vector3<f64> {

@@ -19,7 +19,6 @@ use crate::DiagnosisError;
 use crate::answer::HeldOutAnswer;
 use crate::answer::gap::held_out;
 use crate::select::misfit;
-use crate::select::scan::Score;
 use crate::thresholds::torque::UNSEEN_PART;
 
 /// What the torques say of an effect that was asked for.
@@ -158,10 +157,9 @@ impl Model<'_> {
             wanted.map(move |shape| (index, shape))
         };
         let shaped = effects.tested.iter().filter(is_wanted).flat_map(at_shapes);
-        let scores = shaped.map(|(effect, shape)| Score {
-            effect,
-            shape,
-            ..base.score(&effects.columns(base, effect, shape))
+        let scores = shaped.map(|(effect, shape)| {
+            let columns = effects.columns(base, effect, shape);
+            base.score(&columns, effect, shape)
         });
         let possible = scores.filter(|score| effects.is_possible(score));
         // of equals the first

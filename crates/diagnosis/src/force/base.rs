@@ -58,10 +58,10 @@ impl Base {
         columns.for_each(|column| self.regression.add(column));
     }
 
-    /// What some columns explain in addition to the model.
-    pub(super) fn score(&self, columns: &[Vec<f64>]) -> Score {
-        self.candidate(columns, 0, 0.0)
-            .score(&self.regression.system)
+    /// What columns of an effect at a shape explain in addition to the model.
+    pub(super) fn score(&self, columns: &[Vec<f64>], effect: usize, shape: f64) -> Score {
+        let candidate = self.candidate(columns, effect, shape);
+        candidate.score(&self.regression.system)
     }
 
     /// Columns of an effect at a shape, with what the model has of them.

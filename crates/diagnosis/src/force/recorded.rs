@@ -200,10 +200,18 @@ impl<'a> Recorded<'a> {
         (self.blocks.len(), self.channels.len())
     }
 
-    /// Half blocks, two of each, with their block's place.
-    pub(super) fn halves(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        let blocks = self.blocks.iter().enumerate();
-        blocks.flat_map(|(block, own)| own.halves().map(|half| (block, half)))
+    /// Half blocks, two of each.
+    pub(super) fn halves(&self) -> impl Iterator<Item = Range<usize>> {
+        self.blocks.iter().flat_map(Block::halves)
+    }
+
+    /// Means over half blocks of a value per row.
+    pub(super) fn half_means(&self, values: &[f64]) -> Vec<f64> {
+        let mean = |rows: Range<usize>| {
+            let count = rows.len() as f64;
+            values[rows].iter().sum::<f64>() / count
+        };
+        self.halves().map(mean).collect()
     }
 
     /// Rows that are used of each channel.

@@ -38,6 +38,20 @@ pub(super) struct Pick {
     pub(super) rivals: Vec<&'static str>,
 }
 
+impl Pick {
+    fn of(score: &Score, columns: Vec<Vec<f64>>) -> Self {
+        Self {
+            effect: score.effect,
+            shape: score.shape,
+            columns,
+            first: 0,
+            score: score.score,
+            probability: 1.0,
+            rivals: Vec::new(),
+        }
+    }
+}
+
 /// What the selection came to.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Selection {
@@ -97,18 +111,12 @@ impl Effects<'_> {
         }
         let own = (score.effect, score.shape);
         picked.clone().count() >= MOST_ORDERS
-            || picked.any(|pick| (pick.effect, pick.shape) == own)
-            || chosen.ripples.iter().any(|ripple| ripple.of == own)
+            || (picked.chain(&chosen.ripples)).any(|pick| (pick.effect, pick.shape) == own)
     }
 
     /// Bayes' criterion: the score less what as many free numbers explain of nothing.
     pub(super) fn merit(&self, score: &Score) -> f64 {
-        self.merit_as(score, score)
-    }
-
-    /// The same of a score of something in an effect's place.
-    fn merit_as(&self, effect: &Score, score: &Score) -> f64 {
-        let shapes = self.shapes(effect.effect).len() as f64;
+        let shapes = self.shapes(score.effect).len() as f64;
         score.score - score.rank as f64 * self.along.recorded.rows().ln() - 2.0 * shapes.ln()
     }
 
@@ -128,7 +136,8 @@ impl Effects<'_> {
         let mut beside = base.clone();
         beside.adopt(&self.bias_and_gain(base));
         let columns = self.columns(base, score.effect, score.shape);
-        beside.score(&columns).score >= LEAST_LOOP * score.score
+        let left = beside.score(&columns, score.effect, score.shape);
+        left.score >= LEAST_LOOP * score.score
     }
 
     /// Adds an effect to the model, its shape searched.
@@ -140,13 +149,9 @@ impl Effects<'_> {
             self.along.settle(base);
         }
         Pick {
-            effect: score.effect,
             shape,
-            columns,
             first,
-            score: score.score,
-            probability: 1.0,
-            rivals: Vec::new(),
+            ..Pick::of(score, columns)
         }
     }
 
@@ -158,12 +163,13 @@ impl Effects<'_> {
             return (pick.shape, columns(pick.shape));
         }
         let placed = |log: f64| pick.shape * log.exp();
-        let at = |log: f64| base.score(&columns(placed(log))).score;
+        let score = |shape: f64| base.score(&columns(shape), pick.effect, shape);
+        let at = |log: f64| score(placed(log)).score;
         let reach = TRANSITION_REACH.ln();
         let best = golden_section([-reach, reach], TRANSITION_STEPS, at);
         let shape = placed(best);
         let mut found = columns(shape);
-        let amplitudes = base.score(&found).amplitudes;
+        let amplitudes = score(shape).amplitudes;
         let mut slope = vec![0.0; base.regression.reading().len()];
         for side in [1.0, -1.0] {
             let beside = columns(placed(best + side * SHAPE_STEP));
@@ -178,18 +184,12 @@ impl Effects<'_> {
     }
 }
 
-/// A harmonic of a motor's angle, which is no gap of the torques, in the place of an effect at a shape.
-#[derive(Debug, Clone)]
-struct Ripple {
-    of: (usize, f64),
-    columns: Vec<Vec<f64>>,
-}
-
 /// Effects chosen so far, as base columns of a model.
 #[derive(Debug, Clone)]
 struct Chosen {
     base: Base,
-    ripples: Vec<Ripple>,
+    /// Harmonics of motors' angles in the place of cogging, which are no gap of the torques.
+    ripples: Vec<Pick>,
     selection: Selection,
     /// Score of the effect that was taken out.
     gone: Option<Score>,
@@ -244,11 +244,10 @@ impl Forward for Search<'_, '_> {
         let mut next = chosen.clone();
         if is_harmonic(effect) && chosen.ripples.len() < MOST_RIPPLES {
             let columns = effects.ripple(&chosen.base, score.effect, score.shape);
-            let rival = chosen.base.score(&columns);
-            if rival.rank > 0 && effects.merit_as(&score, &rival) > best.merit {
+            let rival = (chosen.base).score(&columns, score.effect, score.shape);
+            if rival.rank > 0 && effects.merit(&rival) > best.merit {
                 next.base.adopt(&columns);
-                let of = (score.effect, score.shape);
-                next.ripples.push(Ripple { of, columns });
+                next.ripples.push(Pick::of(&rival, columns));
                 if next.selection.picks.is_empty() {
                     // what an angle's error adds is no gap of the torques
                     next.begin(effects);
@@ -277,14 +276,9 @@ impl Backward for Search<'_, '_> {
         let gone = less.selection.picks.remove(index);
         let base = &mut less.base;
         base.regression.truncate(base.scales.end);
-        let ripples = less.ripples.iter().map(|ripple| &ripple.columns);
-        let others = ripples.chain(less.selection.picks.iter().map(|pick| &pick.columns));
-        others.for_each(|columns| base.adopt(columns));
-        let score = Score {
-            effect: gone.effect,
-            shape: gone.shape,
-            ..base.score(&gone.columns)
-        };
+        let others = less.ripples.iter().chain(&less.selection.picks);
+        others.for_each(|pick| base.adopt(&pick.columns));
+        let score = base.score(&gone.columns, gone.effect, gone.shape);
         let worth = self.effects.merit(&score);
         less.gone = Some(score);
         Ok(Without { state: less, worth })
@@ -336,10 +330,11 @@ impl InPlace for Search<'_, '_> {
         let others = others.map(|score| other(name(score.effect), effects.merit(score)));
         let mut others: Vec<_> = others.collect();
         let effect = effects.effect(pick.effect);
-        if let Some(score) = without.gone.as_ref().filter(|_| is_harmonic(effect)) {
-            let ripple = effects.ripple(&without.base, pick.effect, pick.shape);
-            let merit = effects.merit_as(score, &without.base.score(&ripple));
-            others.push(other((INPUT_DRUM_HARMONIC.name, effect.joint()), merit));
+        if is_harmonic(effect) {
+            let columns = effects.ripple(&without.base, pick.effect, pick.shape);
+            let ripple = (without.base).score(&columns, pick.effect, pick.shape);
+            let name = (INPUT_DRUM_HARMONIC.name, effect.joint());
+            others.push(other(name, effects.merit(&ripple)));
         }
         Ok(others)
     }

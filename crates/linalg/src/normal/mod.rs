@@ -134,23 +134,26 @@ impl NormalEquations {
         })
     }
 
-    /// The same with a further column that is a sum of others: `(column, factor)` each.
-    pub fn with_sum(&self, terms: &[(usize, f64)]) -> Self {
+    /// The same with further columns that are sums of others: `(column, factor)` each.
+    pub fn with_sums(&self, sums: &[&[(usize, f64)]]) -> Self {
         let last = self.size - 1;
-        let along = |index: usize| {
-            let products = terms
-                .iter()
-                .map(|&(column, factor)| factor * self.product(column, index));
-            products.sum::<f64>()
+        let along = |terms: &[(usize, f64)], index: usize| -> f64 {
+            let terms = terms.iter();
+            let products = terms.map(|&(column, factor)| factor * self.product(column, index));
+            products.sum()
         };
-        let square = terms
-            .iter()
-            .map(|&(column, factor)| factor * along(column))
-            .sum();
-        self.with_column(|index| match index {
-            _ if index == last => square,
-            _ if index > last => along(last),
-            _ => along(index),
+        // a sum, or where a column or the target was
+        let place = |index: usize| match index.checked_sub(last) {
+            Some(sum) => sums.get(sum).ok_or(last),
+            None => Err(index),
+        };
+        Self::from_products(last + sums.len(), |a, b| match (place(a), place(b)) {
+            (Err(a), Err(b)) => self.product(a, b),
+            (Ok(sum), Err(other)) | (Err(other), Ok(sum)) => along(sum, other),
+            (Ok(a), Ok(b)) => {
+                let terms = a.iter().map(|&(column, factor)| factor * along(b, column));
+                terms.sum()
+            }
         })
     }
 

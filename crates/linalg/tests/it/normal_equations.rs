@@ -85,7 +85,7 @@ proptest! {
         let own = columns(&design);
         let sums = NormalEquations::from_columns(&own[..3], own[3]);
         let sum: Vec<f64> = (0..9).map(|row| factors[0] * own[0][row] + factors[1] * own[2][row]).collect();
-        let with = sums.with_sum(&[(0, factors[0]), (2, factors[1])]);
+        let with = sums.with_sums(&[&[(0, factors[0]), (2, factors[1])]]);
         let expected = NormalEquations::from_columns(&[own[0], own[1], own[2], &sum], own[3]);
         let scaled = sums.scaled(1..3, factors[0]);
         let times = |k: usize| -> Vec<f64> { own[k].iter().map(|value| factors[0] * value).collect() };

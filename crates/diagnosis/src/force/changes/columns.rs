@@ -31,12 +31,19 @@ pub(in crate::force) struct Place {
     pub(super) link: Option<usize>,
     /// Columns of another mass there, with their places among its ten numbers: of the flange about there.
     pub(super) numbers: Vec<(usize, usize)>,
+    /// Columns of the scales that the mass's torque is read with; none before there is a fit.
+    pub(super) scales: Vec<usize>,
 }
 
 impl Place {
-    /// Its columns.
+    /// Columns of its numbers.
     pub(super) fn columns(&self) -> Vec<usize> {
         self.numbers.iter().map(|own| own.0).collect()
+    }
+
+    /// All its columns.
+    pub(super) fn all(&self) -> Vec<usize> {
+        [self.columns(), self.scales.clone()].concat()
     }
 
     /// The column of one of the ten numbers.
@@ -144,7 +151,11 @@ impl Columns {
         let links = links.into_iter().enumerate();
         let links = links.map(|(link, numbers)| (Some(link), numbers));
         let places = std::iter::once(flange).chain(links);
-        let places = places.map(|(link, numbers)| Place { link, numbers });
+        let places = places.map(|(link, numbers)| Place {
+            link,
+            numbers,
+            scales: Vec::new(),
+        });
         self.places = places.collect();
     }
 

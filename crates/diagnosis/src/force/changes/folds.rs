@@ -129,8 +129,8 @@ impl Folds {
         self.sums[FOLDS].product(column, column)
     }
 
-    /// Fits columns to all folds but one, whose number that is. Of a number that is known beforehand its deviation counts; those that only
-    /// sums of which show have a smallest solution.
+    /// Fits columns to all folds but one, or to all (`FOLDS`). What is known of a number beforehand counts; numbers of which only
+    /// sums show get the smallest solution.
     fn solve(&self, columns: &[usize], without: usize) -> NormalSolution {
         let known = |column: usize| RIDGE * self.square(column) + self.sd[column].powi(-2);
         self.sums[without].solve(columns, known)
@@ -176,10 +176,11 @@ impl Folds {
         let first = self.sd.len();
         for parts in &mut self.parts {
             for (channel, part) in parts.iter_mut().enumerate() {
-                for (terms, _, only) in sums {
+                let own = sums.iter().map(|(terms, _, only)| -> &[_] {
                     let is_here = only.is_none_or(|only| only == channel);
-                    *part = part.with_sum(if is_here { terms } else { &[] });
-                }
+                    if is_here { terms } else { &[] }
+                });
+                *part = part.with_sums(&own.collect::<Vec<_>>());
             }
         }
         self.sd.extend(sums.iter().map(|own| own.1));

@@ -5,42 +5,14 @@ use std::convert::Infallible;
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use super::columns::{Columns, Place};
-use super::folds::{Fitted, Folds};
+use super::folds::{Fitted, Folds, Sum};
 use super::gain::is_beyond_chance;
 use crate::force::along::Along;
 use crate::thresholds::payload::{FLANGE_REACH_M, KINDS_WITH_PAYLOAD};
 
-/// A place of a mass, with the columns of the scales that its torque is read with.
-#[derive(Debug, Clone)]
-pub(super) struct Carrier {
-    pub(super) place: Place,
-    scales: Vec<usize>,
-}
-
-impl Carrier {
-    /// Its torque is read with each joint's scale, which is known to a deviation.
-    fn new(place: &Place, folds: &mut Folds, common: &[usize], scale_sds: &[f64]) -> Self {
-        let columns = place.columns();
-        let fitted = folds.fit(&[common, &columns].concat());
-        let number = |column: usize| (column, fitted.number(column));
-        let terms: Vec<(usize, f64)> = columns.into_iter().map(number).collect();
-        let scales = scale_sds.iter().enumerate();
-        let scales = scales.map(|(channel, &sd)| (terms.clone(), sd, Some(channel)));
-        Self {
-            place: place.clone(),
-            scales: folds.add_sums(&scales.collect::<Vec<_>>()),
-        }
-    }
-
-    /// All its columns.
-    pub(super) fn all(&self) -> Vec<usize> {
-        [self.place.columns(), self.scales.clone()].concat()
-    }
-}
-
 /// What was found of a payload: its place, the fit with it, and the one with all the same but it.
 pub(super) struct Hypothesis {
-    pub(super) carrier: Carrier,
+    pub(super) place: Place,
     pub(super) fitted: Fitted,
     pub(super) null: Fitted,
     /// First and last link that do as well.
@@ -61,13 +33,26 @@ impl Hypothesis {
         }
         // the flange, and every link that a drive in front of others carries
         let places = columns.places.iter().filter(|own| own.link != Some(0));
+        let mut places: Vec<Place> = places.cloned().collect();
         let scale_sds = along.scale_sds();
-        let carriers = places.map(|place| Carrier::new(place, folds, &common, &scale_sds));
-        let carriers: Vec<Carrier> = carriers.collect();
+        // a mass's torque is read with each joint's scale, which is known to a deviation
+        let scaled = places.iter().flat_map(|place| {
+            let fitted = folds.fit(&[&*common, &place.columns()].concat());
+            let terms = place.columns().into_iter();
+            let terms = terms.map(|column| (column, fitted.number(column)));
+            let terms: Vec<(usize, f64)> = terms.collect();
+            let scales = scale_sds.iter().enumerate();
+            scales.map(move |(channel, &sd)| (terms.clone(), sd, Some(channel)))
+        });
+        let scaled: Vec<Sum> = scaled.collect();
+        let scales = folds.add_sums(&scaled);
+        for (place, scales) in places.iter_mut().zip(scales.chunks(scale_sds.len())) {
+            place.scales = scales.to_vec();
+        }
         let kinds = 0..KINDS_WITH_PAYLOAD;
         let mut drives = Drives {
             kinds: kinds.map(|kind| columns.every(kind)).collect(),
-            carriers: &carriers,
+            places: &places,
             folds,
             common,
         };
@@ -81,7 +66,7 @@ impl Hypothesis {
 struct Drives<'d> {
     /// Columns of the kinds that are still to be tried.
     kinds: Vec<Vec<usize>>,
-    carriers: &'d [Carrier],
+    places: &'d [Place],
     folds: &'d Folds,
     /// Columns of the base model and of the kinds that were taken.
     common: Vec<usize>,
@@ -92,21 +77,21 @@ impl Drives<'_> {
     fn best(&self) -> Option<Hypothesis> {
         let null = self.folds.fit(&self.common);
         let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, None));
-        let with = |own: &Carrier| self.folds.fit(&[&*self.common, &own.all()].concat());
-        let tried = self.carriers.iter().map(|own| (own, with(own)));
-        let found: Vec<(&Carrier, Fitted)> = tried.filter(|own| gains(&own.1, &null)).collect();
+        let with = |own: &Place| self.folds.fit(&[&*self.common, &own.all()].concat());
+        let tried = self.places.iter().map(|own| (own, with(own)));
+        let found: Vec<(&Place, Fitted)> = tried.filter(|own| gains(&own.1, &null)).collect();
         let better = |best: usize, own: usize| match gains(&found[own].1, &found[best].1) {
             true => own,
             false => best,
         };
         let best = (0..found.len()).reduce(better)?;
         let as_well = found.iter().filter(|own| !gains(&found[best].1, &own.1));
-        let links: Vec<usize> = as_well.filter_map(|own| own.0.place.link).collect();
+        let links: Vec<usize> = as_well.filter_map(|own| own.0.link).collect();
         let links = [links.iter().min(), links.iter().max()].map(Option::<&usize>::copied);
-        let (carrier, fitted) = found.into_iter().nth(best)?;
-        let own = carrier.place.link.unwrap_or_default();
+        let (place, fitted) = found.into_iter().nth(best)?;
+        let own = place.link.unwrap_or_default();
         Some(Hypothesis {
-            carrier: carrier.clone(),
+            place: place.clone(),
             fitted,
             null,
             links: links.map(|link| link.unwrap_or(own)),
@@ -124,7 +109,7 @@ impl Forward for Drives<'_> {
             return Ok(Vec::new());
         };
         let proposal = |kind: &Vec<usize>| {
-            let all = [self.common.as_slice(), kind, &found.carrier.all()].concat();
+            let all = [self.common.as_slice(), kind, &found.place.all()].concat();
             let gain = self.folds.fit(&all).gain_over(&found.fitted, None);
             is_beyond_chance(gain).then(|| Proposal {
                 merit: gain.sum,

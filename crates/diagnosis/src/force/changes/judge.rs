@@ -5,10 +5,10 @@ use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
 use haptical_motion::Unseen;
 
 use super::blocks::Pair;
-use super::columns::Columns;
+use super::columns::{Columns, Place};
 use super::folds::{Fitted, Folds};
 use super::gain::{is_beyond_chance, is_steady};
-use super::hypothesis::{Carrier, Hypothesis};
+use super::hypothesis::Hypothesis;
 use super::size::{Size, size};
 use crate::answer::gap::held_out;
 use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
@@ -47,7 +47,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let columns = Columns::new(along, base, pair);
     let mut folds = Folds::new(&columns, pair, &noise);
     let found = Hypothesis::found(along, &columns, &mut folds)?;
-    let (carrier, fitted, null) = (&found.carrier, &found.fitted, &found.null);
+    let (place, fitted, null) = (&found.place, &found.fitted, &found.null);
     // channels on which it gains beyond chance
     let is_shown = |channel: &usize| {
         let gain = fitted.gain_over(null, Some(*channel));
@@ -61,9 +61,9 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     let with = |more: &[usize]| folds.fit(&[common.as_slice(), more].concat());
     let drives = columns.own.concat().concat();
     let beside = with(&drives);
-    let both = with(&[drives.as_slice(), &carrier.all()].concat());
+    let both = with(&[drives.as_slice(), &place.all()].concat());
     let is_more = is_beyond_chance(both.gain_over(&beside, None));
-    if !is_more || !agree(&folds, carrier, &beside.columns, [fitted, &both]) {
+    if !is_more || !agree(&folds, place, &beside.columns, [fitted, &both]) {
         return None;
     }
     // changes of one drive, or of one kind on all drives, that leave as little of these channels
@@ -73,7 +73,6 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     if left >= beside.left_on(&shown) || rivals.any(|own| left >= with(&own).left_on(&shown)) {
         return None;
     }
-    let place = &carrier.place;
     let mut numbers = [0.0; PER_LINK];
     for &(column, number) in &place.numbers {
         numbers[number] = fitted.number(column);
@@ -142,10 +141,10 @@ fn is_large(along: &Along<'_>, torque_nm: &Means, from: usize) -> bool {
     channels.any(|(own, noise)| own.norm_squared() / later > LEAST_SIGNAL * noise.sd.powi(2))
 }
 
-/// Whether two fits of a carrier, without and with changes of all drives, give about the same torques: of the part that no
+/// Whether two fits of a mass at a place, without and with changes of all drives, give about the same torques: of the part that no
 /// change of a drive can take (Hausman 1978).
-fn agree(folds: &Folds, carrier: &Carrier, drives: &[usize], fits: [&Fitted; 2]) -> bool {
-    let columns = carrier.place.columns();
+fn agree(folds: &Folds, place: &Place, drives: &[usize], fits: [&Fitted; 2]) -> bool {
+    let columns = place.columns();
     let apart = folds.apart(&columns, drives);
     let numbers = |fitted: &Fitted| -> Vec<f64> {
         let numbers = columns.iter().map(|&column| fitted.number(column));
