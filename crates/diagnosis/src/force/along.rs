@@ -163,6 +163,7 @@ impl<'a> Along<'a> {
         (recorded.noise[channel].sd.powi(2) + hand).sqrt()
     }
 
+    /// What whitens the blocks; none where the torques have no noise at all.
     pub(super) fn whitener(&self, besides: Besides) -> Option<Whitener> {
         let blocks = 0..self.recorded.blocks.len();
         let covariance = |block| self.recorded.covariance(block, &self.hand(block), besides);

@@ -9,7 +9,7 @@ use super::Means;
 use super::along::Along;
 use super::assumed::with_assumed;
 use super::recorded::Besides;
-use super::rows::{FastRows, TorqueRows, Whitener};
+use super::rows::{FastRows, TorqueRows};
 use crate::engine::regression::Regression;
 use crate::engine::system::{SlowEnergy, dot};
 use crate::select::scan::{Candidate, Score};
@@ -105,8 +105,9 @@ impl Base {
 }
 
 impl Along<'_> {
-    /// Fits the base model; where a force of the hand is free, that force first.
-    pub(super) fn fit(&self, whitener: &Whitener, besides: Besides) -> Base {
+    /// Fits the base model; where a force of the hand is free, that force first. None where the torques have no noise at all.
+    pub(super) fn fit(&self, besides: Besides) -> Option<Base> {
+        let whitener = self.whitener(besides)?;
         let links = self.inertia.len();
         let geometry = links..links + self.geometry_sds().len();
         // the delay is behind the geometry
@@ -129,7 +130,7 @@ impl Along<'_> {
         }
         base.linearised_at = with_assumed(self, &base.regression);
         if matches!(besides, Besides::Hand(_)) || self.recorded.is_held {
-            let unseen = self.hand_force(whitener, &base.rest());
+            let unseen = self.hand_force(&whitener, &base.rest());
             for (half, force) in base.force_n.iter_mut().enumerate() {
                 *force -= unseen[half / 2].0;
             }
@@ -138,7 +139,7 @@ impl Along<'_> {
             base.add_known(&column, sd);
         }
         self.settle(&mut base);
-        base
+        Some(base)
     }
 
     /// The torques that the scales multiply are the model's own: takes them from the solution.

@@ -1,5 +1,7 @@
 //! Unbalanced gravity: a mass or its centre that is not where the device file assumes it.
 
+use haptical_effects::force::{PAYLOAD, UNBALANCED_GRAVITY};
+use haptical_judge::probability;
 use haptical_metrics::chi_square_p_value;
 
 use super::Means;
@@ -8,33 +10,18 @@ use super::assumed::{Assumed, Known, assumed, with_knowledge};
 use super::base::Base;
 use super::posture::PER_LINK;
 use crate::DiagnosisError;
+use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::select::scan::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
-use crate::thresholds::torque::{FAMILY_WISE_P, LEAST_WEIGHT};
+use crate::thresholds::torque::{FAMILY_WISE_P, LEAST_WEIGHT, LISTED_PROBABILITY};
 
-/// A link whose weight is not the assumed one.
-#[derive(Debug, Clone)]
-pub(super) struct Unbalanced {
-    /// Joint that carries it, from 0.
-    pub(super) joint: usize,
-    /// Largest torque of the difference on any channel \[N m\], with its standard deviation.
-    pub(super) moment_nm: (f64, f64),
-    /// Difference of the mass \[kg\] and its standard deviation, where the torques fix it.
-    pub(super) mass_kg: Option<(f64, f64)>,
-    /// How far beyond the file's tolerance, in standard deviations.
-    pub(super) deviations: f64,
-    pub(super) probability: f64,
-    /// Whether a mass at the flange, which moves with the last link, would do as well.
-    pub(super) may_be_payload: bool,
-    /// Torque of the difference.
-    pub(super) torque_nm: Means,
-}
-
-/// Tests each link's assumed mass and centre against what the torques imply.
+/// A link whose weight is not the assumed one, with the torque of the difference: each link's assumed mass and centre are tested against
+/// what the torques imply. `rest`: structured energy of what else is left; `may_be_payload`: whether that is an effect of the catalogue.
 pub(super) fn unbalanced(
     along: &Along<'_>,
     base: &Base,
-) -> Result<Option<Unbalanced>, DiagnosisError> {
+    (rest, may_be_payload): (f64, bool),
+) -> Result<Option<(CauseAnswer, Means)>, DiagnosisError> {
     let mut links = assumed(along);
     links.retain(|link| link.is_in_file && !link.shown.is_empty());
     let known: Vec<Known> = links.iter().flat_map(|link| link.shown.clone()).collect();
@@ -46,11 +33,9 @@ pub(super) fn unbalanced(
         let release = |own: &Known| rows.release(own.0, assuming.column(own.0)[rows.prior(own.0)]);
         link.shown.iter().map(release).collect()
     };
+    let split = |own: &Vec<f64>| system.layout.split(own);
     let saved = links.iter().map(|link| {
-        let columns = released(link)
-            .iter()
-            .map(|own| system.layout.split(own))
-            .collect();
+        let columns = released(link).iter().map(split).collect();
         let candidate = Candidate::of_columns(system, columns, 0, 0.0);
         candidate.score(system).score
     });
@@ -85,17 +70,30 @@ pub(super) fn unbalanced(
         (change[number], variance.sqrt())
     });
     let mass_kg = mass_kg.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
-    let last = links.iter().position(|own| own.joint + 1 == along.joints());
     let others = (0..saved.len()).filter(|&index| index != best);
-    let sum: f64 = others.map(|index| (-behind(index)).exp()).sum();
-    Ok(Some(Unbalanced {
-        joint: link.joint,
-        moment_nm: (moment_nm, moment_nm / deviations.max(1.0)),
+    let probability = LISTED_PROBABILITY * probability(others.map(behind));
+    // how far beyond the file's tolerance, in standard deviations
+    let numbers = [
+        Some((moment_nm, moment_nm / deviations.max(1.0))),
+        Some((deviations, 0.0)),
         mass_kg,
-        may_be_payload: last.is_some_and(|last| behind(last) < CONFUSABLE_NATS)
-            && mass_kg.is_none_or(|(mass, _)| mass > 0.0),
-        deviations,
-        probability: 1.0 / (1.0 + sum),
-        torque_nm,
-    }))
+    ];
+    let specs = UNBALANCED_GRAVITY.parameters.iter().zip(numbers);
+    let parameters = specs.filter_map(|(spec, number)| {
+        let (value, sd) = number?;
+        Some((spec.name.to_owned(), ParameterAnswer::normal(value, sd)))
+    });
+    let mut cause = CauseAnswer {
+        parameters: parameters.collect(),
+        share: score / (score + rest),
+        ..CauseAnswer::named(UNBALANCED_GRAVITY.name, Some(link.joint), probability)
+    };
+    // in one run a mass at the flange and one of the last link are one column
+    let last = links.iter().position(|own| own.joint + 1 == along.joints());
+    let is_put_on = mass_kg.is_none_or(|(mass, _)| mass > 0.0);
+    if may_be_payload && is_put_on && last.is_some_and(|last| behind(last) < CONFUSABLE_NATS) {
+        cause.confusable_with.push(PAYLOAD.name.to_owned());
+        cause.probability *= 0.5;
+    }
+    Ok(Some((cause, torque_nm)))
 }

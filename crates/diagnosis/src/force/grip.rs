@@ -1,37 +1,33 @@
 //! A force of the hand that the sensor does not see: whether any force at the handle, changing as
 //! it likes, accounts for what is left.
 
+use haptical_effects::force::GRIP_FORCE;
 use nalgebra::{Matrix3, Vector3};
 
 use super::Means;
 use super::along::Along;
 use super::recorded::Besides;
 use super::rows::Whitener;
+use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, ParameterAnswer};
 use crate::select::excess;
-use crate::thresholds::torque::{GRIP_LEFT, NOISE_DEVIATIONS, SPARE_CHANNELS, UNKNOWN_FORCE_SD_N};
-
-/// A force of the hand that accounts for what is left.
-#[derive(Debug, Clone)]
-pub(super) struct Grip {
-    /// Root mean square of the force \[N\], and its standard deviation.
-    pub(super) force_n: (f64, f64),
-    /// Part of the structure that it leaves.
-    pub(super) left: f64,
-}
+use crate::thresholds::torque::{
+    GRIP_LEFT, GRIP_PROBABILITY, LISTED_PROBABILITY, NOISE_DEVIATIONS, SPARE_CHANNELS,
+    UNKNOWN_FORCE_SD_N,
+};
 
 /// Whether there are torques enough for the test.
 pub(super) fn is_testable(channels: usize) -> bool {
     channels >= 3 + SPARE_CHANNELS
 }
 
-/// Fits the base model with any force of the hand allowed for. `before` is what it leaves
-/// otherwise, `excess` the structured energy of that.
+/// Fits the base model with any force of the hand allowed for: where that accounts for what is left, the force as a cause, and the part of
+/// the structure that it leaves. `before` is what the model leaves otherwise, `excess` the structured energy of that.
 pub(super) fn grip(
     along: &Along<'_>,
     ordinary: &Whitener,
     before: &Means,
     excess: f64,
-) -> Option<Grip> {
+) -> Option<(CauseAnswer, f64)> {
     let (blocks, channels) = along.recorded.shape();
     if along.recorded.force_n.is_none() || !is_testable(channels) {
         return None;
@@ -51,14 +47,25 @@ pub(super) fn grip(
     }
     // with a force of about the right size allowed for, the base model takes less of it
     let size = rms(&along.hand_force(ordinary, &rest)).max(1e-3);
-    let base = along.fit(&along.whitener(Besides::Hand(size))?, Besides::Hand(size));
+    let base = along.fit(Besides::Hand(size))?;
     let force_n = rms(&along.hand_force(ordinary, &base.rest()));
     // a force holds over a few blocks, so that about a quarter of them are independent
     let independent = 0.25 * blocks as f64;
-    Some(Grip {
-        force_n: (force_n, force_n / (2.0 * independent).sqrt()),
-        left: left.min(1.0),
-    })
+    let spec = &GRIP_FORCE.parameters[0];
+    let mut number = ParameterAnswer::normal(force_n, force_n / (2.0 * independent).sqrt());
+    number.ci95[0] = number.ci95[0].max(0.0);
+    let plausible = spec.is_plausible(force_n, 1.0);
+    let left = left.min(1.0);
+    let probability = LISTED_PROBABILITY * GRIP_PROBABILITY;
+    let cause = CauseAnswer {
+        confusable_with: vec![IN_NO_CATALOGUE.to_owned()],
+        parameters: [(spec.name.to_owned(), number)].into(),
+        share: 1.0 - left,
+        plausible,
+        implausible: !plausible,
+        ..CauseAnswer::named(GRIP_FORCE.name, None, probability)
+    };
+    Some((cause, left))
 }
 
 /// Root mean square of a force, its noise taken out.
@@ -77,7 +84,7 @@ fn left_beside(
     free: usize,
     before: f64,
 ) -> Option<(Means, Option<f64>)> {
-    let base = along.fit(&along.whitener(besides)?, besides);
+    let base = along.fit(besides)?;
     let (energy, sd) = excess(&base.energy(free));
     let left = energy.max(0.0) / before.max(1.0);
     let is_small = left <= GRIP_LEFT || energy < NOISE_DEVIATIONS * sd;

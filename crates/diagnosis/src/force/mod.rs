@@ -12,6 +12,7 @@ mod assumed;
 mod base;
 mod changes;
 mod effects;
+mod fast;
 mod gravity;
 mod grip;
 mod harmonics;
@@ -117,17 +118,17 @@ impl<'a> Model<'a> {
             Ok(recorded) => Along::new(recorded)?,
             Err(why) => return Ok(Err(why)),
         };
-        let Some(whitener) = along.whitener(Besides::Nothing) else {
-            return Ok(Err("the torques have no noise at all".to_owned()));
+        let why = "the torques have no noise at all";
+        let Some(mut base) = along.fit(Besides::Nothing) else {
+            return Ok(Err(why.to_owned()));
         };
-        let mut base = along.fit(&whitener, Besides::Nothing);
         let carried = Carried::new(&along, &base, without);
         if !carried.payloads.is_empty() {
             along.reading -= &carried.torque_nm;
-            base = along.fit(&whitener, Besides::Nothing);
+            base = along.fit(Besides::Nothing).unwrap_or(base);
         }
         let fitted = &along.reading - base.rest() + &carried.torque_nm;
-        base.append(harmonics::rows(&along, &fitted));
+        base.append(fast::rows(&along, &fitted));
         Ok(Ok(Self {
             effects: Effects::new(along, without),
             base,

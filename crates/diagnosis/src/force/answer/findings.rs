@@ -3,69 +3,14 @@
 use std::collections::BTreeMap;
 
 use haptical_effects::device::with_variances;
-use haptical_effects::force::{GRIP_FORCE, UNBALANCED_GRAVITY};
-use haptical_effects::{Family, Hook, LawError, Role, Spec};
+use haptical_effects::{Family, Hook, LawError, Role};
 use nalgebra::DMatrix;
 
-use crate::answer::{CauseAnswer, IN_NO_CATALOGUE, ParameterAnswer};
+use crate::answer::{CauseAnswer, ParameterAnswer};
 use crate::force::Model;
 use crate::force::effects::is_scale;
-use crate::force::gravity::Unbalanced;
-use crate::force::grip::Grip;
 use crate::force::select::Pick;
-use crate::thresholds::torque::{GRIP_PROBABILITY, LISTED_PROBABILITY};
-
-/// A plausible name with its numbers, and with the probability that it is one of the catalogue's at all.
-fn finding(
-    spec: &Spec,
-    joint: Option<usize>,
-    probability: f64,
-    share: f64,
-    parameters: BTreeMap<String, ParameterAnswer>,
-) -> CauseAnswer {
-    CauseAnswer {
-        parameters,
-        share,
-        ..CauseAnswer::named(spec.name, joint, LISTED_PROBABILITY * probability)
-    }
-}
-
-pub(super) fn of_grip(grip: &Grip) -> CauseAnswer {
-    let spec = &GRIP_FORCE.parameters[0];
-    let mut force_n = ParameterAnswer::normal(grip.force_n.0, grip.force_n.1);
-    force_n.ci95[0] = force_n.ci95[0].max(0.0);
-    let parameters = BTreeMap::from([(spec.name.to_owned(), force_n)]);
-    let plausible = spec.is_plausible(force_n.value, 1.0);
-    let share = 1.0 - grip.left;
-    CauseAnswer {
-        confusable_with: vec![IN_NO_CATALOGUE.to_owned()],
-        plausible,
-        implausible: !plausible,
-        ..finding(&GRIP_FORCE, None, GRIP_PROBABILITY, share, parameters)
-    }
-}
-
-/// `total`: structured energy of the rest, 0 where it is hardly any.
-pub(super) fn of_gravity(found: &Unbalanced, total: f64) -> CauseAnswer {
-    let numbers = [
-        Some(found.moment_nm),
-        Some((found.deviations, 0.0)),
-        found.mass_kg,
-    ];
-    let specs = UNBALANCED_GRAVITY.parameters.iter().zip(numbers);
-    let parameters = specs.filter_map(|(spec, number)| {
-        let (value, sd) = number?;
-        Some((spec.name.to_owned(), ParameterAnswer::normal(value, sd)))
-    });
-    let square = found.deviations * found.deviations;
-    finding(
-        &UNBALANCED_GRAVITY,
-        Some(found.joint),
-        found.probability,
-        square / (square + total),
-        parameters.collect(),
-    )
-}
+use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// Coefficients of a model of the torques with their covariance, what is left counting as noise.
 pub(in crate::force) struct Sizes<'m, 'a> {
@@ -87,12 +32,14 @@ impl<'m, 'a> Sizes<'m, 'a> {
     pub(super) fn of_pick(&self, pick: &Pick, share: f64) -> CauseAnswer {
         let effect = self.model.effects.effect(pick.effect);
         let (parameters, plausible) = self.parameters(pick);
-        let (joint, probability) = (effect.joint(), pick.probability);
+        let probability = LISTED_PROBABILITY * pick.probability;
         CauseAnswer {
             confusable_with: pick.rivals.iter().map(|&name| name.to_owned()).collect(),
+            parameters,
+            share,
             plausible,
             implausible: !plausible,
-            ..finding(effect.spec(), joint, probability, share, parameters)
+            ..CauseAnswer::named(effect.name(), effect.joint(), probability)
         }
     }
 

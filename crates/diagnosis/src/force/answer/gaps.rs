@@ -6,7 +6,7 @@ use super::Course;
 use crate::answer::ChannelGap;
 use crate::answer::floor::Floor;
 use crate::force::effects::is_scale;
-use crate::force::harmonics::deviations;
+use crate::force::fast::deviations;
 use crate::force::{Means, Model};
 use crate::noise::NoiseSource;
 

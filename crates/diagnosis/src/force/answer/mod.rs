@@ -7,7 +7,6 @@ mod reasons;
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 
 pub(super) use self::findings::Sizes;
-use self::findings::{of_gravity, of_grip};
 use self::reasons::FALSIFIED;
 pub(crate) use self::reasons::names;
 use super::effects::is_scale;
@@ -214,8 +213,8 @@ impl Model<'_> {
         } else if answer.significant {
             let found = self.held(&energies);
             has_grip = found.is_some();
-            answer.unexplained_share = found.as_ref().map_or(1.0, |grip| grip.left);
-            answer.findings.extend(found.as_ref().map(of_grip));
+            answer.unexplained_share = found.as_ref().map_or(1.0, |own| own.1);
+            answer.findings.extend(found.map(|own| own.0));
         }
         // where a gap shows anyhow it is that gap's
         let strained = self
@@ -308,7 +307,7 @@ impl Model<'_> {
     }
 
     /// A force of the hand that the sensor does not see, where the torques show more than noise.
-    fn held(&self, energies: &Energies) -> Option<grip::Grip> {
+    fn held(&self, energies: &Energies) -> Option<(CauseAnswer, f64)> {
         if !energies.is_structured || self.effects.is_left_out(GRIP_FORCE.name) {
             return None;
         }
@@ -327,17 +326,10 @@ impl Model<'_> {
         {
             return Ok(None);
         }
-        let Some(found) = gravity::unbalanced(&self.effects.along, &self.base)? else {
-            return Ok(None);
-        };
         let is_beside_others = total > LEAST_STRUCTURE * recorded.rows();
-        let mut finding = of_gravity(&found, total * f64::from(is_beside_others));
-        if found.may_be_payload && !self.effects.is_left_out(PAYLOAD.name) {
-            // in one run a mass at the flange and one of the last link are one column
-            finding.confusable_with.push(PAYLOAD.name.to_owned());
-            finding.probability *= 0.5;
-        }
-        Ok(Some((finding, found.torque_nm)))
+        let rest = total * f64::from(is_beside_others);
+        let may_be_payload = !self.effects.is_left_out(PAYLOAD.name);
+        gravity::unbalanced(&self.effects.along, &self.base, (rest, may_be_payload))
     }
 
     /// The channel whose torque scale the base model moved farthest, where that is far beyond what is stated of it and no finding

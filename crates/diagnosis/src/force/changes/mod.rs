@@ -136,14 +136,8 @@ impl Carried {
 
 /// Blocks of each run that has any, in order.
 fn runs_of_blocks(along: &Along<'_>) -> Vec<Range<usize>> {
-    let recorded = &along.recorded;
-    let mut first = 0;
-    let own = recorded.context.runs.iter().map(|run| {
-        let rest = &recorded.blocks[first..];
-        let count = rest.iter().take_while(|block| block.rows.start < run.end);
-        let range = first..first + count.count();
-        first = range.end;
-        range
-    });
-    own.collect()
+    let blocks = &along.recorded.blocks;
+    let before = |row: usize| blocks.partition_point(|block| block.rows.start < row);
+    let runs = along.recorded.context.runs.iter();
+    runs.map(|run| before(run.start)..before(run.end)).collect()
 }

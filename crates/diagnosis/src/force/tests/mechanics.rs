@@ -9,7 +9,7 @@ use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work}
 use crate::engine::regression::Regression;
 use crate::force::Means;
 use crate::force::along::Along;
-use crate::force::harmonics::within;
+use crate::force::fast::within;
 use crate::force::posture::{PER_LINK, Posture};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::rows::{TorqueRows, Whitener};
@@ -265,8 +265,7 @@ fn slow_energy_of_noise_is_its_freedom() {
         let context = Context::new(&device, &recording, &[]).unwrap();
         let recorded = Recorded::new(&context, false).unwrap();
         let along = Along::new(recorded).unwrap();
-        let whitener = along.whitener(Besides::Nothing).unwrap();
-        let base = along.fit(&whitener, Besides::Nothing);
+        let base = along.fit(Besides::Nothing).unwrap();
         let (energy, sd) = excess(&base.energy(0));
         sum += energy / sd;
     }
@@ -282,8 +281,7 @@ fn what_no_torque_shows_is_as_assumed() {
     let context = Context::new(&device, &recording, &[]).unwrap();
     let recorded = Recorded::new(&context, false).unwrap();
     let along = Along::new(recorded).unwrap();
-    let whitener = along.whitener(Besides::Nothing).unwrap();
-    let base = along.fit(&whitener, Besides::Nothing);
+    let base = along.fit(Besides::Nothing).unwrap();
     // 0.3 kg at 0.02 m
     let [x, y] = [1, 2].map(|number| base.linearised_at[number]);
     assert!(x == 0.0 && (y - 0.006).abs() < 1e-15, "{x} {y}");
