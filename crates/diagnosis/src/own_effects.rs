@@ -54,7 +54,7 @@ pub(crate) fn within_laws(
     if !is_open || own_effects.is_empty() {
         return Ok(found);
     }
-    // friction of a moving arm is in the base model, at any size
+    // friction of a moving arm is a part of its base model
     let is_moving = is_moving_arm(options.model.unwrap_or(device), recording);
     let may_leave = |own: &&DeviceEffect| !(is_moving && own.is_friction());
     // torques and other channels each by themselves, if they have a gap: the laws of one leave nothing in the other

@@ -100,14 +100,22 @@ fn a_torque_of_one_value_was_not_measured_whatever_an_effect_adds() {
 
 #[test]
 fn a_sound_arm_has_no_gap_whatever_friction_its_file_has() {
-    for (seed, turnover) in [(1, TURNOVERS[0]), (2, TURNOVERS[1]), (3, 0.1)] {
-        let log = with_friction(recording(Truth::default(), seed), turnover);
+    for (seed, turnover, times) in [
+        (1, TURNOVERS[0], 1.0),
+        (2, TURNOVERS[1], 1.0),
+        (3, 0.1, 5.0),
+    ] {
+        let mut log = with_friction(recording(Truth::default(), seed), turnover);
+        let added = log.added.iter_mut().flat_map(|own| &mut own.readings);
+        added.for_each(|own| *own *= times);
         let without = torque_nm_without_effects(&device(), &log, 0).unwrap();
         let read = log.torque_nm[0].as_ref().unwrap();
         let (added, row) = (&log.added[0].readings, 1234);
         assert!((without[row] + added[row] - read[row]).abs() < 1e-12);
         let found = examine(&device(), &log, None, &[]).unwrap();
         assert!(!found.has_gap(), "{:?}", found.channels);
+        // nor by another noise
+        assert!(!found.has_memory && found.findings.is_empty());
         assert!(found.doubts.is_empty(), "{:?}", found.doubts);
     }
 }
