@@ -50,7 +50,7 @@ impl<'c> InPlace for Search<'_, '_, 'c> {
             let last = other.taken.last()?;
             let merit = other.last_nats(self.frame, &without.fitted);
             let merit = match last.effect == pick.effect {
-                // of the places of one law, rows alone tell, not how likely an inertia is to be off (docs/assumptions.md, A306)
+                // of the places of one law, rows alone tell, not how likely an inertia is to be off (docs/assumptions.md, A308)
                 true => merit.max(of_pick - other.fitted.behind(&whole.fitted)),
                 false => merit,
             };
