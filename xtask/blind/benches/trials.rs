@@ -2,9 +2,9 @@
 #![allow(missing_docs, reason = "criterion writes functions without text")]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use xtask_blind::{BlindError, Suite};
+use xtask_blind::Suite;
 
-fn add(criterion: &mut Criterion) -> Result<(), BlindError> {
+fn add(criterion: &mut Criterion) -> anyhow::Result<()> {
     let mut group = criterion.benchmark_group("trial");
     group.sample_size(10);
     for suite in [Suite::Clean, Suite::Singles, Suite::Pairs] {

@@ -1,9 +1,9 @@
 //! A trial's device once more: further recordings of it, along motions that are given or drawn.
 
+use anyhow::Result;
 use haptical_model::{Device, Recording};
 
 use crate::effects::Effect;
-use crate::error::BlindError;
 use crate::random::Random;
 use crate::rig::motion::{Motion, MotionPlan};
 use crate::rig::noise::NoisePlan;
@@ -41,8 +41,8 @@ impl Again {
     /// are drawn.
     ///
     /// # Errors
-    /// [`BlindError`] where a transmission has no value.
-    pub fn led(&self, led: &Led<'_>, seed: u64) -> Result<Recording, BlindError> {
+    /// Where a transmission has no value.
+    pub fn led(&self, led: &Led<'_>, seed: u64) -> Result<Recording> {
         let rows = led.angle_rad.first().map_or(0, Vec::len);
         let plan = MotionPlan {
             rows,
@@ -74,7 +74,7 @@ impl Again {
     ///
     /// # Errors
     /// As [`Again::led`].
-    pub fn drawn(&self, rows: usize, seed: u64) -> Result<Recording, BlindError> {
+    pub fn drawn(&self, rows: usize, seed: u64) -> Result<Recording> {
         let plan = MotionPlan {
             rows,
             runs: 1,

@@ -1,8 +1,9 @@
 //! Noise that has a memory: autoregressions up to 0.95, drifts, noise that is uneven over a channel's range; with an
 //! effect beside it or without.
 
+use anyhow::Result;
+
 use crate::effects::Group;
-use crate::error::BlindError;
 use crate::random::Random;
 use crate::rig::noise::{ChannelNoise, NoisePlan};
 use crate::suites::{Joints, named, of_device, of_group, one_of, visible};
@@ -21,7 +22,7 @@ const DRIFTS: [&str; 3] = ["cable-drift", "external-encoder-drift", "joint-drift
 const SLIGHT: f64 = 0.3;
 
 /// Of eight trials three are clean and one drifts a little; three have an effect, and of one its names are withheld.
-pub(crate) fn order(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+pub(crate) fn order(index: u64, random: &mut Random) -> Result<Order> {
     let (member, round) = (index % 8, index / 8);
     let kind = KINDS[((3 * round + member) % KINDS.len() as u64) as usize];
     let mut order = match member {

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Result;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation};
 use serde::{Deserialize, Serialize};
 
-use crate::error::BlindError;
 use crate::rig::scene::Recorded;
 
 /// The gap of one channel.
@@ -27,9 +27,9 @@ pub(crate) fn rounding(
     device: &Device,
     exact_rad: &[Vec<f64>],
     rounded_rad: &[Vec<f64>],
-) -> Result<BTreeMap<String, f64>, BlindError> {
+) -> Result<BTreeMap<String, f64>> {
     let mut evaluation = Evaluation::new(device);
-    let mut predict = |columns: &[Vec<f64>], row: usize| -> Result<Vec<f64>, BlindError> {
+    let mut predict = |columns: &[Vec<f64>], row: usize| -> Result<Vec<f64>> {
         let readings: Vec<f64> = columns.iter().map(|column| column[row]).collect();
         evaluation.move_to(&readings)?;
         let outputs = (0..readings.len()).map(|joint| evaluation.output_rad(joint));
@@ -66,7 +66,7 @@ pub(crate) fn rounding(
 pub(crate) fn true_gap(
     device: &Device,
     recorded: &Recorded,
-) -> Result<BTreeMap<String, ChannelGapTruth>, BlindError> {
+) -> Result<BTreeMap<String, ChannelGapTruth>> {
     let joints = device.joints.len();
     let mut evaluation = Evaluation::new(device);
     let mut readings = vec![0.0; joints];

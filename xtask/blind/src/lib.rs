@@ -19,7 +19,6 @@ mod again;
 mod arms;
 mod colour;
 mod effects;
-mod error;
 mod files;
 mod gap;
 mod laws;
@@ -38,7 +37,6 @@ mod wrist;
 
 pub use again::{Again, Led};
 pub use effects::{Draw, Effect, Facts, Group, Info, KINDS, Kind, kind};
-pub use error::BlindError;
 pub use files::write_trial;
 pub use gap::ChannelGapTruth;
 pub use moving::write_moving;

@@ -1,7 +1,8 @@
 //! Clean recordings of which an effect is asked that is not there.
 
+use anyhow::{Result, bail};
+
 use crate::effects::{Group, Kind};
-use crate::error::BlindError;
 use crate::random::Random;
 use crate::suites::{clean, of_group};
 use crate::trial::{Asked, Trial, TrialId};
@@ -10,7 +11,7 @@ use crate::trial::{Asked, Trial, TrialId};
 const EVENTS: [&str; 2] = ["count-loss", "slip"];
 
 /// A clean recording, with an effect that it could show.
-pub(crate) fn absent(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn absent(id: TrialId, random: &mut Random) -> Result<Trial> {
     let (mut trial, _) = clean(id.index, random)?.make(id, random)?;
     let mut kinds = of_group(Group::Single);
     let is_event = |kind: &Kind| EVENTS.iter().any(|part| kind.name.contains(part));
@@ -27,8 +28,8 @@ pub(crate) fn absent(id: TrialId, random: &mut Random) -> Result<Trial, BlindErr
             return Ok(trial);
         }
     }
-    Err(BlindError::NoPlace {
-        effect: "an effect to ask for".to_owned(),
-        device: trial.device.name,
-    })
+    bail!(
+        "`an effect to ask for` has no place on device `{}`",
+        trial.device.name
+    )
 }

@@ -1,8 +1,9 @@
 //! Suites of arms that move by themselves and log joints and torques alone: with another payload from a run on, and
 //! without.
 
+use anyhow::{Context, Result};
+
 use crate::effects::{Kind, kind};
-use crate::error::BlindError;
 use crate::random::Random;
 use crate::suites::of_device;
 use crate::trial::Order;
@@ -11,7 +12,7 @@ use crate::trial::Order;
 const RUNS: usize = 2;
 
 /// An arm without effects: half of them repeat their trajectory in every run.
-fn bare(random: &mut Random) -> Result<Order, BlindError> {
+fn bare(random: &mut Random) -> Result<Order> {
     let (mut order, _) = of_device(random)?;
     order.has_torques_alone = true;
     order.plan.hand = 0.0;
@@ -21,16 +22,12 @@ fn bare(random: &mut Random) -> Result<Order, BlindError> {
     Ok(order)
 }
 
-fn known(name: &'static str) -> Result<&'static Kind, BlindError> {
-    kind(name).ok_or_else(|| BlindError::Unknown {
-        kind: "effect",
-        name: name.to_owned(),
-        known: String::new(),
-    })
+fn known(name: &'static str) -> Result<&'static Kind> {
+    kind(name).with_context(|| format!("there is no effect `{name}`"))
 }
 
 /// Another payload from the middle on: three quarters of them at the flange, every other with friction of all joints.
-pub(crate) fn changed(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+pub(crate) fn changed(index: u64, random: &mut Random) -> Result<Order> {
     let mut order = bare(random)?;
     let name = match index % 4 {
         3 => "payload-on-link",
@@ -48,7 +45,7 @@ pub(crate) fn changed(index: u64, random: &mut Random) -> Result<Order, BlindErr
 }
 
 /// The same arms without a change: without friction nothing is to be found, with it no payload.
-pub(crate) fn unchanged(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+pub(crate) fn unchanged(index: u64, random: &mut Random) -> Result<Order> {
     let mut order = bare(random)?;
     match index % 2 {
         0 => order.label = Some("clean-torques".to_owned()),

@@ -1,9 +1,9 @@
 //! Sealed truths: a commitment that is published before the diagnosis, and opened after it.
 
+use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::error::BlindError;
 use crate::random::Random;
 use crate::truth::Truth;
 
@@ -24,16 +24,11 @@ pub struct Sealed {
 /// Seals a truth with a salt drawn from `random`.
 ///
 /// # Errors
-/// [`BlindError::Json`] if the truth has no JSON form.
-pub fn seal(truth: &Truth, random: &mut Random) -> Result<Sealed, BlindError> {
+/// A truth without a JSON form.
+pub fn seal(truth: &Truth, random: &mut Random) -> Result<Sealed> {
     let salt = format!("{:016x}{:016x}", random.seed(), random.seed());
     // the map of a `Value` is ordered by key
-    let truth_json = serde_json::to_value(truth)
-        .and_then(|value| serde_json::to_string(&value))
-        .map_err(|source| BlindError::Json {
-            what: "a truth",
-            source,
-        })?;
+    let truth_json = serde_json::to_string(&serde_json::to_value(truth)?)?;
     Ok(Sealed {
         commitment: commitment(&salt, &truth_json),
         salt,
@@ -45,17 +40,14 @@ impl Sealed {
     /// The truth, if it belongs to the commitment published before.
     ///
     /// # Errors
-    /// [`BlindError::Broken`] if it does not, [`BlindError::Json`] if it is no truth.
-    pub fn open(&self, published: &str) -> Result<Truth, BlindError> {
-        if commitment(&self.salt, &self.truth_json) != published {
-            return Err(BlindError::Broken {
-                commitment: published.to_owned(),
-            });
-        }
-        serde_json::from_str(&self.truth_json).map_err(|source| BlindError::Json {
-            what: "a sealed truth",
-            source,
-        })
+    /// If it does not, or is no truth.
+    pub fn open(&self, published: &str) -> Result<Truth> {
+        ensure!(
+            commitment(&self.salt, &self.truth_json) == published,
+            "the truth does not match the commitment {published}"
+        );
+        serde_json::from_str(&self.truth_json)
+            .context("a sealed truth cannot be turned into JSON or back")
     }
 }
 

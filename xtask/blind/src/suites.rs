@@ -1,10 +1,10 @@
 //! The suites of blind trials: which devices, effects and noises come at which index of a batch.
 
+use anyhow::{Context, Result, bail};
 use haptical_model::Device;
 
 use crate::again::Again;
 use crate::effects::{Group, KINDS, Kind};
-use crate::error::BlindError;
 use crate::loop_suites;
 use crate::payload_suites;
 use crate::random::Random;
@@ -14,7 +14,7 @@ use crate::trial::{Order, Trial, TrialId};
 use crate::{arms, colour, moving, wrist};
 
 /// A trial by which one it is and random numbers.
-type Draws = fn(TrialId, &mut Random) -> Result<Trial, BlindError>;
+type Draws = fn(TrialId, &mut Random) -> Result<Trial>;
 
 /// One row per suite: its name, the number of its streams, its place among the salts, its trials in a scored batch and in a
 /// quick one, what it holds. A suite keeps its numbers when others are added.
@@ -145,21 +145,20 @@ impl Suite {
     /// The suite of that name.
     ///
     /// # Errors
-    /// [`BlindError::Unknown`].
-    pub fn named(name: &str) -> Result<Self, BlindError> {
+    /// There is none.
+    pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|suite| suite.name() == name);
-        found.ok_or_else(|| BlindError::Unknown {
-            kind: "suite",
-            name: name.to_owned(),
-            known: Self::ALL.map(Self::name).join(", "),
+        found.with_context(|| {
+            let known = Self::ALL.map(Self::name).join(", ");
+            format!("there is no suite `{name}`; known are {known}")
         })
     }
 
     /// The trial at an index of the batch with a seed: the same for the same numbers, on any machine.
     ///
     /// # Errors
-    /// [`BlindError`] where a device cannot be evaluated.
-    pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial, BlindError> {
+    /// Where a device cannot be evaluated.
+    pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial> {
         let (id, mut random) = (self.id(index, batch_seed), self.random(index, batch_seed));
         match self.draws() {
             Some(draw) => draw(id, &mut random),
@@ -186,11 +185,7 @@ impl Suite {
     ///
     /// # Errors
     /// As [`Suite::draw`].
-    pub fn draw_again(
-        self,
-        index: u64,
-        batch_seed: u64,
-    ) -> Result<Option<(Trial, Again)>, BlindError> {
+    pub fn draw_again(self, index: u64, batch_seed: u64) -> Result<Option<(Trial, Again)>> {
         if self.draws().is_some() {
             return Ok(None);
         }
@@ -201,7 +196,7 @@ impl Suite {
             .map(Some)
     }
 
-    fn order(self, index: u64, random: &mut Random) -> Result<Order, BlindError> {
+    fn order(self, index: u64, random: &mut Random) -> Result<Order> {
         match self {
             Self::Singles | Self::Loop => single(index, random),
             Self::NearSingles => near(index, random),
@@ -322,7 +317,7 @@ fn vary(plan: &mut MotionPlan, random: &mut Random) {
 }
 
 /// A clean order for a random device.
-pub(crate) fn of_device(random: &mut Random) -> Result<(Order, Device), BlindError> {
+pub(crate) fn of_device(random: &mut Random) -> Result<(Order, Device)> {
     let nominal = nominal(random);
     let device = nominal.device()?;
     let mut order = Order::clean(nominal, device.joints.len());
@@ -359,7 +354,7 @@ pub(crate) fn one_of(
     size: f64,
     joints: Joints,
     random: &mut Random,
-) -> Result<Order, BlindError> {
+) -> Result<Order> {
     let kind = kinds[(index % kinds.len().max(1) as u64) as usize];
     for _ in 0..100 {
         let (mut order, device) = of_device(random)?;
@@ -372,18 +367,15 @@ pub(crate) fn one_of(
             return Ok(order);
         }
     }
-    Err(BlindError::NoPlace {
-        effect: kind.name.to_owned(),
-        device: "any".to_owned(),
-    })
+    bail!("`{}` has no place on device `any`", kind.name)
 }
 
 /// One strong effect of a group.
-fn strong(group: Group, index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn strong(group: Group, index: u64, random: &mut Random) -> Result<Order> {
     one_of(&of_group(group), index, 1.0, Joints::All, random)
 }
 
-fn single(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn single(index: u64, random: &mut Random) -> Result<Order> {
     strong(Group::Single, index, random)
 }
 
@@ -394,11 +386,11 @@ pub(crate) fn visible() -> Vec<&'static Kind> {
     kinds
 }
 
-fn near(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn near(index: u64, random: &mut Random) -> Result<Order> {
     one_of(&visible(), index, 0.1, Joints::Seen, random)
 }
 
-pub(crate) fn clean(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+pub(crate) fn clean(index: u64, random: &mut Random) -> Result<Order> {
     let (mut order, _) = of_device(random)?;
     let kind = index % 6;
     let labels = ["white", "white", "ar", "unequal", "outliers", "rounded"];
@@ -421,7 +413,7 @@ pub(crate) fn clean(index: u64, random: &mut Random) -> Result<Order, BlindError
 }
 
 /// Two effects of different families, mostly at different joints or channels.
-fn pair(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn pair(index: u64, random: &mut Random) -> Result<Order> {
     let kinds = visible();
     let mut order = one_of(&kinds, index, 1.0, Joints::Seen, random)?;
     let device = order.nominal.device()?;
@@ -440,20 +432,17 @@ fn pair(index: u64, random: &mut Random) -> Result<Order, BlindError> {
             return Ok(order);
         }
     }
-    Err(BlindError::NoPlace {
-        effect: "a second effect".to_owned(),
-        device: device.name,
-    })
+    bail!("`a second effect` has no place on device `{}`", device.name)
 }
 
 /// Seven sizes of one effect, then of the next: geometric from 1/100 to 1.
-fn ladder(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn ladder(index: u64, random: &mut Random) -> Result<Order> {
     let step = (index % 7) as f64;
     let size = libm::pow(10.0, -2.0 + step / 3.0);
     one_of(&visible(), index / 7, size, Joints::Seen, random)
 }
 
-fn beyond(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn beyond(index: u64, random: &mut Random) -> Result<Order> {
     let (name, size) = BEYOND[(index % BEYOND.len() as u64) as usize];
     Ok(Order {
         implausible: true,
@@ -463,7 +452,7 @@ fn beyond(index: u64, random: &mut Random) -> Result<Order, BlindError> {
 
 /// All transmission errors are missing from the model: those of any device, and larger ones at three
 /// places.
-fn ablation(index: u64, random: &mut Random) -> Result<Order, BlindError> {
+fn ablation(index: u64, random: &mut Random) -> Result<Order> {
     let nominal = NOMINALS[[0, 2][(index % 2) as usize]];
     let device = nominal.device()?;
     let mut order = Order::clean(nominal, device.joints.len());

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Result;
 use haptical_model::{Device, Recording, TransmissionError};
 
 use crate::again::Again;
 use crate::effects::{Draw, Effect, Facts, Kind};
-use crate::error::BlindError;
 use crate::gap::true_gap;
 use crate::planted::{Planted, Story};
 use crate::random::Random;
@@ -56,7 +56,7 @@ impl Trial {
         [log, log2]: [Recording; 2],
         clean2: CleanChannels,
         truth: Truth,
-    ) -> Result<Self, BlindError> {
+    ) -> Result<Self> {
         Ok(Self {
             device: Device::from_toml(&device_toml, &truth.device)?.device,
             device_toml,
@@ -128,11 +128,7 @@ impl Order {
     }
 
     /// Makes the recordings, and keeps the device for further ones.
-    pub(crate) fn make(
-        self,
-        id: TrialId,
-        random: &mut Random,
-    ) -> Result<(Trial, Again), BlindError> {
+    pub(crate) fn make(self, id: TrialId, random: &mut Random) -> Result<(Trial, Again)> {
         let nominal = self.nominal.device()?;
         let mut device = perturbed(&nominal, random);
         let scales = torque_scales(&nominal, random);
@@ -154,7 +150,7 @@ impl Order {
             effect.device(&mut device);
         }
         let mut facts: Vec<Vec<Facts>> = Vec::new();
-        let mut record = |random: &mut Random| -> Result<Recorded, BlindError> {
+        let mut record = |random: &mut Random| -> Result<Recorded> {
             let scene = Scene::draw(&device, &self.plan, random.seed())?;
             facts.push(effects.iter().map(|effect| effect.facts(&scene)).collect());
             let recorded = scene.record(&effects, &self.noise, &scales)?;

@@ -7,10 +7,10 @@ use haptical_calibration::{
 };
 use haptical_metrics::rms;
 use haptical_model::{Device, Parameter, ParameterId};
-use haptical_report::{Cell, Figure, Mark, Series, Table};
+use haptical_report::{Figure, Mark, Series, Table};
 use haptical_simulator::{Settings, simulate, true_poses};
 use rand::RngExt;
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, cells};
 use xtask_paper::Paper;
 
 use super::rigs::{Errors, Rig, generator, nominal};
@@ -100,17 +100,12 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
             all += devices;
             one.push((size as f64, share(&|o| o.plain == Ended::Found)));
             many.push((size as f64, share(&|o| o.tried == Ended::Found)));
-            table.push(vec![
-                name.into(),
-                Cell::number(size as f64, 0),
-                Cell::number(share(&|o| o.plain == Ended::Found), 1),
-                Cell::number(share(&|o| o.plain == Ended::Told), 1),
-                Cell::number(share(&|o| o.plain == Ended::Silent), 1),
-                Cell::number(share(&|o| o.doubted), 1),
-                Cell::number(share(&|o| o.tried == Ended::Found), 1),
-                Cell::number(share(&|o| o.tried == Ended::Told), 1),
-                Cell::number(share(&|o| o.tried == Ended::Silent), 1),
-            ])?;
+            table.push(cells! {
+                name, size => 0, share(&|o| o.plain == Ended::Found) => 1,
+                share(&|o| o.plain == Ended::Told) => 1, share(&|o| o.plain == Ended::Silent) => 1,
+                share(&|o| o.doubted) => 1, share(&|o| o.tried == Ended::Found) => 1,
+                share(&|o| o.tried == Ended::Told) => 1, share(&|o| o.tried == Ended::Silent) => 1,
+            })?;
         }
         curves.push((name, one, many));
     }

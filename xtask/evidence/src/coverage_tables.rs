@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::{binomial_two_sided_p, holm_adjusted, wilson_interval};
-use haptical_report::{Cell, Figure, Series, Table};
-use xtask_output::{Output, or_none};
+use haptical_report::{Figure, Series, Table};
+use xtask_output::{Output, cells, or_none};
 
 use super::intervals::{LEVEL, POSTURES, Quantity, TRIALS};
 use super::rigs::{Errors, Rig};
@@ -38,21 +38,12 @@ pub(super) fn report(
         let mean = own.iter().map(|&k| share(&quantities[k])).sum::<f64>() / own.len() as f64;
         let least = own.iter().map(|&k| adjusted[k]).fold(1.0, f64::min);
         let rejected = own.iter().filter(|&&k| adjusted[k] < ALPHA).count();
-        table.push(vec![
-            trial.name.into(),
-            Cell::number(trial.rows as f64, 0),
-            Cell::number(own.len() as f64, 0),
-            Cell::number(devices as f64, 0),
-            Cell::number(failures[index].len() as f64, 0),
-            Cell::number(notes[index].1 as f64, 0),
-            Cell::number(mean, 2),
-            Cell::number(share(&quantities[*lowest]), 1),
-            quantities[*lowest].name.clone().into(),
-            Cell::number(share(&quantities[*highest]), 1),
-            quantities[*highest].name.clone().into(),
-            Cell::number(least, 3),
-            Cell::number(rejected as f64, 0),
-        ])?;
+        table.push(cells! {
+            trial.name, trial.rows => 0, own.len() => 0, devices => 0, failures[index].len() => 0,
+            notes[index].1 => 0, mean => 2, share(&quantities[*lowest]) => 1,
+            quantities[*lowest].name.clone(), share(&quantities[*highest]) => 1,
+            quantities[*highest].name.clone(), least => 3, rejected => 0,
+        })?;
     }
     output.table("intervals", table)?;
     let figure = figure(quantities)?;

@@ -8,7 +8,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use haptical_identification::{Convergence, Problem, Settings};
 use haptical_report::{Cell, Table};
-use xtask_output::{Output, or_none};
+use xtask_output::{Output, cells, or_none};
 
 use set::judge::{Outcome, run};
 use set::{Instance, START_FACTORS, Tables};
@@ -114,24 +114,16 @@ fn table(runs: &[Run<'_>], tables: &Tables) -> Result<Table> {
         let (parameters, residuals) = (instance.start.len(), instance.residual_count());
         let fit = outcome.fit.as_ref().ok();
         let sum = |value: Option<f64>| value.map_or(Cell::Missing, |v| Cell::scientific(v, 6));
-        let count = |value: Option<usize>| Cell::number_or_missing(value.map(|v| v as f64), 0);
         let minpack = tables.minpack(instance.name, parameters, residuals, run.factor);
         let known = outcome.reached.as_ref().map(|known| known.sum_of_squares);
         let offset = outcome.offset.filter(|_| !outcome.is_zero());
-        table.push(vec![
-            instance.name.into(),
-            Cell::number(parameters as f64, 0),
-            Cell::number(residuals as f64, 0),
-            format!("{} x0", run.factor).into(),
-            sum(fit.map(|fit| fit.cost)),
-            sum(known),
-            sum(minpack),
+        table.push(cells! {
+            instance.name, parameters => 0, residuals => 0, format!("{} x0", run.factor),
+            sum(fit.map(|fit| fit.cost)), sum(known), sum(minpack),
             offset.map_or(Cell::Missing, |v| Cell::scientific(v, 1)),
-            count(fit.map(|fit| fit.iterations)),
-            count(fit.map(|fit| fit.evaluations)),
-            claim(outcome).into(),
-            run.judgement().into(),
-        ])?;
+            fit.map(|fit| fit.iterations) => 0, fit.map(|fit| fit.evaluations) => 0,
+            claim(outcome), run.judgement(),
+        })?;
     }
     Ok(table)
 }

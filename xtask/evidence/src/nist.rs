@@ -7,8 +7,8 @@ use std::path::Path;
 
 use anyhow::{Result, anyhow};
 use haptical_identification::Settings;
-use haptical_report::{Cell, Table};
-use xtask_output::{Output, or_none};
+use haptical_report::Table;
+use xtask_output::{Output, cells, or_none};
 
 use set::digits::{CERTIFIED_DIGITS, Score};
 use set::{Certified, read_all};
@@ -58,16 +58,11 @@ fn table(title: &str, problems: &[Certified], scores: &[Score]) -> Result<Table>
              evaluations | the solver says";
     let mut table = Table::with_heads(title, columns);
     for (problem, score) in problems.iter().zip(scores) {
-        table.push(vec![
-            score.name.into(),
-            Cell::number(problem.parameters.len() as f64, 0),
-            Cell::number(score.parameters, 1),
-            Cell::number(score.standard_deviations, 1),
-            Cell::number(score.cost, 1),
-            Cell::number(score.fit.iterations as f64, 0),
-            Cell::number(score.fit.evaluations as f64, 0),
-            score.fit.convergence.to_string().into(),
-        ])?;
+        table.push(cells! {
+            score.name, problem.parameters.len() => 0, score.parameters => 1,
+            score.standard_deviations => 1, score.cost => 1, score.fit.iterations => 0,
+            score.fit.evaluations => 0, score.fit.convergence.to_string(),
+        })?;
     }
     Ok(table)
 }

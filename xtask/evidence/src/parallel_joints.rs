@@ -11,12 +11,12 @@ use haptical_calibration::{
 use haptical_identification::{Convergence, Settings, Status, solve};
 use haptical_metrics::{position_errors_m, rms};
 use haptical_model::{Device, ParameterId, Recording};
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use haptical_simulator::true_poses;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use xtask_output::Output;
+use xtask_output::{Output, cells};
 
 use super::held::{Held, Interval, Kind, intervals};
 use super::rigs::{TRACKER_SD_M, generator, tracked};
@@ -84,19 +84,11 @@ pub(super) fn section(output: &mut Output) -> Result<()> {
                 }
             };
             let errors = trial.errors(&plain.device);
-            table.push(vec![
-                Cell::number(count as f64, 0),
-                Cell::number(twist_rad * 1e3, 2),
-                plain.says.into(),
-                Cell::number(errors.0 * 1e3, 2),
-                Cell::number(errors.1 * 1e3, 2),
-                Cell::number(ours.nominal_identifiability.rank as f64, 0),
-                said.into(),
-                status.into(),
-                worst.map_or(Cell::Missing, |worst| Cell::number(worst, 2)),
-                Cell::number(own * 1e3, 4),
-                Cell::number(other * 1e3, 4),
-            ])?;
+            table.push(cells! {
+                count => 0, twist_rad * 1e3 => 2, plain.says, errors.0 * 1e3 => 2,
+                errors.1 * 1e3 => 2, ours.nominal_identifiability.rank => 0, said, status,
+                worst => 2, own * 1e3 => 4, other * 1e3 => 4,
+            })?;
         }
     }
     output.table("parallel-joints", table)?;
@@ -336,14 +328,10 @@ fn coverage(output: &mut Output) -> Result<()> {
             let lowest = often.min_by(|a, b| a.1.percent().total_cmp(&b.1.percent()));
             let (lowest, least) = lowest.context("no interval was given often")?;
             is_covered &= (93.0..=98.0).contains(&all.percent());
-            table.push(vec![
-                Cell::number(count as f64, 0),
-                kind.name().into(),
-                Cell::number(all.all as f64, 0),
-                Cell::number(all.percent(), 2),
-                Cell::number(least.percent(), 1),
-                lowest.as_str().into(),
-            ])?;
+            table.push(cells! {
+                count => 0, kind.name(), all.all => 0, all.percent() => 2, least.percent() => 1,
+                lowest.as_str(),
+            })?;
         }
     }
     output.table("parallel-joints-coverage", table)?;

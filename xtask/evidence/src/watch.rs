@@ -6,7 +6,7 @@ use haptical_report::{Cell, Table};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, cells};
 use xtask_paper::rows;
 
 /// Rows of a day at one a second.
@@ -124,12 +124,10 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
         let all: Vec<Day> = all.collect::<Result<_>>()?;
         drop(progress);
         let hours = 24.0 * days as f64;
-        let mut cells = vec![
-            Cell::number(memory, 2),
-            Cell::number(middle(all.iter().map(|day| day.block_rows as f64), 0.5)?, 0),
-            Cell::number(middle(all.iter().map(|day| day.reference_h), 0.5)?, 1),
-            Cell::number(hours, 0),
-        ];
+        let mut cells = cells! {
+            memory => 2, middle(all.iter().map(|day| day.block_rows as f64), 0.5)? => 0,
+            middle(all.iter().map(|day| day.reference_h), 0.5)? => 1, hours => 0,
+        };
         for rate in (0..PER_HOUR.len()).rev() {
             let counted: usize = all.iter().map(|day| day.false_alarms[rate]).sum();
             is_rare &= counted as f64 <= PER_HOUR[rate] * hours;
@@ -178,19 +176,11 @@ fn row(memory: f64, shift: Shifted, found: &[&Found]) -> Result<(Vec<Cell>, bool
         false => Cell::number(middle(placed.iter().map(|one| one.1 / 60.0), 0.5)?, 1),
     };
     let holds = 2 * seen < judged.len() || holding >= 90.0;
-    let cells = vec![
-        Cell::number(memory, 2),
-        Cell::number(shift.rms, 2),
-        if shift.follows_posture { "yes" } else { "no" }.into(),
-        Cell::number(found.len() as f64, 0),
-        Cell::number(early as f64, 0),
-        Cell::number(seen as f64, 0),
-        late(middle(minutes.clone(), 0.5)?),
-        late(middle(minutes, 0.9)?),
-        Cell::number(holding, 1),
-        length,
-        Cell::number(steps, 0),
-    ];
+    let cells = cells! {
+        memory => 2, shift.rms => 2, if shift.follows_posture { "yes" } else { "no" },
+        found.len() => 0, early => 0, seen => 0, late(middle(minutes.clone(), 0.5)?),
+        late(middle(minutes, 0.9)?), holding => 1, length, steps => 0,
+    };
     Ok((cells, holds))
 }
 

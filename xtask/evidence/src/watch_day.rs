@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 use anyhow::Result;
 use haptical::Device;
 use haptical::watch::{Watch, WatchOptions, WatchVerdict};
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, cells};
 
 /// Seconds of a day.
 const DAY_S: u32 = 86_400;
@@ -55,11 +55,9 @@ pub(super) fn day(output: &mut Output) -> Result<()> {
     drop(progress);
     let mut table = Table::with_heads("A day at 1 kHz", "hours | rows | numbers and lines held");
     for (second, rows, held) in &told {
-        table.push(vec![
-            Cell::number(f64::from(*second) / 3600.0, 2),
-            Cell::number(*rows as f64, 0),
-            Cell::number(*held as f64, 0),
-        ])?;
+        table.push(cells! {
+            f64::from(*second) / 3600.0 => 2, *rows as f64 => 0, *held as f64 => 0,
+        })?;
     }
     output.table("watch-day", table)?;
     let held = |at: usize| told.get(at).map_or(0, |told| told.2);

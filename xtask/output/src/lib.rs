@@ -5,12 +5,15 @@
     reason = "the errors are texts for a person"
 )]
 
+mod cells;
 mod command;
 mod output;
 mod page;
 mod progress;
 
+pub use cells::Shown;
 pub use command::{built_command, cargo, read_json, read_text, said};
+pub use haptical_report::Cell;
 pub use output::{Layout, Output, or_none};
 pub use page::put_between;
 pub use progress::Progress;

@@ -185,7 +185,7 @@ impl Batch {
             fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
             fixed.closing = given.closing(&answered, &trial.clean2, self.haptical.as_deref());
             let answer = Answer::from_json(&answered.gap_json)
-                .map_err(|error| format!("gap.json cannot be read: {error:?}"))?;
+                .map_err(|error| format!("gap.json cannot be read: {error:#}"))?;
             Ok((answer, sha256_hex(&answered.gap_json)))
         });
         Ok(fixed)

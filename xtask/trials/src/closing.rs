@@ -91,7 +91,7 @@ impl Given {
                 channels,
                 by_c,
                 again: Answer::from_json(&again)
-                    .map_err(|error| format!("gap.json cannot be read: {error:?}"))?,
+                    .map_err(|error| format!("gap.json cannot be read: {error:#}"))?,
             })
         };
         Some(guarded(closing).and_then(|closing| closing))

@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write;
 
+use anyhow::Result;
 use haptical_model::Device;
 
-use crate::error::BlindError;
 use crate::random::Random;
 
 /// One row of a data sheet: lengths relative to the arm's scale.
@@ -66,7 +66,7 @@ const CUT: f64 = 2.5;
 
 impl Arm {
     /// A random arm, nominal and as it was made.
-    pub(crate) fn draw(random: &mut Random) -> Result<Self, BlindError> {
+    pub(crate) fn draw(random: &mut Random) -> Result<Self> {
         let rows: &[Row] = if random.unit() < 0.7 { &SIX } else { &SEVEN };
         let scale_m = random.around(0.9, 3.0);
         let mass_kg = 60.0 * scale_m * scale_m * random.uniform(0.7, 1.4);

@@ -7,9 +7,9 @@ mod postures;
 mod tracker;
 mod yielding;
 
+use anyhow::Result;
 use haptical_model::{Device, Recording};
 
-use crate::error::BlindError;
 use crate::planted::{Planted, Story};
 use crate::random::Random;
 use crate::rig::geometry::Chain;
@@ -57,7 +57,7 @@ struct Plan {
 }
 
 /// Group elasticity: several joints yield, some arms across their axes or at the foot too.
-pub(crate) fn elastic(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn elastic(id: TrialId, random: &mut Random) -> Result<Trial> {
     let plan = match id.index % 10 {
         0..=3 => Plan::steady(Wrong::Joints, false, "yielding-joints"),
         4 => Plan::steady(Wrong::JointsAndAcross, false, "yielding-joints-across"),
@@ -70,7 +70,7 @@ pub(crate) fn elastic(id: TrialId, random: &mut Random) -> Result<Trial, BlindEr
 }
 
 /// Postures that are recorded two to five times.
-pub(crate) fn repeats(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn repeats(id: TrialId, random: &mut Random) -> Result<Trial> {
     let mut plan = match id.index % 8 {
         0..=2 => Plan::steady(Wrong::Nothing, false, "repeats-rigid"),
         3..=5 => Plan::steady(Wrong::Joints, false, "repeats-yielding"),
@@ -82,7 +82,7 @@ pub(crate) fn repeats(id: TrialId, random: &mut Random) -> Result<Trial, BlindEr
 }
 
 /// Two runs or more, between which the tracker is set up anew, or is not.
-pub(crate) fn moved(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn moved(id: TrialId, random: &mut Random) -> Result<Trial> {
     let member = id.index % 8;
     let mut plan = match member {
         0..=3 => Plan::steady(Wrong::Nothing, false, "moved"),
@@ -115,7 +115,7 @@ impl Plan {
         }
     }
 
-    fn trial(self, id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+    fn trial(self, id: TrialId, random: &mut Random) -> Result<Trial> {
         let arm = Arm::draw(random)?;
         let mut tracker = Tracker::draw(arm.scale_m, random);
         let count = if self.is_repeated {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use anyhow::{Context, Result};
 use serde_json::json;
 
-use crate::error::BlindError;
 use crate::files::write_trial;
 use crate::moving::arms::urdf;
 use crate::moving::motion::control::Kind;
@@ -16,8 +16,8 @@ use crate::suites::Suite;
 /// `truth.json` into a folder of its own below `folder`.
 ///
 /// # Errors
-/// [`BlindError`] where it cannot be drawn or written.
-pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<(), BlindError> {
+/// Where it cannot be drawn or written.
+pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<()> {
     let mut random = Suite::Moving.random(index, seed);
     let plan = plan(index, &mut random);
     let moving = make(&plan, 0.0, Suite::Moving.id(index, seed), &mut random)?;
@@ -59,7 +59,7 @@ pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<(), BlindErr
     });
     let write = |file: &str, text: String| {
         let path = own.join(file);
-        std::fs::write(&path, text).map_err(|source| BlindError::File { path, source })
+        std::fs::write(&path, text).with_context(|| format!("{} cannot be written", path.display()))
     };
     let text = |value: &serde_json::Value| format!("{value:#}\n");
     write("truth.json", text(&truth_json))?;

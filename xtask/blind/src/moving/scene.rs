@@ -1,8 +1,8 @@
 //! An arm that was built, with its controller and courses: where effects can act on it, and how it is recorded with them.
 
+use anyhow::{Result, bail};
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::error::BlindError;
 use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER};
 use crate::moving::change::{Changes, changes, every};
 use crate::moving::kinds::{Kind, Need, Site};
@@ -161,11 +161,7 @@ fn arm(random: &mut Random) -> &'static Arm {
 }
 
 /// Draws an arm on which every kind has a joint of its own.
-pub(crate) fn placed(
-    plan: &Plan,
-    memory: f64,
-    random: &mut Random,
-) -> Result<(Scene, Vec<usize>), BlindError> {
+pub(crate) fn placed(plan: &Plan, memory: f64, random: &mut Random) -> Result<(Scene, Vec<usize>)> {
     let needs: Vec<Need> = plan.kinds.iter().map(|kind| kind.need).collect();
     for _ in 0..50 {
         let scene = Scene::draw(arm(random), memory, &needs, random);
@@ -182,13 +178,6 @@ pub(crate) fn placed(
             return Ok((scene, joints));
         }
     }
-    Err(BlindError::NoPlace {
-        effect: plan
-            .kinds
-            .iter()
-            .map(|kind| kind.label)
-            .collect::<Vec<_>>()
-            .join(", "),
-        device: "any arm".to_owned(),
-    })
+    let labels: Vec<&str> = plan.kinds.iter().map(|kind| kind.label).collect();
+    bail!("`{}` has no place on device `any arm`", labels.join(", "))
 }

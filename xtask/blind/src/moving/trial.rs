@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::BlindError;
+use anyhow::{Context, Result};
+
 use crate::moving::arms::{Arm, device_toml};
 use crate::moving::change::{Change, Changes};
 use crate::moving::kinds::Kind;
@@ -37,13 +38,13 @@ pub(crate) struct Moving {
 }
 
 /// The trial at an index of the suite `moving`.
-pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial> {
     let plan = plan(id.index, random);
     Ok(make(&plan, 0.0, id, random)?.trial)
 }
 
 /// The same of clean arms whose torque noise remembers a little.
-pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial> {
     let plan = Plan {
         stratum: Stratum::Clean,
         kinds: Vec::new(),
@@ -53,12 +54,7 @@ pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial, Bli
 }
 
 /// Makes a trial.
-pub(crate) fn make(
-    plan: &Plan,
-    memory: f64,
-    id: TrialId,
-    random: &mut Random,
-) -> Result<Moving, BlindError> {
+pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -> Result<Moving> {
     let (scene, joints) = placed(plan, memory, random)?;
     let mut size = plan.stratum.size();
     let start = random.clone();
@@ -79,10 +75,7 @@ pub(crate) fn make(
             break;
         }
     }
-    let [first, second] = recorded.ok_or_else(|| BlindError::NoPlace {
-        effect: "a recording".to_owned(),
-        device: scene.arm.name.to_owned(),
-    })?;
+    let [first, second] = recorded.context("a recording has no size")?;
     let sloppy = (plan.stratum == Stratum::Sloppy).then_some(Sloppy::of(id.index / 20));
     let read = |(ticks, rows): &(Ticks, Vec<usize>), other: &Ticks, random: &mut Random| {
         let mut ticks = ticks.clone();

@@ -1,9 +1,9 @@
 //! The nominal devices that trials are made of, and how far a manufactured one is from them.
 
+use anyhow::Result;
 use haptical_model::transmission::CapstanError;
 use haptical_model::{Device, TransmissionError, TransmissionKind};
 
-use crate::error::BlindError;
 use crate::random::Random;
 
 /// A nominal device with the text of its file.
@@ -36,8 +36,8 @@ impl Nominal {
     /// The device.
     ///
     /// # Errors
-    /// [`BlindError::DeviceFile`].
-    pub fn device(&self) -> Result<Device, BlindError> {
+    /// A file that does not parse.
+    pub fn device(&self) -> Result<Device> {
         Ok(Device::from_toml(self.toml, self.name)?.device)
     }
 }

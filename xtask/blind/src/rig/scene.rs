@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::{Result, ensure};
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Recording};
 
 use crate::effects::{Effect, Stage};
-use crate::error::BlindError;
 use crate::gap::rounding;
 use crate::random::Random;
 use crate::rig::drive::Drive;
@@ -86,20 +86,17 @@ impl<'d> Scene<'d> {
     /// Draws motion, hand force and temperature, and works out the torques.
     ///
     /// # Errors
-    /// [`BlindError::Device`] for a device without links or joints.
-    pub fn draw(device: &'d Device, plan: &MotionPlan, seed: u64) -> Result<Self, BlindError> {
-        if !device.has_links() || device.joints.is_empty() {
-            return Err(BlindError::Device {
-                device: device.name.clone(),
-                what: "a trial needs links and joints",
-            });
-        }
-        if !device.is_plain_table() {
-            return Err(BlindError::Device {
-                device: device.name.clone(),
-                what: "a trial needs a plain table of rows: no origins, no b_m, no driven_by",
-            });
-        }
+    /// A device without links or joints.
+    pub fn draw(device: &'d Device, plan: &MotionPlan, seed: u64) -> Result<Self> {
+        let (name, has_joints) = (&device.name, !device.joints.is_empty());
+        ensure!(
+            device.has_links() && has_joints,
+            "device `{name}`: a trial needs links and joints"
+        );
+        ensure!(
+            device.is_plain_table(),
+            "device `{name}`: a trial needs a plain table of rows: no origins, no b_m, no driven_by"
+        );
         let motion = Motion::draw(device, plan, &mut Random::new(seed, stream::MOTION));
         let force_n = hand_force(motion.len(), plan, &mut Random::new(seed, stream::FORCE));
         Ok(Self::of_motion(device, plan, motion, force_n, None, seed))
@@ -187,13 +184,13 @@ impl<'d> Scene<'d> {
     /// What the sensors read.
     ///
     /// # Errors
-    /// [`BlindError::Model`] where a transmission has no value.
+    /// Where a transmission has no value.
     pub fn record(
         &self,
         effects: &[Effect],
         noise: &NoisePlan,
         torque_scale: &[f64],
-    ) -> Result<Recorded, BlindError> {
+    ) -> Result<Recorded> {
         let device = self.device;
         let mut noise = noise.clone();
         for effect in effects {
@@ -235,7 +232,7 @@ impl<'d> Scene<'d> {
         Ok(recorded)
     }
 
-    fn motor_readings(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>, BlindError> {
+    fn motor_readings(&self, effects: &[Effect]) -> Result<Vec<Vec<f64>>> {
         let mut windup = vec![vec![0.0; self.len()]; self.device.joints.len()];
         for effect in effects {
             effect.columns(Stage::Upstream, self, &mut windup);

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
-
-use crate::error::BlindError;
 
 /// How sure an answer is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -140,12 +139,9 @@ impl Answer {
     /// Reads gap.json.
     ///
     /// # Errors
-    /// [`BlindError::Json`].
-    pub fn from_json(text: &str) -> Result<Self, BlindError> {
-        serde_json::from_str(text).map_err(|source| BlindError::Json {
-            what: "an answer",
-            source,
-        })
+    /// A text that is none.
+    pub fn from_json(text: &str) -> Result<Self> {
+        serde_json::from_str(text).context("an answer cannot be turned into JSON or back")
     }
 }
 

@@ -6,9 +6,9 @@ mod drives;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use anyhow::Result;
 use haptical_model::{Device, Recording};
 
-use crate::error::BlindError;
 use crate::gap::ChannelGapTruth;
 use crate::planted::{Planted, Story};
 use crate::random::Random;
@@ -171,7 +171,7 @@ impl Rig {
 }
 
 /// A wrist in motion, all joints at once.
-pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial, BlindError> {
+pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial> {
     let plan = plan(id.index);
     let rig = Rig::draw(random);
     let device_toml = rig.file();

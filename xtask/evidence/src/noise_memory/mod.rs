@@ -12,7 +12,7 @@ use haptical_calibration::{
 use haptical_metrics::median;
 use haptical_model::{Device, Recording};
 use haptical_report::{Cell, Table};
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, cells};
 use xtask_paper::rows;
 
 use super::held::{Held, Interval, Kind, intervals};
@@ -177,27 +177,15 @@ impl Row {
             (Rig::Tracker, _) => "tracker, two steps",
         };
         let of_kind = |share: f64| match share.is_finite() {
-            true => format!("{share:.1}").into(),
-            false => "none".into(),
+            true => format!("{share:.1}"),
+            false => "none".to_owned(),
         };
-        vec![
-            trial.condition.name.into(),
-            motion.into(),
-            Cell::number(trial.rows as f64, 0),
-            rig.into(),
-            Cell::number(devices as f64, 0),
-            Cell::number(self.failed as f64, 0),
-            Cell::number(self.before, 1),
-            Cell::number(self.covered, 1),
-            of_kind(self.by_kind[0]),
-            of_kind(self.by_kind[1]),
-            of_kind(self.by_kind[2]),
-            Cell::number(self.worst.1, 1),
-            self.worst.0.clone().into(),
-            Cell::number(self.growth, 2),
-            Cell::number(self.said, 0),
-            if is_within { "yes" } else { "no" }.into(),
-        ]
+        cells! {
+            trial.condition.name, motion, trial.rows => 0, rig, devices => 0, self.failed => 0,
+            self.before => 1, self.covered => 1, of_kind(self.by_kind[0]), of_kind(self.by_kind[1]),
+            of_kind(self.by_kind[2]), self.worst.1 => 1, self.worst.0.clone(), self.growth => 2,
+            self.said => 0, if is_within { "yes" } else { "no" },
+        }
     }
 }
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 use cargo_metadata::MetadataCommand;
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use spdx::{Expression, LicenseReq};
-use xtask_output::{Output, or_none};
+use xtask_output::{Output, cells, or_none};
 
 /// Licences under which a dependency may come: permissive ones, whose only demand is that their text is kept, if that.
 const ALLOWED: [&str; 9] = [
@@ -65,11 +65,7 @@ pub(crate) fn section(output: &mut Output) -> Result<()> {
             refused.extend(packages.iter().map(|name| format!("{name} ({licence})")));
         }
         let answer = if allowed { "yes" } else { "no" };
-        table.push(vec![
-            licence.as_str().into(),
-            Cell::number(packages.len() as f64, 0),
-            answer.into(),
-        ])?;
+        table.push(cells! { licence.as_str(), packages.len() => 0, answer })?;
     }
     output.section("Licences");
     output.words(format!(

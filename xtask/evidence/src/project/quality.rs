@@ -7,9 +7,9 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, ensure};
 use cargo_metadata::{MetadataCommand, Target};
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use serde::Deserialize;
-use xtask_output::{Output, or_none, read_json, said};
+use xtask_output::{Output, cells, or_none, read_json, said};
 
 /// Least share of a library crate's lines that its tests run.
 const COVERED_PERCENT: f64 = 90.0;
@@ -120,12 +120,7 @@ pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
         if percent < COVERED_PERCENT {
             below.push(package.as_str());
         }
-        table.push(vec![
-            package.as_str().into(),
-            Cell::number(lines as f64, 0),
-            Cell::number(covered as f64, 0),
-            Cell::number(percent, 1),
-        ])?;
+        table.push(cells! { package.as_str(), lines => 0, covered => 0, percent => 1 })?;
     }
     output.words(format!(
         "By {version}, from the counters that the compiler puts in. Counted are the crates that others can depend on; a line \

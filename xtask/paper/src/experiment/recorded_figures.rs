@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result};
 use haptical_report::{Cell, Figure, FigureGrid, Table};
+use xtask_output::cells;
 
 use super::recorded::{Instant, Recorded};
 use super::truth::power_series;
@@ -80,18 +81,12 @@ pub(crate) fn table4(recorded: &Recorded, paper: &Paper) -> Result<Table> {
             let (low, high) = (value - 1.96 * sd, value + 1.96 * sd);
             format!("{low:.digits$} to {high:.digits$}").into()
         };
-        table.push(vec![
-            format!("{}", joint + 1).into(),
-            Cell::number(found.values[0], 5),
-            range(found.values[0], sd_ratio, 5),
-            Cell::number(paper.table4.ratio_deviation[joint], 5),
-            Cell::number(1e3 * found.values[1], 4),
-            range(1e3 * found.values[1], 1e3 * sd_radius, 4),
-            Cell::number(paper.table4.ro_mm[joint], 4),
-            Cell::number(1e3 * found.values[2], 4),
-            Cell::number(paper.table4.ri_mm[joint], 4),
-            Cell::number(correlation, 4),
-        ])?;
+        table.push(cells! {
+            format!("{}", joint + 1), found.values[0] => 5, range(found.values[0], sd_ratio, 5),
+            paper.table4.ratio_deviation[joint] => 5, 1e3 * found.values[1] => 4,
+            range(1e3 * found.values[1], 1e3 * sd_radius, 4), paper.table4.ro_mm[joint] => 4,
+            1e3 * found.values[2] => 4, paper.table4.ri_mm[joint] => 4, correlation => 4,
+        })?;
     }
     Ok(table)
 }
@@ -117,11 +112,9 @@ pub(crate) fn table5(recorded: &Recorded, scenario: &Scenario, paper: &Paper) ->
     );
     for (name, truth) in &paper.table5 {
         let angle = name.starts_with("alpha") || name.starts_with("theta");
-        let mut row: Vec<Cell> = vec![
-            name.as_str().into(),
-            if angle { "mrad" } else { "mm" }.into(),
-            Cell::number(1e3 * truth, 3),
-        ];
+        let mut row: Vec<Cell> = cells! {
+            name.as_str(), if angle { "mrad" } else { "mm" }, 1e3 * truth => 3,
+        };
         match recorded.run.deviation(&scenario.nominal, name) {
             Some((value, sd)) => {
                 let (low, high) = (1e3 * (value - 1.96 * sd), 1e3 * (value + 1.96 * sd));

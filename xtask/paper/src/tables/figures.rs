@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result};
 use haptical_metrics::rms;
-use haptical_report::{Cell, Figure, FigureGrid, Mark, Series, Table, histogram};
+use haptical_report::{Figure, FigureGrid, Mark, Series, Table, histogram};
+use xtask_output::cells;
 
 use crate::experiment::power_series;
 use crate::monte_carlo::{
@@ -71,11 +72,7 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
         ),
     ] {
         let (mean, most) = inner(points, others)?;
-        table.push(vec![
-            name.into(),
-            Cell::number(mean, 4),
-            Cell::number(most, 4),
-        ])?;
+        table.push(cells! { name, mean => 4, most => 4 })?;
     }
     let mut figure = Figure::new(
         "Figure 7: parallelogram transmission error",
@@ -172,17 +169,11 @@ pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
     for (name, unit, of, after) in rows {
         let spread = runs.spread(|sample| gain(of(&sample.pose), after))?;
         let middle = |at: usize| runs.spread(|sample| of(&sample.pose)[at]);
-        table.push(vec![
-            name.into(),
-            unit.into(),
-            Cell::number(of(&one)[0] * 1e3, 4),
-            Cell::number(of(&one)[after] * 1e3, 4),
-            Cell::number(gain(of(&one), after), 2),
-            Cell::number(middle(0)?.median * 1e3, 4),
-            Cell::number(middle(after)?.median * 1e3, 4),
-            Cell::number(spread.median, 2),
-            Cell::interval(spread.low, spread.high, 2),
-        ])?;
+        table.push(cells! {
+            name, unit, of(&one)[0] * 1e3 => 4, of(&one)[after] * 1e3 => 4,
+            gain(of(&one), after) => 2, middle(0)?.median * 1e3 => 4,
+            middle(after)?.median * 1e3 => 4, spread.median => 2, [spread.low, spread.high] => 2,
+        })?;
     }
     table.notes.push(
         "No distance shows alpha0, alpha7 or theta0: the part of the pose error that a rotation about \
@@ -219,14 +210,10 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
             let spread = runs.spread(|sample| correlations(&sample.from_home)[of])?;
             positive &= spread.low > 0.0;
             let beyond = runs.spread(|sample| beyond(&sample.from_home))?;
-            table.push(vec![
-                error.into(),
-                joints.into(),
-                Cell::number(spread.median, 2),
-                Cell::interval(spread.low, spread.high, 2),
-                limit.into(),
-                Cell::number(100.0 * beyond.median, 1),
-            ])?;
+            table.push(cells! {
+                error, joints, spread.median => 2, [spread.low, spread.high] => 2, limit,
+                100.0 * beyond.median => 1,
+            })?;
         }
     }
     table.notes.push(

@@ -6,6 +6,7 @@ use haptical_identification::{Identifiability, IdentifiabilityRules, Status};
 use haptical_model::{Device, Parameter, ParameterId, Recording, TransmissionError};
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 use haptical_simulator::simulate;
+use xtask_output::cells;
 
 use crate::scenario::Scenario;
 
@@ -40,12 +41,9 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
         ("cable hooked on the last axis (a7 = 0)", &without_offset),
         ("joint 3 locked at home (6-DOF mode)", &six_joints),
     ] {
-        cases.push(vec![
-            name.into(),
-            Cell::number(judged.rank as f64, 0),
-            Cell::number(judged.names.len() as f64, 0),
-            reasons(judged).join("; ").into(),
-        ])?;
+        cases.push(cells! {
+            name, judged.rank => 0, judged.names.len() => 0, reasons(judged).join("; "),
+        })?;
     }
     Ok(Judgements {
         list: list(&nominal)?,
@@ -86,12 +84,10 @@ fn list(judged: &Identifiability) -> Result<Table> {
     );
     for (index, name) in judged.names.iter().enumerate() {
         let status = &judged.statuses[index];
-        table.push(vec![
-            name.clone().into(),
-            status.name().into(),
-            Cell::number_or_missing(status.standard_deviation().map(|sd| sd * 1e3), 4),
-            judged.reason(index).unwrap_or_default().into(),
-        ])?;
+        table.push(cells! {
+            name.clone(), status.name(), status.standard_deviation().map(|sd| sd * 1e3) => 4,
+            judged.reason(index).unwrap_or_default(),
+        })?;
     }
     Ok(table)
 }
@@ -154,16 +150,12 @@ fn schroer(scenario: &Scenario) -> Result<Table> {
                 let names: Vec<&str> = names.map(|(_, name)| name.as_str()).collect();
                 names.join(", ")
             };
-            table.push(vec![
-                name.into(),
-                Cell::number(half_range_deg, 0),
-                Cell::number(judged.rank as f64, 0),
-                Cell::number(judged.names.len() as f64, 0),
+            table.push(cells! {
+                name, half_range_deg => 0, judged.rank => 0, judged.names.len() => 0,
                 Cell::scientific(judged.condition_unit_norm, 2),
-                named(|status| matches!(status, Status::Weak { .. })).into(),
-                named(|status| matches!(status, Status::Dependent { .. } | Status::Invisible))
-                    .into(),
-            ])?;
+                named(|status| matches!(status, Status::Weak { .. })),
+                named(|status| matches!(status, Status::Dependent { .. } | Status::Invisible)),
+            })?;
         }
     }
     Ok(table)

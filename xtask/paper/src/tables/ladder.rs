@@ -5,8 +5,8 @@ use haptical_calibration::{
     CalibrationMethod, Channel, FitRequest, Options, Weights, channels, fit_device, fit_parameters,
 };
 use haptical_model::{Device, Parameter, ParameterId};
-use haptical_report::{Cell, Figure, Mark, Series, Table};
-use xtask_output::Progress;
+use haptical_report::{Figure, Mark, Series, Table};
+use xtask_output::{Progress, cells};
 
 use super::sweeps::Seeds;
 use crate::monte_carlo::{AFTER, PoseSummary, Spread, gain};
@@ -41,16 +41,12 @@ pub(crate) fn ladder(
         let turn = spread(&|run| gain(&run.orientation_rad, AFTER))?;
         bars.push((categories.len() as f64, distance.median));
         categories.push(words.to_owned());
-        table.push(vec![
-            words.into(),
-            Cell::number(spread(&|run| run.distance_m[AFTER])?.median * 1e3, 4),
-            Cell::number(distance.median, 2),
-            Cell::interval(distance.low, distance.high, 2),
-            Cell::number(spread(&|run| run.position_m[AFTER])?.median * 1e3, 3),
-            Cell::number(position.median, 1),
-            Cell::number(spread(&|run| run.orientation_rad[AFTER])?.median * 1e3, 3),
-            Cell::number(turn.median, 1),
-        ])?;
+        table.push(cells! {
+            words, spread(&|run| run.distance_m[AFTER])?.median * 1e3 => 4, distance.median => 2,
+            [distance.low, distance.high] => 2,
+            spread(&|run| run.position_m[AFTER])?.median * 1e3 => 3, position.median => 1,
+            spread(&|run| run.orientation_rad[AFTER])?.median * 1e3 => 3, turn.median => 1,
+        })?;
     }
     let mut figure = Figure::new(
         "Improvement of the distance",

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use haptical_metrics::chi_square_p_value;
 use haptical_model::Device;
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use serde_json::json;
-use xtask_output::{Output, Progress};
+use xtask_output::{Output, Progress, cells};
 
 use super::{Results, figures, identifiability, ladder, sensitivity, sweeps, table2, table3};
 use crate::monte_carlo::{AFTER, OBSERVABLE, gain};
@@ -104,14 +104,10 @@ pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
         let home = row
             .checked_sub(1)
             .map_or(0.0, |joint| nominal.joints[joint].home_rad);
-        table.push(vec![
-            Cell::number(row as f64, 0),
-            Cell::number(link.a_m * 1e3, 1),
-            Cell::number(link.alpha_rad.to_degrees(), 1),
-            Cell::number(printed, 1),
-            Cell::number(link.d_m * 1e3, 1),
-            Cell::number(home.to_degrees(), 1),
-        ])?;
+        table.push(cells! {
+            row => 0, link.a_m * 1e3 => 1, link.alpha_rad.to_degrees() => 1, printed => 1,
+            link.d_m * 1e3 => 1, home.to_degrees() => 1,
+        })?;
     }
     table.notes.push(
         "The paper prints the twists and which lengths are zero; the six lengths and the home pose \

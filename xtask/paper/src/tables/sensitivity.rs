@@ -2,10 +2,10 @@
 
 use anyhow::Result;
 use haptical_model::Device;
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use haptical_simulator::{CableSigma, Noise, Sampling};
 use xtask_blind::rows;
-use xtask_output::{Progress, or_none};
+use xtask_output::{Progress, cells, or_none};
 
 use super::sweeps::{Seeds, summarise};
 use crate::published::Paper;
@@ -87,18 +87,12 @@ pub(crate) fn table(
         scenario.truth = true_device(&scenario.nominal, paper, 1.0)?;
         let summary = summarise(&scenario, paper, seeds)?;
         progress.step();
-        table.push(vec![
-            name.into(),
-            Cell::number(summary.distance_improvement, 2),
-            Cell::number(summary.position_before_m * 1e3, 2),
-            Cell::number(summary.position_after_m * 1e3, 3),
-            Cell::number(summary.orientation_before_rad * 1e3, 2),
-            Cell::number(summary.orientation_after_rad * 1e3, 2),
-            Cell::number(summary.lowest.1, 1),
-            summary.lowest.0.into(),
-            Cell::number(summary.good as f64, 0),
-            or_none(&summary.lost).into(),
-        ])?;
+        table.push(cells! {
+            name, summary.distance_improvement => 2, summary.position_before_m * 1e3 => 2,
+            summary.position_after_m * 1e3 => 3, summary.orientation_before_rad * 1e3 => 2,
+            summary.orientation_after_rad * 1e3 => 2, summary.lowest.1 => 1, summary.lowest.0,
+            summary.good => 0, or_none(&summary.lost),
+        })?;
     }
     Ok(table)
 }

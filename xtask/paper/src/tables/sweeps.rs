@@ -10,7 +10,7 @@ use haptical_metrics::{median, rms};
 use haptical_model::Recording;
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 use rayon::prelude::*;
-use xtask_output::Progress;
+use xtask_output::{Progress, cells};
 
 use crate::monte_carlo::{AFTER, PoseSummary, gain, known_angles, largest_size};
 use crate::published::Paper;
@@ -59,13 +59,10 @@ pub(crate) fn degrees(
         let share = chosen.iter().filter(|&&best| best == degree).count() as f64;
         inner.push((degree as f64, within_40 * 1e6));
         outer.push((degree as f64, within_45 * 1e6));
-        table.push(vec![
-            Cell::number(degree as f64, 0),
-            Cell::number(within_40 * 1e6, 1),
-            Cell::number(within_45 * 1e6, 1),
-            Cell::scientific(part(|e| e[2])?, 2),
-            Cell::number(100.0 * share / chosen.len() as f64, 0),
-        ])?;
+        table.push(cells! {
+            degree => 0, within_40 * 1e6 => 1, within_45 * 1e6 => 1,
+            Cell::scientific(part(|e| e[2])?, 2), 100.0 * share / chosen.len() as f64 => 0,
+        })?;
     }
     let lower = chosen.iter().filter(|&&best| best < 4).count();
     if lower > 0 {
@@ -154,14 +151,10 @@ pub(crate) fn poses(
         progress.step();
         weakest.push((poses as f64, summary.lowest.1));
         distances.push((poses as f64, summary.distance_improvement));
-        table.push(vec![
-            Cell::number(poses as f64, 0),
-            Cell::number(summary.distance_improvement, 2),
-            Cell::number(summary.position_after_m * 1e3, 3),
-            Cell::number(summary.lowest.1, 1),
-            summary.lowest.0.into(),
-            Cell::number(summary.good as f64, 0),
-        ])?;
+        table.push(cells! {
+            poses => 0, summary.distance_improvement => 2, summary.position_after_m * 1e3 => 3,
+            summary.lowest.1 => 1, summary.lowest.0, summary.good => 0,
+        })?;
     }
     let mut figure = Figure::new("Number of poses", "poses [-]", "median improvement [%]");
     figure.series = vec![

@@ -5,6 +5,7 @@ use haptical_metrics::parameter_improvement_percent;
 use haptical_report::{Cell, Figure, Mark, Series, Table};
 
 use xtask_blind::rows;
+use xtask_output::cells;
 
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread};
@@ -88,21 +89,14 @@ pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -
             ours.push((position, spread.low.max(FLOOR), spread.median, spread.high));
             theirs.push((position, row.published.i_percent[joint]));
             categories.push(name.clone());
-            table.push(vec![
-                name.into(),
-                row.unit.into(),
-                Cell::number(assigned, decimals),
-                Cell::number(published, decimals),
-                Cell::number(row.published.i_percent[joint], 2),
-                Cell::number(parameter_improvement_percent(assigned, published, 0.0)?, 2),
-                Cell::number(found, decimals),
-                Cell::number(parameter_improvement_percent(assigned, found, 0.0)?, 2),
-                Cell::number(spread.median, 2),
-                Cell::interval(spread.low, spread.high, 1),
-                Cell::scientific(haptical_metrics::median(&sds)?, 2),
-                Cell::number(verdict.z, 2),
-                verdict.words.into(),
-            ])?;
+            table.push(cells! {
+                name, row.unit, assigned => decimals, published => decimals,
+                row.published.i_percent[joint] => 2,
+                parameter_improvement_percent(assigned, published, 0.0)? => 2, found => decimals,
+                parameter_improvement_percent(assigned, found, 0.0)? => 2, spread.median => 2,
+                [spread.low, spread.high] => 1,
+                Cell::scientific(haptical_metrics::median(&sds)?, 2), verdict.z => 2, verdict.words,
+            })?;
         }
     }
     table.notes.push(

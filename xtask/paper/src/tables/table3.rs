@@ -4,6 +4,7 @@ use anyhow::{Context, Result};
 use haptical_metrics::{chi_square_p_value, parameter_improvement_percent};
 use haptical_model::Device;
 use haptical_report::{Cell, Figure, Mark, Series, Table};
+use xtask_output::cells;
 
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread, chi_square};
@@ -70,23 +71,14 @@ impl Ours {
             let percent = parameter_improvement_percent(row.assigned, value, 0.0)?;
             Ok(Cell::number(percent, 2))
         };
-        Ok(vec![
-            row.name.clone().into(),
-            if length { "mm" } else { "mrad" }.into(),
-            Cell::number(row.assigned * 1e3, 3),
-            Cell::number(row.identified * 1e3, 3),
-            Cell::number(row.improvement_percent, 2),
-            recomputed(row.identified)?,
-            Cell::number(self.found * 1e3, 3),
-            recomputed(self.found)?,
-            Cell::number(self.two_steps.median, 2),
-            Cell::interval(self.two_steps.low, self.two_steps.high, 1),
-            Cell::number(self.known.median, 2),
-            Cell::interval(self.known.low, self.known.high, 1),
-            Cell::number(self.bound * 1e3, 4),
-            Cell::number(self.verdict.z, 2),
-            self.verdict.words.into(),
-        ])
+        Ok(cells! {
+            row.name.clone(), if length { "mm" } else { "mrad" }, row.assigned * 1e3 => 3,
+            row.identified * 1e3 => 3, row.improvement_percent => 2, recomputed(row.identified)?,
+            self.found * 1e3 => 3, recomputed(self.found)?, self.two_steps.median => 2,
+            [self.two_steps.low, self.two_steps.high] => 1, self.known.median => 2,
+            [self.known.low, self.known.high] => 1, self.bound * 1e3 => 4, self.verdict.z => 2,
+            self.verdict.words,
+        })
     }
 }
 

@@ -6,6 +6,7 @@ use anyhow::Result;
 use haptical_metrics::median;
 use haptical_report::{BarRow, BarRows, Block, Cell, Document, Section, Table, write_atomically};
 use serde_json::{Value, json};
+use xtask_output::cells;
 
 use super::agreement::COST_AGREEMENT;
 use super::bars::{BATCH, ONE_POSE, verdicts};
@@ -78,18 +79,12 @@ pub(crate) fn pairs(work: &str, comparisons: &[Comparison]) -> Result<Table> {
             Cell::number_or_missing(median_s.map(|time_s| 1e6 * time_s), 2)
         };
         let ratio = each.ratio();
-        let interval = ratio.map(|ratio| Cell::interval(ratio.low, ratio.high, 2));
-        table.push(vec![
-            each.ours.full().into(),
-            each.other.full().into(),
-            time(&each.ours_s),
-            time(&each.other_s),
-            Cell::number_or_missing(ratio.map(|ratio| ratio.median), 2),
-            interval.unwrap_or(Cell::Missing),
-            Cell::number_or_missing(ratio.map(|ratio| 100.0 * ratio.confidence), 1),
-            Cell::number(each.ratios.len() as f64, 0),
-            Cell::number(each.discarded as f64, 0),
-        ])?;
+        table.push(cells! {
+            each.ours.full(), each.other.full(), time(&each.ours_s), time(&each.other_s),
+            ratio.map(|ratio| ratio.median) => 2, ratio.map(|ratio| [ratio.low, ratio.high]) => 2,
+            ratio.map(|ratio| 100.0 * ratio.confidence) => 1, each.ratios.len() => 0,
+            each.discarded => 0,
+        })?;
     }
     Ok(table)
 }
@@ -121,14 +116,11 @@ fn solutions(results: &Results) -> Result<Table> {
             .filter(|other| other.work == each.work);
         let lowest = same.map(|other| other.cost).fold(f64::INFINITY, f64::min);
         let iterations = each.iterations.map(|steps| steps as f64);
-        table.push(vec![
-            each.work.as_str().into(),
-            each.label.full().into(),
-            Cell::number(each.cost, 6),
-            Cell::scientific((each.cost - lowest) / lowest, 2),
-            Cell::number_or_missing(iterations, 0),
-            Cell::number_or_missing(each.construction_s.map(|s| 1e6 * s), 1),
-        ])?;
+        table.push(cells! {
+            each.work.as_str(), each.label.full(), each.cost => 6,
+            Cell::scientific((each.cost - lowest) / lowest, 2), iterations => 0,
+            each.construction_s.map(|s| 1e6 * s) => 1,
+        })?;
     }
     Ok(table)
 }

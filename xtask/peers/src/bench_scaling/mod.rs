@@ -11,8 +11,8 @@ use haptical_calibration::ReducedProblem;
 use haptical_identification::{Method, Settings, solve};
 use haptical_linalg::{Matrix, RANK_TOLERANCE, Reduction};
 use haptical_model::Recording;
-use haptical_report::{Cell, Figure, FigureGrid, Table};
-use xtask_output::{Layout, Output, Progress};
+use haptical_report::{Figure, FigureGrid, Table};
+use xtask_output::{Layout, Output, Progress, cells};
 
 use arms::Arm;
 
@@ -126,15 +126,10 @@ fn poses_section(
         // a pass at the start and one for each step
         let passes = (steps + 1) as f64;
         let each_s = one_s / passes / poses as f64;
-        table.push(vec![
-            Cell::number(poses as f64, 0),
-            Cell::number(1e3 * one_s, 3),
-            Cell::number(1e3 * two_s, 3),
-            Cell::number(one_s / two_s, 2),
-            Cell::number(steps as f64, 0),
-            Cell::number(1e9 * each_s, 1),
-            Cell::number(each_s * peak / flops(JOINTS, arm.free.len()), 2),
-        ])?;
+        table.push(cells! {
+            poses => 0, 1e3 * one_s => 3, 1e3 * two_s => 3, one_s / two_s => 2, steps => 0,
+            1e9 * each_s => 1, each_s * peak / flops(JOINTS, arm.free.len()) => 2,
+        })?;
         progress.step();
     }
     output.section("Poses in memory");
@@ -168,14 +163,10 @@ fn parameters_section(
         let each_s = one_s / (steps + 1) as f64;
         points.push((arm.free.len() as f64, each_s));
         let over_floor = each_s * peak / ARM_POSES as f64 / flops(joints, arm.free.len());
-        table.push(vec![
-            Cell::number(joints as f64, 0),
-            Cell::number(arm.free.len() as f64, 0),
-            Cell::number(1e3 * one_s, 3),
-            Cell::number(steps as f64, 0),
-            Cell::number(1e9 * each_s / ARM_POSES as f64, 1),
-            Cell::number(over_floor, 2),
-        ])?;
+        table.push(cells! {
+            joints => 0, arm.free.len() => 0, 1e3 * one_s => 3, steps => 0,
+            1e9 * each_s / ARM_POSES as f64 => 1, over_floor => 2,
+        })?;
         progress.step();
     }
     output.section("Parameters");

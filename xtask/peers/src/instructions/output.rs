@@ -1,8 +1,9 @@
 //! Counts for people and as JSON.
 
 use anyhow::Result;
-use haptical_report::{Cell, Table};
+use haptical_report::Table;
 use serde_json::{Value, json};
+use xtask_output::cells;
 
 use super::compare::{Comparison, Row, TOLERANCE_PERCENT};
 use super::environment::Environment;
@@ -70,15 +71,11 @@ impl Results<'_> {
         for (workload, count, row) in self.rows() {
             let committed = row.and_then(|row| row.committed).map(|count| count as f64);
             let ratio = committed.map(|committed| count as f64 / committed);
-            table.push(vec![
-                workload.name.into(),
-                Cell::number(count as f64, 0),
-                Cell::number_or_missing(committed, 0),
-                Cell::number_or_missing(ratio, 3),
-                Cell::number(count as f64 / workload.units as f64, 1),
-                workload.unit.into(),
-                row.map_or("not compared", |row| row.verdict.word()).into(),
-            ])?;
+            table.push(cells! {
+                workload.name, count => 0, committed => 0, ratio => 3,
+                count as f64 / workload.units as f64 => 1, workload.unit,
+                row.map_or("not compared", |row| row.verdict.word()),
+            })?;
         }
         Ok(table)
     }

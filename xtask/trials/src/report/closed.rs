@@ -3,6 +3,7 @@
 
 use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Answer, Rate, Verdict};
+use xtask_output::cells;
 
 use crate::batch::Case;
 use crate::closing::Closing;
@@ -138,14 +139,10 @@ pub(crate) fn table(cases: &[Case]) -> Result<Table, ReportError> {
             }
             _ => continue,
         };
-        table.push(vec![
-            Cell::Text(case.arguments()),
-            Cell::Text(super::wrong::truth(case)),
-            Cell::Text(effects.join(", ")),
-            closed.map_or(Cell::Missing, |closed| Cell::Text(format!("{closed:.1} %"))),
-            Cell::Text(then),
-            Cell::Text(why),
-        ])?;
+        table.push(cells! {
+            case.arguments(), super::wrong::truth(case), effects.join(", "),
+            closed.map_or(Cell::Missing, |closed| format!("{closed:.1} %").into()), then, why,
+        })?;
     }
     Ok(table)
 }

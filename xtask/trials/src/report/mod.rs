@@ -13,7 +13,7 @@ use anyhow::Result;
 use haptical_report::{Cell, Table};
 use serde_json::json;
 use xtask_blind::{Rate, Suite, TrialScore, summarise};
-use xtask_output::Output;
+use xtask_output::{Output, cells};
 
 use self::wrong::Fault;
 use crate::batch::Case;
@@ -61,14 +61,10 @@ fn bars(output: &mut Output, measures: &[Measure]) -> Result<()> {
     let mut table = Table::with_heads("", columns);
     for one in measures {
         let bar = one.bar.map_or(String::new(), |bar| bar.words(&one.value));
-        table.push(vec![
-            one.group.into(),
-            Cell::Text(one.name.clone()),
-            Cell::Text(one.value.words()),
-            Cell::Text(one.value.interval()),
-            Cell::Text(bar),
-            one.verdict().into(),
-        ])?;
+        table.push(cells! {
+            one.group, one.name.clone(), one.value.words(), one.value.interval(), bar,
+            one.verdict(),
+        })?;
     }
     output.terminal(lines(measures));
     output.table("bars", table)?;
@@ -112,19 +108,13 @@ fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
             .collect();
         let summary = summarise(suite, &scores);
         let wrong = scores.iter().map(|score| score.confidently_wrong);
-        table.push(vec![
-            suite.into(),
-            Suite::named(suite).map_or("", Suite::about).into(),
-            Cell::number(of_suite.len() as f64, 0),
-            Cell::number((of_suite.len() - scores.len()) as f64, 0),
-            percent(&summary.detected),
-            percent(&summary.named),
-            percent(&summary.right),
-            percent(&Rate::of_cases(wrong)),
-            percent(&summary.unknown),
-            percent(&summary.joint_right),
-            Cell::number_or_missing(summary.false_causes_per_trial, 2),
-        ])?;
+        table.push(cells! {
+            suite, Suite::named(suite).map_or("", Suite::about), of_suite.len() => 0,
+            (of_suite.len() - scores.len()) => 0, percent(&summary.detected),
+            percent(&summary.named), percent(&summary.right), percent(&Rate::of_cases(wrong)),
+            percent(&summary.unknown), percent(&summary.joint_right),
+            summary.false_causes_per_trial => 2,
+        })?;
         summaries.push(summary);
     }
     table.notes.push(
@@ -159,16 +149,9 @@ fn calibration(output: &mut Output, cases: &[Case]) -> Result<()> {
     let columns = "mean probability | share that was so | 95 % interval | answers";
     let mut table = Table::with_heads("", columns);
     for bin in &bins {
-        let interval = bin
-            .happened
-            .ci95
-            .map_or(Cell::Missing, |[low, high]| Cell::interval(low, high, 2));
-        table.push(vec![
-            Cell::number(bin.probability, 3),
-            Cell::number_or_missing(bin.happened.share, 3),
-            interval,
-            Cell::number(bin.happened.of as f64, 0),
-        ])?;
+        table.push(cells! {
+            bin.probability => 3, bin.happened.share => 3, bin.happened.ci95 => 2, bin.happened.of => 0,
+        })?;
     }
     output.folded_table("reliability", "Reliability table", table)
 }
@@ -221,15 +204,8 @@ fn parameters(output: &mut Output, cases: &[Case]) -> Result<()> {
     let columns = "effect: parameter | intervals that hold the truth | of | 95 % interval";
     let mut table = Table::with_heads("", columns);
     for (name, rate) in &by_name {
-        let interval = rate.ci95.map_or(Cell::Missing, |[low, high]| {
-            Cell::interval(100.0 * low, 100.0 * high, 0)
-        });
-        table.push(vec![
-            Cell::Text(name.clone()),
-            percent(rate),
-            Cell::number(rate.of as f64, 0),
-            interval,
-        ])?;
+        let interval = rate.ci95.map(|ends| ends.map(|end| 100.0 * end));
+        table.push(cells! { name.clone(), percent(rate), rate.of => 0, interval => 0 })?;
     }
     output.folded_table("parameters", "By parameter, all suites", table)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use haptical_report::{Cell, ReportError, Table};
 use xtask_blind::{Rate, TrialScore};
+use xtask_output::cells;
 
 use crate::batch::Case;
 use crate::measure::{Bar, Group, Measure, Value, figures, number, quantile};
@@ -177,17 +178,12 @@ pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
             0 => Cell::Missing,
             of => Cell::Text(format!("{at_joint} of {of}")),
         };
-        table.push(vec![
-            Cell::Text(label.to_owned()),
-            Cell::number(own.len() as f64, 0),
-            Cell::number_or_missing(quantile(&changes, 0.5), 1),
-            count(|score| score.detected),
-            count(|score| score.right),
-            count(|score| score.top_right),
-            joint,
-            count(|score| score.confidently_wrong),
-            Cell::Text(answers(&scores)),
-        ])?;
+        table.push(cells! {
+            label.to_owned(), own.len() => 0, quantile(&changes, 0.5) => 1,
+            count(|score| score.detected), count(|score| score.right),
+            count(|score| score.top_right), joint, count(|score| score.confidently_wrong),
+            answers(&scores),
+        })?;
     }
     let note = "Change: of the torque, filtered at 10 Hz, root mean square over the noise, worst joint, against the same arm and \
          controller without the effect; of what shows on second encoders or in lost rows it says nothing.";

@@ -1,7 +1,8 @@
 //! The trials that were not answered rightly, each with what was said and how to run it again.
 
-use haptical_report::{Cell, ReportError, Table};
+use haptical_report::{ReportError, Table};
 use xtask_blind::{Answer, TrialScore, Verdict};
+use xtask_output::cells;
 
 use crate::batch::Case;
 
@@ -86,18 +87,14 @@ pub(crate) fn table(
     let mut table = Table::with_heads(title, "fault | trial | device | truth | verdict | answer");
     for (fault, case) in found {
         let answer = case.answer.as_ref();
-        table.push(vec![
-            fault.words().into(),
-            Cell::Text(case.arguments()),
-            Cell::Text(case.truth.device.clone()),
-            Cell::Text(truth(case)),
-            answer.map_or("none", |answer| answer.verdict.text()).into(),
-            Cell::Text(match (answer, &case.error) {
-                (Some(answer), _) => answered(answer),
-                (None, Some(error)) => error.clone(),
-                (None, None) => String::new(),
-            }),
-        ])?;
+        let said = match (answer, &case.error) {
+            (Some(answer), _) => answered(answer),
+            (None, error) => error.clone().unwrap_or_default(),
+        };
+        table.push(cells! {
+            fault.words(), case.arguments(), case.truth.device.clone(), truth(case),
+            answer.map_or("none", |answer| answer.verdict.text()), said,
+        })?;
     }
     Ok(table)
 }

@@ -139,7 +139,7 @@ fn judged(trial: &Trial, logs: &[&Recording]) -> Result<(Diagnosis, Outcome), St
     let diagnosis = guarded(|| diagnose(&trial.device, &log, &options))?;
     let diagnosis = diagnosis.map_err(|error| error.to_string())?;
     let json = serde_json::to_string(&diagnosis).map_err(|error| error.to_string())?;
-    let answer = Answer::from_json(&json).map_err(|error| format!("{error:?}"))?;
+    let answer = Answer::from_json(&json).map_err(|error| format!("{error:#}"))?;
     let score = judge(&trial.truth, &answer, &BTreeMap::new());
     let outcome = match diagnosis.verdict {
         Verdict::Named if score.right && score.top_right => Outcome::Settled,

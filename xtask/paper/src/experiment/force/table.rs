@@ -3,6 +3,7 @@
 use anyhow::Result;
 use haptical_metrics::{median, quantile, rms};
 use haptical_report::{Cell, Table};
+use xtask_output::cells;
 
 use super::sample::{CONTROLLERS, Kind, Sample};
 use crate::monte_carlo::{Spread, largest};
@@ -29,18 +30,13 @@ pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {
             let ratio = Spread::new(&ratios)?;
             let left_out: usize = kind.samples.iter().map(|sample| sample.left_out).sum();
             let percent = |value: f64| Cell::number(100.0 * value, 2);
-            table.push(vec![
-                kind.name.as_str().into(),
-                (*controller).into(),
-                Cell::number(rms_mn.median, 2),
-                format!("{:.2} to {:.2}", rms_mn.low, rms_mn.high).into(),
-                Cell::number(median(&peak_mn)?, 2),
-                Cell::number(largest(&peak_mn), 2),
-                percent(ratio.median),
-                format!("{:.2} to {:.2}", 100.0 * ratio.low, 100.0 * ratio.high).into(),
-                percent(largest(&ratios)),
-                Cell::number(left_out as f64 / kind.samples.len().max(1) as f64, 1),
-            ])?;
+            table.push(cells! {
+                kind.name.as_str(), (*controller), rms_mn.median => 2,
+                format!("{:.2} to {:.2}", rms_mn.low, rms_mn.high), median(&peak_mn)? => 2,
+                largest(&peak_mn) => 2, percent(ratio.median),
+                format!("{:.2} to {:.2}", 100.0 * ratio.low, 100.0 * ratio.high),
+                percent(largest(&ratios)), left_out as f64 / kind.samples.len().max(1) as f64 => 1,
+            })?;
         }
     }
     table.notes.push(
@@ -75,17 +71,11 @@ pub(crate) fn over_poses(kinds: &[Kind]) -> Result<Table> {
                     .collect()
             };
             let percent: Vec<f64> = kind.samples.iter().flat_map(ratio).collect();
-            table.push(vec![
-                kind.name.as_str().into(),
-                (*controller).into(),
-                Cell::number(median(&forces_mn)?, 2),
-                Cell::number(quantile(&forces_mn, 0.95)?, 2),
-                Cell::number(largest(&forces_mn), 2),
-                Cell::number(median(&percent)?, 2),
-                Cell::number(quantile(&percent, 0.95)?, 2),
-                Cell::number(largest(&percent), 1),
-                Cell::number(forces_mn.len() as f64, 0),
-            ])?;
+            table.push(cells! {
+                kind.name.as_str(), (*controller), median(&forces_mn)? => 2,
+                quantile(&forces_mn, 0.95)? => 2, largest(&forces_mn) => 2, median(&percent)? => 2,
+                quantile(&percent, 0.95)? => 2, largest(&percent) => 1, forces_mn.len() => 0,
+            })?;
         }
     }
     table.notes.push(
