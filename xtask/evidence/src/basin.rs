@@ -112,25 +112,20 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     output.table("basin", table)?;
     let caption = "Found devices against the size of the start's error";
     output.figure("basin", caption, &figure(&curves))?;
-    output.verdict(
-        silent == 0,
-        format!("no fit ends at a wrong minimum without a word: {silent} of {all} do"),
+    let text = format!("no fit ends at a wrong minimum without a word: {silent} of {all} do");
+    output.verdict(silent == 0, text);
+    let text = format!(
+        "random places lose no device that one search finds: {lost}; they find {gained} more"
     );
-    output.verdict(
-        lost == 0,
-        format!(
-            "random places lose no device that one search finds: {lost}; they find {gained} more"
-        ),
-    );
+    output.verdict(lost == 0, text);
     let at_bar = |point: &&(f64, f64)| point.0 == BAR as f64;
     let uniform = curves
         .last()
         .and_then(|(_, _, many)| many.iter().find(at_bar));
     let farthest = uniform.map_or(0.0, |point| point.1);
-    output.verdict(
-        farthest >= 95.0,
-        format!("from up to 10 degrees and 50 mm away {farthest:.1} % are found (bar: 95 %)"),
-    );
+    let text =
+        format!("from up to 10 degrees and 50 mm away {farthest:.1} % are found (bar: 95 %)");
+    output.verdict(farthest >= 95.0, text);
     Ok(())
 }
 

@@ -55,14 +55,12 @@ pub(super) fn report(
             format!("{name} ({trial}, {:.1} %)", share(&quantities[k]))
         })
         .collect();
-    output.verdict(
-        rejected.is_empty(),
-        format!(
-            "no quantity of {} is rejected at 5 % after Holm's correction; rejected: {}",
-            quantities.len(),
-            or_none(&rejected)
-        ),
+    let text = format!(
+        "no quantity of {} is rejected at 5 % after Holm's correction; rejected: {}",
+        quantities.len(),
+        or_none(&rejected)
     );
+    output.verdict(rejected.is_empty(), text);
     left_out(output, devices, failures, notes);
     Ok(())
 }
@@ -86,15 +84,13 @@ fn left_out(
         own.filter(|trial| (trial.errors == Errors::Tails) == tails)
             .count()
     };
-    output.verdict(
-        failed.is_empty(),
-        format!(
-            "every device whose noise is as modelled was calibrated without doubt: {} of {} were not: {}",
-            failed.len(),
-            trials(false) * devices,
-            or_none(&failed[..failed.len().min(5)])
-        ),
+    let text = format!(
+        "every device whose noise is as modelled was calibrated without doubt: {} of {} were not: {}",
+        failed.len(),
+        trials(false) * devices,
+        or_none(&failed[..failed.len().min(5)])
     );
+    output.verdict(failed.is_empty(), text);
     output.words(format!(
         "Among heavy tails {} of {} devices were doubted for a far reading, said so, and are not counted: {}.",
         doubted.len(),
@@ -110,12 +106,10 @@ fn left_out(
         .map(|(_, failed)| 3 * POSTURES * (devices - failed.len()))
         .sum();
     let refused: usize = cables.iter().map(|((_, (refused, _)), _)| refused).sum();
-    output.verdict(
-        refused == asked,
-        format!(
-            "one cable fixes no coordinate of the handle: {refused} of {asked} got no interval"
-        ),
+    let text = format!(
+        "one cable fixes no coordinate of the handle: {refused} of {asked} got no interval"
     );
+    output.verdict(refused == asked, text);
 }
 
 /// Every quantity's coverage with its own 95 % interval, trial by trial.

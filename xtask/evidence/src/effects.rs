@@ -125,10 +125,8 @@ pub(super) fn section(
         "intervals of effects hold in 93 to 97 %".to_owned(),
     );
     let mean = said.iter().sum::<f64>() / said.len() as f64;
-    output.verdict(
-        mean >= ABSENT,
-        format!("of effects that are not there {mean:.1} % are said not to be shown"),
-    );
+    let text = format!("of effects that are not there {mean:.1} % are said not to be shown");
+    output.verdict(mean >= ABSENT, text);
     Ok(())
 }
 

@@ -135,26 +135,22 @@ fn verdicts(output: &mut Output, runs: &[Run<'_>]) {
     };
     let claims = runs.iter().filter(|run| run.outcome.claims()).count();
     let is_false = |run: &&Run<'_>| run.outcome.false_claim().is_some();
-    output.verdict(
-        !runs.iter().any(|run| is_false(&run)),
-        format!(
-            "false claims among {claims} claims of {} runs: {}",
-            runs.len(),
-            names(&is_false)
-        ),
+    let text = format!(
+        "false claims among {claims} claims of {} runs: {}",
+        runs.len(),
+        names(&is_false)
     );
+    output.verdict(!runs.iter().any(|run| is_false(&run)), text);
     for factor in START_FACTORS {
         let from: Vec<&Run<'_>> = runs.iter().filter(|run| run.factor == factor).collect();
         let is_missed = |run: &&Run<'_>| run.factor == factor && !run.outcome.is_solved();
         let solved = from.iter().filter(|run| run.outcome.is_solved()).count();
-        output.verdict(
-            solved == from.len(),
-            format!(
-                "a known sum is reached from {factor} x0 on {solved} of {}; not on: {}",
-                from.len(),
-                names(&is_missed)
-            ),
+        let text = format!(
+            "a known sum is reached from {factor} x0 on {solved} of {}; not on: {}",
+            from.len(),
+            names(&is_missed)
         );
+        output.verdict(solved == from.len(), text);
     }
     let is_silent = |run: &&Run<'_>| run.outcome.is_solved() && !run.outcome.claims();
     let is_maximum = |run: &&Run<'_>| {

@@ -80,30 +80,24 @@ fn verdicts(output: &mut Output, title: &str, scores: &[Score], bar: usize) {
         .iter()
         .filter(|score| score.has_digits(SOLVED_DIGITS));
     let solved = solved.count();
-    output.verdict(
-        solved >= bar,
-        format!(
-            "{title}: {SOLVED_DIGITS} digits of every parameter and of the sum on {solved} of {} (bar: {bar}); not on: {}",
-            scores.len(),
-            named(&|score| !score.has_digits(SOLVED_DIGITS)),
-        ),
+    let text = format!(
+        "{title}: {SOLVED_DIGITS} digits of every parameter and of the sum on {solved} of {} (bar: {bar}); not on: {}",
+        scores.len(),
+        named(&|score| !score.has_digits(SOLVED_DIGITS)),
     );
+    output.verdict(solved >= bar, text);
     let is_coarse = |score: &Score| score.standard_deviations < DEVIATION_DIGITS;
     let coarse = scores.iter().filter(|score| is_coarse(score));
-    output.verdict(
-        scores.len() - coarse.count() >= bar,
-        format!(
-            "{title}: {DEVIATION_DIGITS} digits of every standard deviation, but for: {}",
-            named(&is_coarse)
-        ),
+    let text = format!(
+        "{title}: {DEVIATION_DIGITS} digits of every standard deviation, but for: {}",
+        named(&is_coarse)
     );
-    output.verdict(
-        !scores.iter().any(Score::is_false_claim),
-        format!(
-            "{title}: false claims of convergence: {}",
-            named(&Score::is_false_claim)
-        ),
+    output.verdict(scores.len() - coarse.count() >= bar, text);
+    let text = format!(
+        "{title}: false claims of convergence: {}",
+        named(&Score::is_false_claim)
     );
+    output.verdict(!scores.iter().any(Score::is_false_claim), text);
 }
 
 /// What resists from the far start, with more steps allowed.

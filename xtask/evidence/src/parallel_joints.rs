@@ -96,19 +96,15 @@ pub(super) fn section(output: &mut Output) -> Result<()> {
         named,
         "rank 23 of 24 (22 with three parallel joints) and the combination are named at the nominal arm",
     );
-    output.verdict(
-        honest,
-        format!(
-            "no interval that is given, those of combinations and of their members included, misses the truth by more than {FARTHEST} of its half widths"
-        ),
+    let text = format!(
+        "no interval that is given, those of combinations and of their members included, misses the truth by more than {FARTHEST} of its half widths"
     );
-    output.verdict(
-        as_good,
-        format!(
-            "unseen positions are predicted as well as by the plain search, within {:.0} %",
-            100.0 * (AS_GOOD - 1.0)
-        ),
+    output.verdict(honest, text);
+    let text = format!(
+        "unseen positions are predicted as well as by the plain search, within {:.0} %",
+        100.0 * (AS_GOOD - 1.0)
     );
+    output.verdict(as_good, text);
     coverage(output)
 }
 
@@ -335,13 +331,11 @@ fn coverage(output: &mut Output) -> Result<()> {
         }
     }
     output.table("parallel-joints-coverage", table)?;
-    output.verdict(
-        is_covered,
-        format!(
-            "of {ARMS} arms each whose parameters deviate by draws of their plausible sizes, 93 to 98 % of the intervals \
-             of every kind hold the truth"
-        ),
+    let text = format!(
+        "of {ARMS} arms each whose parameters deviate by draws of their plausible sizes, 93 to 98 % of the intervals \
+         of every kind hold the truth"
     );
+    output.verdict(is_covered, text);
     Ok(())
 }
 

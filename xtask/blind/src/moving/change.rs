@@ -95,12 +95,6 @@ fn left_by_arm(plain: &Specimen, ticks: &Ticks) -> Vec<Vec<f64>> {
             (of(&ticks.angle), of(&ticks.rate), of(&ticks.acceleration));
         plain.chain.at(&angle, &rate, &mut at);
         for joint in 0..joints {
-            let row = &at.mass[joint * joints..(joint + 1) * joints];
-            let inertial: f64 = row
-                .iter()
-                .zip(&acceleration)
-                .map(|(entry, a)| entry * a)
-                .sum();
             let sliding = Sliding {
                 joint,
                 time_s: ticks.time_s[tick],
@@ -108,10 +102,8 @@ fn left_by_arm(plain: &Specimen, ticks: &Ticks) -> Vec<Vec<f64>> {
                 speed: rate[joint],
                 drive: ticks.torque[joint][tick],
             };
-            let needed = inertial
-                + plain.armature[joint] * acceleration[joint]
-                + at.bias[joint]
-                + plant.friction(&sliding);
+            let needed =
+                at.needed(joint, &acceleration, plain.armature[joint]) + plant.friction(&sliding);
             plant.follow(joint, angle[joint]);
             left[joint].push(ticks.torque[joint][tick] - needed);
         }

@@ -115,11 +115,11 @@ impl Scene {
     ) -> ([(Ticks, Vec<usize>); 2], Changes) {
         let mut plain = self.specimen.clone();
         for effect in effects {
-            effect.prepare(&mut plain);
+            (effect.prepare)(&mut plain);
         }
         let mut built = plain.clone();
         for effect in effects {
-            effect.build(&mut built);
+            (effect.build)(&mut built);
         }
         let rig = Rig {
             arm: self.arm,
@@ -131,12 +131,12 @@ impl Scene {
         let recorded = self.courses.each_ref().map(|course| {
             let mut ticks = rig.run(course);
             for effect in effects {
-                effect.readings(&mut ticks);
+                (effect.readings)(&mut ticks);
             }
             let every = every(self.sensors.rate_hz);
             let mut rows: Vec<usize> = (0..ticks.len()).step_by(every).collect();
             for effect in effects {
-                effect.rows(&mut rows, random);
+                (effect.rows)(&mut rows, random);
             }
             (ticks, rows)
         });

@@ -106,12 +106,10 @@ pub(super) fn verdict(
     let is_met = bar
         .iter()
         .all(|count| count.is_some_and(|count| count <= BAR));
-    output.verdict(
-        is_met,
-        format!(
-            "{name}, step 2 {respects}, at most {BAR} are asked for: as {RANDOM} random ones do, {found}"
-        ),
+    let text = format!(
+        "{name}, step 2 {respects}, at most {BAR} are asked for: as {RANDOM} random ones do, {found}"
     );
+    output.verdict(is_met, text);
 }
 
 /// Numbers of poses, and what they give, under the name of a way of choosing.

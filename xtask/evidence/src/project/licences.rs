@@ -74,13 +74,11 @@ pub(crate) fn section(output: &mut Output) -> Result<()> {
         ALLOWED.join(", ")
     ));
     output.table("licences", table)?;
-    output.verdict(
-        refused.is_empty(),
-        format!(
-            "packages under a licence that is not allowed: {}",
-            or_none(&refused)
-        ),
+    let text = format!(
+        "packages under a licence that is not allowed: {}",
+        or_none(&refused)
     );
+    output.verdict(refused.is_empty(), text);
     Ok(())
 }
 

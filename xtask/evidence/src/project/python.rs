@@ -97,10 +97,8 @@ fn describe(output: &mut Output, wheel: &Path, (tests, fleet, notebook): (&str, 
         summary.contains(" passed") && !summary.contains("failed") && !summary.contains("skipped"),
         "`pytest`: every test passed, none was skipped",
     );
-    output.verdict(
-        fleet.contains(&identified),
-        format!("`examples/fleet.py --devices {DEVICES}`: Dask identified every device"),
-    );
+    let text = format!("`examples/fleet.py --devices {DEVICES}`: Dask identified every device");
+    output.verdict(fleet.contains(&identified), text);
     let bytes = std::fs::metadata(wheel).map_or(u64::MAX, |wheel| wheel.len());
     output.verdict(bytes <= LARGEST_WHEEL, "the wheel has at most 8 MiB");
     match notebook.starts_with("skipped") {

@@ -128,10 +128,8 @@ pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
     ));
     output.table("coverage", table)?;
     let named = or_none(&below);
-    output.verdict(
-        below.is_empty(),
-        format!("crates below {COVERED_PERCENT} % of their lines: {named}"),
-    );
+    let text = format!("crates below {COVERED_PERCENT} % of their lines: {named}");
+    output.verdict(below.is_empty(), text);
     Ok(())
 }
 

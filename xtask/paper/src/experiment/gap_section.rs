@@ -54,13 +54,11 @@ pub(crate) fn gap_section(
         .iter()
         .filter(|(kind, found)| matches!(said(kind, found), Said::Right | Said::Class));
     let right = right.count();
-    output.verdict(
-        right == answered.len(),
-        format!(
-            "the diagnosis names {right} of the {} effects that can give {percent} %, from the log alone",
-            answered.len()
-        ),
+    let text = format!(
+        "the diagnosis names {right} of the {} effects that can give {percent} %, from the log alone",
+        answered.len()
     );
+    output.verdict(right == answered.len(), text);
     output.words(likely(&all, &scenario.nominal));
     let caption = "Figure 10 (b) again with each effect at the size that gives the authors' percentage: error of \
                    the distance after full calibration";

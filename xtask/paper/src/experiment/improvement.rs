@@ -176,14 +176,12 @@ fn verdicts(output: &mut Output, cases: &[Case], paper: &Paper) -> Result<()> {
     };
     let full = paper.text.improvement_full_percent;
     let least = of(0).into_iter().fold(f64::INFINITY, f64::min);
-    output.verdict(
-        least > full,
-        format!(
-            "full calibration improves by at least {least:.1} % (median of every geometry and motion), the paper's \
-             device by {full} %: the virtual device has nothing that the model lacks, so only the noise of both \
-             steps is left; \"The paper's own gap\" shows what the rest could be"
-        ),
+    let text = format!(
+        "full calibration improves by at least {least:.1} % (median of every geometry and motion), the paper's \
+         device by {full} %: the virtual device has nothing that the model lacks, so only the noise of both \
+         steps is left; \"The paper's own gap\" shows what the rest could be"
     );
+    output.verdict(least > full, text);
     let without = paper.text.improvement_kinematics_only_percent;
     let mut distances = Vec::new();
     for (reading, name) in READINGS.iter().enumerate().skip(1) {

@@ -26,32 +26,28 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
         .iter()
         .filter(|s| gain(&s.pose.distance_m, AFTER) > 99.0)
         .count();
-    output.verdict(
-        distance.median > 99.0,
-        format!(
-            "distance RMS at 200 other poses improves by {:.2} % (median; 95 % of runs {:.2} to \
-             {:.2} %; over 99 % in {above} of {} runs)",
-            distance.median,
-            distance.low,
-            distance.high,
-            runs.samples.len()
-        ),
+    let text = format!(
+        "distance RMS at 200 other poses improves by {:.2} % (median; 95 % of runs {:.2} to \
+         {:.2} %; over 99 % in {above} of {} runs)",
+        distance.median,
+        distance.low,
+        distance.high,
+        runs.samples.len()
     );
+    output.verdict(distance.median > 99.0, text);
     let position = runs.spread(|s| gain(&s.pose.position_m, AFTER))?;
     let observable = runs.spread(|s| gain(&s.pose.position_m, OBSERVABLE))?;
     let after = runs.spread(|s| s.pose.position_m[AFTER])?;
     let before = runs.spread(|s| s.pose.position_m[0])?;
-    output.verdict(
-        observable.median > 99.0,
-        format!(
-            "position RMS from {:.2} mm to {:.3} mm ({:.1} %); without the rotation that no distance \
-             shows {:.2} %",
-            before.median * 1e3,
-            after.median * 1e3,
-            position.median,
-            observable.median
-        ),
+    let text = format!(
+        "position RMS from {:.2} mm to {:.3} mm ({:.1} %); without the rotation that no distance \
+         shows {:.2} %",
+        before.median * 1e3,
+        after.median * 1e3,
+        position.median,
+        observable.median
     );
+    output.verdict(observable.median > 99.0, text);
     let before = runs.spread(|s| s.pose.orientation_rad[0])?;
     let after = runs.spread(|s| s.pose.orientation_rad[AFTER])?;
     let turn = runs.spread(|s| gain(&s.pose.orientation_rad, AFTER))?;
@@ -60,25 +56,21 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
         let known_rad = s.orientation_observable_known_rad;
         gain(&[s.pose.orientation_rad[0], known_rad], AFTER)
     })?;
-    output.verdict(
-        rest.median > 99.0,
-        format!(
-            "orientation RMS from {:.2} mrad to {:.2} mrad ({:.0} %); without that rotation and alpha7 \
-             {:.1} %, and {:.1} % if the joint angles were known exactly: 200 distances with this \
-             noise fix the wrist's angles no better (see the Cramer-Rao column of Table 3), so 99 % \
-             is out of reach for the orientation",
-            before.median * 1e3,
-            after.median * 1e3,
-            turn.median,
-            rest.median,
-            known.median
-        ),
+    let text = format!(
+        "orientation RMS from {:.2} mrad to {:.2} mrad ({:.0} %); without that rotation and alpha7 \
+         {:.1} %, and {:.1} % if the joint angles were known exactly: 200 distances with this \
+         noise fix the wrist's angles no better (see the Cramer-Rao column of Table 3), so 99 % \
+         is out of reach for the orientation",
+        before.median * 1e3,
+        after.median * 1e3,
+        turn.median,
+        rest.median,
+        known.median
     );
+    output.verdict(rest.median > 99.0, text);
     let failed = runs.failures.len() + results.preset_runs.failures.len();
-    output.verdict(
-        failed == 0,
-        format!("{failed} of the runs did not end at a minimum"),
-    );
+    let text = format!("{failed} of the runs did not end at a minimum");
+    output.verdict(failed == 0, text);
     for (seed, reason) in runs
         .failures
         .iter()
@@ -182,13 +174,11 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
         output.terminal_table(&made.table, &[0, 1, 2, 3, 4, 7, 8, 11, 12]);
         output.table(file, made.table)?;
         output.figure(file, title, &made.figure)?;
-        output.verdict(
-            made.possible == made.rows,
-            format!(
-                "{title}: {} of {} published values are possible",
-                made.possible, made.rows
-            ),
+        let text = format!(
+            "{title}: {} of {} published values are possible",
+            made.possible, made.rows
         );
+        output.verdict(made.possible == made.rows, text);
         output.verdict(
             (JOINTLY_IMPOSSIBLE..=1.0 - JOINTLY_IMPOSSIBLE).contains(&larger),
             format!(
@@ -247,14 +237,12 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     output.figure("table3", caption, &made.figure)?;
     let chi = made.chi_square;
     let effective = chi_square_p_value(chi.median, EFFECTIVE_DEGREES_OF_FREEDOM)?;
-    output.verdict(
-        made.possible == made.medians.len(),
-        format!(
-            "{} of {} published errors of Table 3 are possible under this model and noise",
-            made.possible,
-            made.medians.len()
-        ),
+    let text = format!(
+        "{} of {} published errors of Table 3 are possible under this model and noise",
+        made.possible,
+        made.medians.len()
     );
+    output.verdict(made.possible == made.medians.len(), text);
     output.words(format!(
         "Chi-square of the paper's 28 errors under our covariance: {:.1} (95 % of designs {:.1} to \
          {:.1}); p {:.2} for 28 degrees of freedom. This is no independent test: lengths and home \
@@ -269,13 +257,11 @@ pub(crate) fn table3(output: &mut Output, results: &Results) -> Result<()> {
     let expected = [
         "alpha4", "alpha5", "alpha6", "theta3", "theta4", "theta5", "theta6", "theta7",
     ];
-    output.verdict(
-        weak.map(|(name, ..)| name.as_str()).eq(expected),
-        format!(
-            "weakest, median I at known angles (after both steps): {}; all others at least 97 %",
-            names.join(", ")
-        ),
+    let text = format!(
+        "weakest, median I at known angles (after both steps): {}; all others at least 97 %",
+        names.join(", ")
     );
+    output.verdict(weak.map(|(name, ..)| name.as_str()).eq(expected), text);
     output.value(
         "table3_summary",
         json!({
@@ -318,14 +304,12 @@ pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
     )?;
     let (table, positive, share, rank) = figures::far_from_home_table(&results.runs)?;
     output.table("far_from_home", table)?;
-    output.verdict(
-        positive,
-        format!(
-            "errors grow with the distance from home: the rank correlation's 95 % interval over the \
-             runs is above zero; {share:.1} % of poses exceed 8 mm, on average farther from home \
-             than {rank:.0} % of all poses"
-        ),
+    let text = format!(
+        "errors grow with the distance from home: the rank correlation's 95 % interval over the \
+         runs is above zero; {share:.1} % of poses exceed 8 mm, on average farther from home \
+         than {rank:.0} % of all poses"
     );
+    output.verdict(positive, text);
     output.figure(
         "distance_improvement",
         "Improvement of the distance's RMS over all runs.",

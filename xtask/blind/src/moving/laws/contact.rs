@@ -2,7 +2,7 @@
 
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use super::{Draw, Drawn, Hook, Instant};
+use super::{Draw, Drawn, Instant};
 
 /// Power of the depth: between a flat stamp's 1 and a ball's 3/2.
 const POWER: f64 = 1.3;
@@ -48,7 +48,7 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
             instant.at.add_at_flange(&force, torque);
         }
     };
-    Drawn::new(Hook::Torque(Box::new(press)))
+    Drawn::new(|own| own.torque = Box::new(press))
         .with("force_n", force_n)
         .with("place_m", place_m)
         .with("normal_x", normal.x)

@@ -1,11 +1,11 @@
 //! Drives that give way: a gear that twists, a gear with play.
 
-use super::{Draw, Drawn, Hook};
+use super::{Draw, Drawn};
 use crate::moving::motion::specimen::{Soft, Specimen};
 
 fn yielding(soft: Soft) -> Drawn {
     let build = move |specimen: &mut Specimen| specimen.soft = Some(soft);
-    Drawn::new(Hook::Build(Box::new(build))).at(soft.joint)
+    Drawn::new(|own| own.build = Box::new(build)).at(soft.joint)
 }
 
 /// A gear that the range of its drive twists by 10 to 20 mrad, and that stiffens with load. Source of the shape: the measured

@@ -1,6 +1,6 @@
 //! Friction that depends on speed, load, direction, time or angle.
 
-use super::{Draw, Drawn, Hook, Levels, Sliding};
+use super::{Draw, Drawn, Levels, Sliding};
 use crate::moving::motion::specimen::{Sense, Specimen};
 
 /// Changes the levels of the drive of the joint.
@@ -8,7 +8,12 @@ fn levels(
     draw: &Draw<'_>,
     change: impl Fn(&Sliding, &mut Levels) + Send + Sync + 'static,
 ) -> Drawn {
-    Drawn::new(Hook::Friction(Box::new(change))).at(draw.joint)
+    let joint = draw.joint;
+    let of_joint = move |sliding: &Sliding, levels: &mut Levels| match sliding.joint == joint {
+        true => change(sliding, levels),
+        false => {}
+    };
+    Drawn::new(|own| own.friction = Box::new(of_joint)).at(joint)
 }
 
 impl Levels {
@@ -48,12 +53,11 @@ pub(crate) fn asymmetry(draw: &mut Draw<'_>) -> Drawn {
     let viscous = range * draw.random.uniform(0.08, 0.13) / draw.top_speed();
     let joint = draw.joint;
     let prepare = move |specimen: &mut Specimen| specimen.friction[joint].viscous = viscous;
-    levels(draw, move |sliding, levels| {
+    let mut drawn = levels(draw, move |sliding, levels| {
         levels.scale(1.0 + share * sliding.speed.signum());
-    })
-    .and(Hook::Prepare(Box::new(prepare)))
-    .with("share", share)
-    .with("viscous", viscous)
+    });
+    drawn.prepare = Box::new(prepare);
+    drawn.with("share", share).with("viscous", viscous)
 }
 
 /// Grease that warms: `1 + share exp(-t / time)`.
@@ -78,8 +82,7 @@ pub(crate) fn presliding(draw: &mut Draw<'_>) -> Drawn {
     };
     let build =
         move |specimen: &mut Specimen| specimen.friction[joint].sense = Sense::Bristle { length };
-    Drawn::new(Hook::Prepare(Box::new(prepare)))
-        .and(Hook::Build(Box::new(build)))
+    Drawn::new(|own| (own.prepare, own.build) = (Box::new(prepare), Box::new(build)))
         .at(joint)
         .with("level", level)
         .with("length", length)

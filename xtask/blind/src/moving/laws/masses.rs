@@ -2,13 +2,13 @@
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
-use super::{Draw, Drawn, Hook};
+use super::{Draw, Drawn};
 use crate::moving::motion::rigid::Link;
 use crate::moving::motion::specimen::Specimen;
 
 /// Changes the arm before it moves.
 fn built(build: impl Fn(&mut Specimen) + Send + Sync + 'static) -> Drawn {
-    Drawn::new(Hook::Build(Box::new(build)))
+    Drawn::new(|own| own.build = Box::new(build))
 }
 
 /// A body with a ball more. Moments about the common centre by Steiner's theorem.

@@ -50,55 +50,51 @@ pub(crate) struct Instant<'a> {
     pub(crate) at: &'a At,
 }
 
+/// A change of something that an effect acts on.
+type Change<T> = Box<dyn Fn(&mut T) + Send + Sync>;
 type ChangeOfLevels = Box<dyn Fn(&Sliding, &mut Levels) + Send + Sync>;
 type AddedTorque = Box<dyn Fn(&Instant<'_>, &mut [f64]) + Send + Sync>;
 type ChangeOfRows = Box<dyn Fn(&mut Vec<usize>, &mut Random) + Send + Sync>;
 
-/// Something that an effect changes.
-enum Hook {
-    /// What the arm has with or without the effect: levels that its user does not know anyway.
-    Prepare(Box<dyn Fn(&mut Specimen) + Send + Sync>),
-    /// The arm before it moves.
-    Build(Box<dyn Fn(&mut Specimen) + Send + Sync>),
-    /// Levels of the friction of the effect's drive.
-    Friction(ChangeOfLevels),
-    /// Torques on the joints.
-    Torque(AddedTorque),
-    /// How late the controller hears its command \[s\].
-    CommandDelay(f64),
-    /// Factors of the controller's stiffness and damping, by time.
-    Gains(Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>),
-    /// What is logged, at the controller's rate.
-    Readings(Box<dyn Fn(&mut Ticks) + Send + Sync>),
-    /// Which of the ticks are logged: entry i is the tick that row i shows.
-    Rows(ChangeOfRows),
-}
-
 /// An effect that was drawn: what it changes, at which joint (from 0), and the numbers of its law.
-#[derive(Default)]
 pub(crate) struct Drawn {
-    hooks: Vec<Hook>,
+    /// Sets what the arm has with or without the effect: levels that its user does not know anyway.
+    pub(crate) prepare: Change<Specimen>,
+    /// Changes the arm before it moves.
+    pub(crate) build: Change<Specimen>,
+    /// Changes levels of the friction of a drive.
+    pub(crate) friction: ChangeOfLevels,
+    /// Adds torques on the joints.
+    pub(crate) torque: AddedTorque,
+    /// How late the controller hears its command \[s\].
+    pub(crate) command_delay_s: f64,
+    /// Factors of the controller's stiffness and damping, by time.
+    pub(crate) gains: Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>,
+    /// Changes what is logged, at the controller's rate.
+    pub(crate) readings: Change<Ticks>,
+    /// Changes which of the ticks are logged: entry i is the tick that row i shows.
+    pub(crate) rows: ChangeOfRows,
     pub(crate) joint: Option<usize>,
     pub(crate) numbers: BTreeMap<String, f64>,
 }
 
-impl std::fmt::Debug for Drawn {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mut shown = formatter.debug_struct("Drawn");
-        shown
-            .field("numbers", &self.numbers)
-            .finish_non_exhaustive()
-    }
-}
-
 impl Drawn {
-    fn new(hook: Hook) -> Self {
-        Self::default().and(hook)
-    }
-
-    fn and(mut self, hook: Hook) -> Self {
-        self.hooks.push(hook);
-        self
+    /// Changes nothing but what `set` sets.
+    fn new(set: impl FnOnce(&mut Self)) -> Self {
+        let mut drawn = Self {
+            prepare: Box::new(|_| {}),
+            build: Box::new(|_| {}),
+            friction: Box::new(|_, _| {}),
+            torque: Box::new(|_, _| {}),
+            command_delay_s: 0.0,
+            gains: Box::new(|_| [1.0; 2]),
+            readings: Box::new(|_| {}),
+            rows: Box::new(|_, _| {}),
+            joint: None,
+            numbers: BTreeMap::new(),
+        };
+        set(&mut drawn);
+        drawn
     }
 
     fn at(mut self, joint: usize) -> Self {
@@ -109,78 +105,6 @@ impl Drawn {
     fn with(mut self, name: &str, value: f64) -> Self {
         self.numbers.insert(name.to_owned(), value);
         self
-    }
-
-    /// Sets what the arm has with or without the effect.
-    pub(crate) fn prepare(&self, specimen: &mut Specimen) {
-        for hook in &self.hooks {
-            if let Hook::Prepare(change) = hook {
-                change(specimen);
-            }
-        }
-    }
-
-    /// Changes the arm before it moves.
-    pub(crate) fn build(&self, specimen: &mut Specimen) {
-        for hook in &self.hooks {
-            if let Hook::Build(change) = hook {
-                change(specimen);
-            }
-        }
-    }
-
-    /// Changes the levels of a drive's friction.
-    pub(crate) fn friction(&self, sliding: &Sliding, levels: &mut Levels) {
-        for hook in &self.hooks {
-            if let Hook::Friction(change) = hook
-                && self.joint == Some(sliding.joint)
-            {
-                change(sliding, levels);
-            }
-        }
-    }
-
-    /// Adds torques on the joints.
-    pub(crate) fn torque(&self, instant: &Instant<'_>, torque: &mut [f64]) {
-        for hook in &self.hooks {
-            if let Hook::Torque(add) = hook {
-                add(instant, torque);
-            }
-        }
-    }
-
-    /// How late the controller hears its command \[s\].
-    pub(crate) fn command_delay_s(&self) -> f64 {
-        match self.hooks[..] {
-            [Hook::CommandDelay(delay_s)] => delay_s,
-            _ => 0.0,
-        }
-    }
-
-    /// Factors of the controller's stiffness and damping.
-    pub(crate) fn gains(&self, time_s: f64) -> [f64; 2] {
-        match &self.hooks[..] {
-            [Hook::Gains(factors)] => factors(time_s),
-            _ => [1.0, 1.0],
-        }
-    }
-
-    /// Changes what is logged.
-    pub(crate) fn readings(&self, ticks: &mut Ticks) {
-        for hook in &self.hooks {
-            if let Hook::Readings(change) = hook {
-                change(ticks);
-            }
-        }
-    }
-
-    /// Changes which of the ticks are logged.
-    pub(crate) fn rows(&self, rows: &mut Vec<usize>, random: &mut Random) {
-        for hook in &self.hooks {
-            if let Hook::Rows(change) = hook {
-                change(rows, random);
-            }
-        }
     }
 }
 

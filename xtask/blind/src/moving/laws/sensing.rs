@@ -1,6 +1,6 @@
 //! What sensors, recorder and controller do that their user does not know of.
 
-use super::{Draw, Drawn, Hook};
+use super::{Draw, Drawn};
 use crate::moving::motion::control::TICKS_PER_S;
 use crate::moving::motion::log::Ticks;
 use crate::random::Random;
@@ -13,7 +13,7 @@ fn reading(draw: &Draw<'_>, read: impl Fn(f64) -> f64 + Send + Sync + 'static) -
             *torque = read(*torque);
         }
     };
-    Drawn::new(Hook::Readings(Box::new(change))).at(joint)
+    Drawn::new(|own| own.readings = Box::new(change)).at(joint)
 }
 
 /// A scale that is off by 20 to 45 %.
@@ -52,13 +52,13 @@ pub(crate) fn dead_band(draw: &mut Draw<'_>) -> Drawn {
 pub(crate) fn encoder_latency(draw: &mut Draw<'_>) -> Drawn {
     let delay_s = draw.size * draw.random.uniform(0.012, 0.03);
     let late = move |ticks: &mut Ticks| ticks.delay_angles(delay_s, TICKS_PER_S);
-    Drawn::new(Hook::Readings(Box::new(late))).with("delay_s", delay_s)
+    Drawn::new(|own| own.readings = Box::new(late)).with("delay_s", delay_s)
 }
 
 /// The controller hears its command late.
 pub(crate) fn command_latency(draw: &mut Draw<'_>) -> Drawn {
     let delay_s = draw.size * draw.random.uniform(0.004, 0.012);
-    Drawn::new(Hook::CommandDelay(delay_s)).with("delay_s", delay_s)
+    Drawn::new(|own| own.command_delay_s = delay_s).with("delay_s", delay_s)
 }
 
 /// A controller that is softer for a while.
@@ -70,7 +70,7 @@ pub(crate) fn controller_mode(draw: &mut Draw<'_>) -> Drawn {
         true => [factor, libm::sqrt(factor)],
         false => [1.0, 1.0],
     };
-    Drawn::new(Hook::Gains(Box::new(gains)))
+    Drawn::new(|own| own.gains = Box::new(gains))
         .with("from_s", from_s)
         .with("until_s", until_s)
         .with("factor", factor)
@@ -86,7 +86,7 @@ pub(crate) fn repeated(draw: &mut Draw<'_>) -> Drawn {
             }
         }
     };
-    Drawn::new(Hook::Rows(Box::new(repeat))).with("share", share)
+    Drawn::new(|own| own.rows = Box::new(repeat)).with("share", share)
 }
 
 /// A recorder that loses up to four rows at a time and counts on as if none was lost.
@@ -105,5 +105,5 @@ pub(crate) fn dropped(draw: &mut Draw<'_>) -> Drawn {
             true
         });
     };
-    Drawn::new(Hook::Rows(Box::new(lose))).with("share", share)
+    Drawn::new(|own| own.rows = Box::new(lose)).with("share", share)
 }

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
-use super::{Draw, Drawn, Hook, Instant};
+use super::{Draw, Drawn, Instant};
 use crate::moving::motion::rigid::Link;
 use crate::moving::motion::specimen::Specimen;
 
 /// Adds torques on the joints.
 fn adding(add: impl Fn(&Instant<'_>, &mut [f64]) + Send + Sync + 'static) -> Drawn {
-    Drawn::new(Hook::Torque(Box::new(add)))
+    Drawn::new(|own| own.torque = Box::new(add))
 }
 
 /// A spring between a place beside the axis and one on the link: its pull times its lever,
@@ -130,12 +130,11 @@ pub(crate) fn sloshing(draw: &mut Draw<'_>) -> Drawn {
         chain.behind = 2;
         specimen.swing_damping = 2.0 * 0.05 * mass_kg * pulse;
     };
-    adding(move |instant, torque| {
+    let mut drawn = adding(move |instant, torque| {
         for slide in drives..drives + 2 {
             torque[slide] -= stiffness * instant.angle[slide];
         }
-    })
-    .and(Hook::Build(Box::new(build)))
-    .with("mass_kg", mass_kg)
-    .with("frequency_hz", hz)
+    });
+    drawn.build = Box::new(build);
+    drawn.with("mass_kg", mass_kg).with("frequency_hz", hz)
 }

@@ -141,16 +141,11 @@ impl<'d> Controller<'d> {
             }
             Kind::Computed => {
                 design.chain.at(read, &self.rate, &mut self.at);
+                for (wanted, asked) in self.wanted.iter_mut().zip(&asked.acceleration) {
+                    *wanted += asked;
+                }
                 for joint in 0..count {
-                    let wanted = |other: usize| self.wanted[other] + asked.acceleration[other];
-                    let row = &self.at.mass[joint * count..(joint + 1) * count];
-                    let own: f64 = row
-                        .iter()
-                        .enumerate()
-                        .map(|(other, entry)| entry * wanted(other))
-                        .sum();
-                    torque[joint] =
-                        own + design.armature[joint] * wanted(joint) + self.at.bias[joint];
+                    torque[joint] = self.at.needed(joint, &self.wanted, design.armature[joint]);
                 }
             }
         }

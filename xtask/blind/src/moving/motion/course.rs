@@ -182,17 +182,9 @@ impl Asked {
 
 /// Torques that the nominal bodies and rotors need.
 pub(crate) fn loads(arm: &Arm, asked: &Asked, at: &At) -> Vec<f64> {
-    let count = arm.count();
-    let load = |joint: usize| {
-        let row = &at.mass[joint * count..(joint + 1) * count];
-        let own: f64 = row
-            .iter()
-            .zip(&asked.acceleration)
-            .map(|(entry, a)| entry * a)
-            .sum();
-        own + arm.axes[joint].armature * asked.acceleration[joint] + at.bias[joint]
-    };
-    (0..count).map(load).collect()
+    let axes = arm.axes.iter().enumerate();
+    axes.map(|(joint, axis)| at.needed(joint, &asked.acceleration, axis.armature))
+        .collect()
 }
 
 /// A posture near the middle of the limits.

@@ -12,7 +12,6 @@ pub(crate) struct State {
 }
 
 /// An arm with its effects.
-#[derive(Debug)]
 pub(crate) struct Plant<'a> {
     pub(crate) specimen: &'a Specimen,
     pub(crate) effects: &'a [Drawn],
@@ -74,7 +73,7 @@ impl<'a> Plant<'a> {
             viscous: own.viscous,
         };
         for effect in self.effects {
-            effect.friction(sliding, &mut levels);
+            (effect.friction)(sliding, &mut levels);
         }
         let (stood, from) = self.bristle[sliding.joint];
         let sense = own.sense.at(stood, sliding.angle - from, sliding.speed);
@@ -107,7 +106,7 @@ impl<'a> Plant<'a> {
             at: &work.at,
         };
         for effect in self.effects {
-            effect.torque(&instant, &mut work.added);
+            (effect.torque)(&instant, &mut work.added);
         }
         for joint in 0..bodies {
             out[joint] = work.added[joint] - work.at.bias[joint];

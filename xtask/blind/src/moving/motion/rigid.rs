@@ -181,6 +181,14 @@ impl At {
         }
     }
 
+    /// Force that a joint needs for these accelerations, its rotor's inertia included.
+    pub(crate) fn needed(&self, joint: usize, acceleration: &[f64], armature: f64) -> f64 {
+        let count = acceleration.len();
+        let row = self.mass[joint * count..(joint + 1) * count].iter();
+        let inertial: f64 = row.zip(acceleration).map(|(entry, a)| entry * a).sum();
+        inertial + armature * acceleration[joint] + self.bias[joint]
+    }
+
     /// Energy of the weights, 0 at the base's origin \[J\].
     #[cfg(test)]
     pub(crate) fn potential_j(&self, chain: &Chain) -> f64 {

@@ -68,7 +68,7 @@ fn masses_weigh_what_they_say() {
         let effect = drawn(label, joint, 1.0);
         let mass_kg = effect.numbers["mass_kg"];
         let (plain, mut heavier) = (nominal(), nominal());
-        effect.build(&mut heavier);
+        (effect.build)(&mut heavier);
         let total = |specimen: &Specimen| -> f64 {
             specimen.chain.links.iter().map(|link| link.mass_kg).sum()
         };
@@ -122,7 +122,7 @@ fn gravity_leans_by_its_angle() {
     let effect = drawn("gravity-direction", 0, 1.0);
     let mut specimen = nominal();
     let upright = specimen.chain.gravity_mps2;
-    effect.build(&mut specimen);
+    (effect.build)(&mut specimen);
     let lean_rad = specimen.chain.gravity_mps2.angle(&upright);
     assert!((lean_rad - effect.numbers["lean_rad"]).abs() < 1e-9);
     assert!((2.0..=6.0).contains(&lean_rad.to_degrees()));
@@ -135,7 +135,7 @@ fn levels(effect: &Drawn, sliding: &Sliding) -> Levels {
         coulomb: 5.0,
         viscous: 2.0,
     };
-    effect.friction(sliding, &mut levels);
+    (effect.friction)(sliding, &mut levels);
     levels
 }
 
@@ -265,7 +265,7 @@ fn friction_changes_with_time_and_angle() {
 fn a_long_bristle_yields_over_its_length() {
     let effect = drawn("presliding", 2, 1.0);
     let mut specimen = nominal();
-    effect.build(&mut specimen);
+    (effect.build)(&mut specimen);
     let mut plant = Plant::new(&specimen, &[], &[0.0; 6]);
     let length = effect.numbers["length"];
     plant.follow(2, length);
@@ -293,7 +293,7 @@ fn torques(effect: &Drawn, angle: &[f64], time_s: f64) -> Vec<f64> {
     let mut at = At::default();
     ARM.chain().at(angle, &vec![0.0; angle.len()], &mut at);
     let mut torque = vec![0.0; angle.len()];
-    effect.torque(
+    (effect.torque)(
         &Instant {
             time_s,
             angle,
@@ -391,13 +391,13 @@ fn a_wall_pushes_back() {
 #[test]
 fn drives_yield_as_they_say() {
     let mut specimen = nominal();
-    drawn("elastic", 1, 1.0).build(&mut specimen);
+    (drawn("elastic", 1, 1.0).build)(&mut specimen);
     let soft = specimen.soft.unwrap();
     assert!((soft.torque(1e-5, 0.0) / 1e-5 - soft.stiffness).abs() < 1e-3 * soft.stiffness);
     let twice = soft.torque(soft.hardens_rad, 0.0);
     assert!((twice - 2.0 * soft.stiffness * soft.hardens_rad).abs() < 1e-9);
     let effect = drawn("backlash-second-encoder", 1, 1.0);
-    effect.build(&mut specimen);
+    (effect.build)(&mut specimen);
     let play = specimen.soft.unwrap();
     let half = 0.5 * effect.numbers["play_rad"];
     assert_eq!(
@@ -438,7 +438,7 @@ fn sensors_read_as_they_say() {
     let read = |label: &str| {
         let effect = drawn(label, 1, 1.0);
         let mut ticks = ramp();
-        effect.readings(&mut ticks);
+        (effect.readings)(&mut ticks);
         assert_eq!(ticks.torque[2], ramp().torque[2], "one joint alone");
         (effect, ticks)
     };
@@ -469,11 +469,11 @@ fn sensors_read_as_they_say() {
     );
     assert_eq!(ticks.torque, plain.torque);
     let effect = drawn("command-latency", 0, 1.0);
-    assert_eq!(effect.command_delay_s(), effect.numbers["delay_s"]);
+    assert_eq!(effect.command_delay_s, effect.numbers["delay_s"]);
     let effect = drawn("controller-mode", 0, 1.0);
     let soft = 0.5 * (effect.numbers["from_s"] + effect.numbers["until_s"]);
     assert_eq!(
-        (effect.gains(0.0), effect.gains(soft)[0]),
+        ((effect.gains)(0.0), (effect.gains)(soft)[0]),
         ([1.0; 2], effect.numbers["factor"])
     );
 }
@@ -484,7 +484,7 @@ fn recorders_lose_and_repeat_as_they_say() {
     let changed = |label: &str| {
         let effect = drawn(label, 0, 1.0);
         let mut rows = all.clone();
-        effect.rows(&mut rows, &mut Random::new(4, 4));
+        (effect.rows)(&mut rows, &mut Random::new(4, 4));
         (effect.numbers["share"], rows)
     };
     let (share, rows) = changed("sampling-repeated");

@@ -106,17 +106,15 @@ fn walls(
     {
         let ratios = kind.ratios(|sample| sample.ratio(2))?;
         let spread = Spread::new(&ratios)?;
-        output.verdict(
-            spread.median <= TARGET,
-            format!(
-                "{}: after full calibration the transverse force is {:.2} % of that before (median of {} seeds; worst \
-                 {:.2} %{least})",
-                kind.name,
-                100.0 * spread.median,
-                ratios.len(),
-                100.0 * largest(&ratios),
-            ),
+        let text = format!(
+            "{}: after full calibration the transverse force is {:.2} % of that before (median of {} seeds; worst \
+             {:.2} %{least})",
+            kind.name,
+            100.0 * spread.median,
+            ratios.len(),
+            100.0 * largest(&ratios),
         );
+        output.verdict(spread.median <= TARGET, text);
     }
     let restless = unsettled(scenario, &drawn, axis, gain)?;
     no_rest(output, &kinds[1], &restless)?;
