@@ -49,8 +49,8 @@ pub use rig::noise::{ChannelNoise, NoisePlan};
 pub use rig::scene::{CablePath, CleanChannels, Recorded, Scene};
 pub use score::{
     Answer, Calibration, Cause, ChannelGap, Coverage, Gap, HeldOut, ParameterAnswer, Prediction,
-    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, closed_percent, judge,
-    summarise, true_reductions,
+    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, channel_of,
+    closed_percent, judge, summarise, true_reductions,
 };
 pub use seal::{Sealed, seal, sha256_hex};
 pub use suites::Suite;

@@ -30,32 +30,10 @@ macro_rules! suites {
             /// All suites, in the order of a batch.
             pub const ALL: [Self; 27] = [$(Self::$variant,)*];
 
-            /// Short name: `s0`, `s1`, `s1n`, ...
-            pub const fn name(self) -> &'static str {
+            /// Short name, what it holds, number of its streams and place among the salts, trials.
+            const fn row(self) -> (&'static str, &'static str, [u64; 2], [u64; 2]) {
                 match self {
-                    $(Self::$variant => $name,)*
-                }
-            }
-
-            /// What it holds.
-            pub const fn about(self) -> &'static str {
-                match self {
-                    $(Self::$variant => $about,)*
-                }
-            }
-
-            /// Number of its streams, and its place among the salts.
-            pub const fn numbers(self) -> [u64; 2] {
-                match self {
-                    $(Self::$variant => [$stream, $salt],)*
-                }
-            }
-
-            /// Trials of a scored batch, and of a quick check: each kind of clean recording once, a third of the strong effects,
-            /// one or two of all other suites.
-            pub const fn trials(self) -> [u64; 2] {
-                match self {
-                    $(Self::$variant => [$scored, $quick],)*
+                    $(Self::$variant => ($name, $about, [$stream, $salt], [$scored, $quick]),)*
                 }
             }
         }
@@ -123,6 +101,27 @@ suites! {
 const SUITE_STREAM: u64 = 1 << 40;
 
 impl Suite {
+    /// Short name: `s0`, `s1`, `s1n`, ...
+    pub const fn name(self) -> &'static str {
+        self.row().0
+    }
+
+    /// What it holds.
+    pub const fn about(self) -> &'static str {
+        self.row().1
+    }
+
+    /// Number of its streams, and its place among the salts.
+    pub const fn numbers(self) -> [u64; 2] {
+        self.row().2
+    }
+
+    /// Trials of a scored batch, and of a quick check: each kind of clean recording once, a third of the strong effects,
+    /// one or two of all other suites.
+    pub const fn trials(self) -> [u64; 2] {
+        self.row().3
+    }
+
     /// Whether the diagnosis must not see the second recording: what it made of the first is tried on it.
     pub const fn keeps_second_back(self) -> bool {
         matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)

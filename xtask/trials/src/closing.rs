@@ -9,7 +9,8 @@ use haptical::{Device, Identify, Log, Replayed, identify, replay};
 use haptical_model::Device as Model;
 use serde::Serialize;
 use xtask_blind::{
-    Answer, Asked, CleanChannels, Prediction, TrueReduction, closed_percent, true_reductions,
+    Answer, Asked, CleanChannels, Prediction, TrueReduction, channel_of, closed_percent,
+    true_reductions,
 };
 
 use super::compiled;
@@ -211,17 +212,6 @@ fn predictions(before: &Replayed, after: &Replayed) -> BTreeMap<String, Vec<Pred
 /// What is predicted for a reading of an external encoder or a cable.
 fn value(replayed: &Replayed, channel: &str, row: usize) -> Option<f64> {
     let predicted = &replayed.predicted;
-    let place = |prefix: &str| {
-        let number = channel.strip_prefix(prefix)?;
-        match number {
-            "" => Some(0),
-            number => number.parse::<usize>().ok()?.checked_sub(1),
-        }
-    };
-    let column = match (place("out"), place("cable")) {
-        (Some(joint), _) => predicted.output.get(joint)?,
-        (_, Some(cable)) => predicted.cable_m.get(cable)?,
-        _ => &None,
-    };
+    let column = channel_of(channel, &predicted.output, &predicted.cable_m)?;
     column.as_ref()?.get(row).copied()
 }

@@ -9,6 +9,7 @@ use haptical::effects::Context;
 use haptical::effects::device::bare;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device as Model, Recording};
+use xtask_blind::channel_of;
 
 /// Reads rows of doubles from its standard input and writes joint values and the place of the handle of each.
 const PROGRAM: &str = include_str!("../assets/replay.c");
@@ -25,16 +26,7 @@ pub(crate) struct Predicted {
 impl Predicted {
     /// What is predicted for a channel: an external encoder, a cable. Not a number at rows that the C refuses.
     pub(crate) fn channel(&self, name: &str) -> Option<&[f64]> {
-        let place = |prefix: &str| match name.strip_prefix(prefix)? {
-            "" => Some(0),
-            number => number.parse::<usize>().ok()?.checked_sub(1),
-        };
-        let column = match (place("out"), place("cable")) {
-            (Some(joint), _) => self.output.get(joint),
-            (_, Some(cable)) => self.cable_m.get(cable),
-            _ => None,
-        };
-        column.map(Vec::as_slice)
+        channel_of(name, &self.output, &self.cable_m).map(Vec::as_slice)
     }
 }
 

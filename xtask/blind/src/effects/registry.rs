@@ -29,7 +29,7 @@ pub enum Group {
 }
 
 /// A kind of effect.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct Kind {
     /// Name.
     pub name: &'static str,
@@ -37,16 +37,6 @@ pub struct Kind {
     pub group: Group,
     sites: Sites,
     draw: fn(&mut Draw<'_>) -> Effect,
-}
-
-impl std::fmt::Debug for Kind {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter
-            .debug_struct("Kind")
-            .field("name", &self.name)
-            .field("group", &self.group)
-            .finish_non_exhaustive()
-    }
 }
 
 /// The joints at which a kind can act.

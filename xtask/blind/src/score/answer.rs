@@ -40,13 +40,12 @@ pub struct Answer {
     #[serde(default)]
     pub gap: Gap,
     /// Where it lies.
-    #[serde(default, rename = "where")]
+    #[serde(rename = "where")]
     pub place: Option<Where>,
     /// Causes, strongest first.
     #[serde(default)]
     pub causes: Vec<Cause>,
     /// Probability that no name of the catalogue is right.
-    #[serde(default)]
     pub probability_unknown: Option<f64>,
 }
 
@@ -64,10 +63,8 @@ pub struct ChannelGap {
     /// Channel: `out2`, `cable`, ...
     pub channel: String,
     /// Reduction of the gap \[%\].
-    #[serde(default)]
     pub reduction_percent: Option<f64>,
     /// Its 95 % interval \[%\].
-    #[serde(default)]
     pub reduction_ci95: Option<[f64; 2]>,
 }
 
@@ -75,10 +72,8 @@ pub struct ChannelGap {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Where {
     /// Channel.
-    #[serde(default)]
     pub channel: Option<String>,
     /// Joint, from 1.
-    #[serde(default)]
     pub joint: Option<usize>,
     /// Columns that it depends on.
     #[serde(default)]
@@ -91,10 +86,8 @@ pub struct Cause {
     /// Name of the effect.
     pub effect: String,
     /// Joint, from 1.
-    #[serde(default)]
     pub joint: Option<usize>,
     /// Probability of this name.
-    #[serde(default)]
     pub probability: Option<f64>,
     /// Names that the data cannot tell from it.
     #[serde(default)]
@@ -103,10 +96,8 @@ pub struct Cause {
     #[serde(default)]
     pub parameters: BTreeMap<String, ParameterAnswer>,
     /// False where a magnitude is beyond what is physically possible.
-    #[serde(default)]
     pub plausible: Option<bool>,
     /// What adding it does to data that the fit did not see.
-    #[serde(default)]
     pub held_out: Option<HeldOut>,
 }
 
@@ -114,10 +105,8 @@ pub struct Cause {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterAnswer {
     /// Value.
-    #[serde(default)]
     pub value: Option<f64>,
     /// 95 % interval.
-    #[serde(default)]
     pub ci95: Option<[f64; 2]>,
 }
 
@@ -125,13 +114,10 @@ pub struct ParameterAnswer {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// Channel.
-    #[serde(default)]
     pub channel: Option<String>,
     /// Reduction of the gap \[%\].
-    #[serde(default)]
     pub reduction_percent: Option<f64>,
     /// Its 95 % interval \[%\].
-    #[serde(default)]
     pub reduction_ci95: Option<[f64; 2]>,
 }
 

@@ -9,5 +9,5 @@ mod summary;
 pub use answer::{Answer, Cause, ChannelGap, Gap, HeldOut, ParameterAnswer, Verdict, Where};
 pub use interval::Rate;
 pub use judge::{Coverage, ShrinkScore, TrialScore, judge};
-pub use reduction::{Prediction, TrueReduction, closed_percent, true_reductions};
+pub use reduction::{Prediction, TrueReduction, channel_of, closed_percent, true_reductions};
 pub use summary::{Calibration, Summary, summarise};

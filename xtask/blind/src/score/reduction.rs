@@ -101,19 +101,19 @@ pub fn closed_percent(
 impl CleanChannels {
     /// The channel of that name: `out1`, `out2`, ..., `cable`, `cable2`, ... (a unit suffix may follow).
     pub fn channel(&self, name: &str) -> Option<&[f64]> {
-        let name = name.split('_').next().unwrap_or(name);
-        let column = if let Some(number) = name.strip_prefix("out") {
-            let joint: usize = number.parse().ok()?;
-            self.output_rad.get(joint.checked_sub(1)?)?
-        } else {
-            let number = name.strip_prefix("cable")?;
-            let index = if number.is_empty() {
-                0
-            } else {
-                number.parse::<usize>().ok()?.checked_sub(1)?
-            };
-            self.cable_m.get(index)?
-        };
-        column.as_deref()
+        channel_of(name, &self.output_rad, &self.cable_m)?.as_deref()
+    }
+}
+
+/// What belongs to a channel, of what there is for external encoders and for cables.
+pub fn channel_of<'c, T>(name: &str, outputs: &'c [T], cables: &'c [T]) -> Option<&'c T> {
+    let name = name.split('_').next().unwrap_or(name);
+    let place = |number: &str| number.parse::<usize>().ok()?.checked_sub(1);
+    if let Some(number) = name.strip_prefix("out") {
+        return outputs.get(place(number)?);
+    }
+    match name.strip_prefix("cable")? {
+        "" => cables.first(),
+        number => cables.get(place(number)?),
     }
 }

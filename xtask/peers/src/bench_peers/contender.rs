@@ -41,18 +41,39 @@ impl Answer {
     }
 }
 
+/// Who it was.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct Label {
+    /// Whose it is: `ours`, `ours, warm start`, `Ceres`, `SciPy` or `Pinocchio`.
+    pub(crate) family: &'static str,
+    /// What it is, for tables.
+    pub(crate) name: String,
+    pub(crate) threads: usize,
+}
+
+impl Label {
+    pub(crate) fn new(family: &'static str, name: &str, threads: usize) -> Self {
+        Self {
+            family,
+            name: name.to_owned(),
+            threads,
+        }
+    }
+
+    /// `Ceres: automatic, dense QR (2 threads)`.
+    pub(crate) fn full(&self) -> String {
+        let threads = match self.threads {
+            1 => String::new(),
+            threads => format!(" ({threads} threads)"),
+        };
+        format!("{}: {}{threads}", self.family, self.name)
+    }
+}
+
 /// Ours or a peer's: something that can be run again and again.
 pub(crate) trait Contender {
-    /// What it is, for tables.
-    fn name(&self) -> &str;
-
-    /// Whose it is: `ours`, `ours, warm start`, `Ceres`, `SciPy` or `Pinocchio`.
-    fn family(&self) -> &str;
-
-    /// Threads that it uses.
-    fn threads(&self) -> usize {
-        1
-    }
+    /// Who it is.
+    fn label(&self) -> &Label;
 
     /// Process that does the work, where it is not this one.
     fn process(&self) -> Option<u32> {

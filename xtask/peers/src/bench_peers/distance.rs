@@ -7,12 +7,12 @@ use anyhow::{Context, Result};
 use xtask_output::Progress;
 
 use super::agreement::check_costs;
-use super::contender::Contender;
+use super::contender::{Contender, Label};
 use super::files::DataSet;
 use super::ours::{COLD, WARM, solvers};
 use super::peer::{Peer, PeerContender};
 use super::report::{Results, Solution};
-use super::rounds::{Label, Plan, compare, repeats, time_s};
+use super::rounds::{Plan, compare, repeats, time_s};
 
 /// One size of the work.
 #[derive(Debug, Clone, Copy)]
@@ -95,7 +95,7 @@ pub(crate) fn run(
     let mut contenders: Vec<Box<dyn Contender + '_>> = Vec::new();
     for threads in 1..=if work.two_threads { 2 } else { 1 } {
         for ours in solvers(set, work.tolerance, threads)? {
-            if work.warm || ours.family() != WARM {
+            if work.warm || ours.label().family != WARM {
                 contenders.push(Box::new(ours));
             }
         }
@@ -108,13 +108,10 @@ pub(crate) fn run(
     let mut costs = Vec::new();
     for contender in &mut contenders {
         let first = contender.run(1)?;
-        let (label, cost) = (
-            Label::from_contender(contender.as_ref()),
-            first.cost.context("no cost")?,
-        );
+        let (label, cost) = (contender.label().clone(), first.cost.context("no cost")?);
         costs.push((label.full(), cost));
         // the first run meets cold caches and sleeping threads
-        let is_ours = [COLD, WARM].contains(&contender.family());
+        let is_ours = [COLD, WARM].contains(&label.family);
         let probes = if is_ours { PROBES } else { 1 };
         let mut least_s = f64::INFINITY;
         for _ in 0..probes {
@@ -133,15 +130,19 @@ pub(crate) fn run(
     check_costs(work.name, &costs)?;
     let champion = |contenders: &[Box<dyn Contender + '_>], family: &str, threads: usize| {
         (0..contenders.len())
-            .filter(|&index| contenders[index].family() == family)
-            .filter(|&index| contenders[index].threads() == threads)
+            .filter(|&index| {
+                let label = contenders[index].label();
+                (label.family, label.threads) == (family, threads)
+            })
             .min_by(|&a, &b| times_s[a].total_cmp(&times_s[b]))
     };
     let alone = champion(&contenders, COLD, 1).context("nothing of ours")?;
     results.alone(work.name, contenders[alone].as_ref(), times_s[alone]);
     let mut pairs = Vec::new();
     for other in 0..contenders.len() {
-        let threads = contenders[other].threads();
+        let Label {
+            family, threads, ..
+        } = *contenders[other].label();
         let cold = champion(&contenders, COLD, threads).unwrap_or(alone);
         if other != alone {
             pairs.push((cold, other));
@@ -149,7 +150,7 @@ pub(crate) fn run(
             // ours on two threads meets ours on one
             pairs.push((two, other));
         }
-        let is_peer = ![COLD, WARM].contains(&contenders[other].family());
+        let is_peer = ![COLD, WARM].contains(&family);
         if is_peer && let Some(warm) = champion(&contenders, WARM, threads) {
             pairs.push((warm, other));
         }
@@ -175,9 +176,7 @@ fn theirs(work: &Work, file: usize, peers: &Peers) -> Vec<PeerContender> {
     let mut theirs = Vec::new();
     let mut add = |family, name: &str, threads, peer: &Rc<RefCell<Peer>>, way: &str| {
         theirs.push(PeerContender {
-            family,
-            name: name.to_owned(),
-            threads,
+            label: Label::new(family, name, threads),
             request: format!("{file} {way} {threads} {:e}", work.tolerance),
             calls: 1,
             peer: Rc::clone(peer),

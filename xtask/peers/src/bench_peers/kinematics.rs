@@ -8,8 +8,9 @@ use haptical_batch::PoseLanes;
 use haptical_model::kinematics::{Chain, Convention, Link, Motion, Pose, PreparedChain, Twist};
 use serde_json::Value;
 
-use super::contender::{Answer, Contender};
+use super::contender::{Answer, Contender, Label};
 use super::files::DataSet;
+use super::ours::COLD;
 
 /// Largest difference of a number of pose or Jacobian (m, m/rad, no unit).
 pub(crate) const VALUE_AGREEMENT: f64 = 1e-10;
@@ -136,6 +137,7 @@ fn check_numbers(name: &str, found: &[f64], ours: &[f64]) -> Result<f64> {
 /// Our fastest call: the first `poses` poses, `calls` times over. One pose is the prepared chain's, several
 /// go through the lanes, whose joint variables are laid out joint by joint.
 pub(crate) struct OursChain {
+    label: Label,
     set: Poses,
     columns: [Vec<f64>; JOINTS],
     calls: usize,
@@ -144,15 +146,16 @@ pub(crate) struct OursChain {
 impl OursChain {
     pub(crate) fn new(set: &Poses, poses: usize, calls: usize) -> Self {
         let set = set.first(poses);
+        let name = match set.joints_rad.len() {
+            1 => "PreparedChain::pose_and_jacobian",
+            _ => "PoseLanes::evaluate",
+        };
         Self {
+            label: Label::new(COLD, name, 1),
             columns: set.columns(),
             set,
             calls,
         }
-    }
-
-    fn poses(&self) -> usize {
-        self.set.joints_rad.len()
     }
 
     /// Times of `work`, one call over all poses.
@@ -163,7 +166,7 @@ impl OursChain {
             for _ in 0..self.calls {
                 work()?;
             }
-            let calls = self.calls * self.poses();
+            let calls = self.calls * self.set.joints_rad.len();
             answer
                 .solve_s
                 .push(start.elapsed().as_secs_f64() / calls as f64);
@@ -173,16 +176,8 @@ impl OursChain {
 }
 
 impl Contender for OursChain {
-    fn name(&self) -> &str {
-        if self.poses() == 1 {
-            "PreparedChain::pose_and_jacobian"
-        } else {
-            "PoseLanes::evaluate"
-        }
-    }
-
-    fn family(&self) -> &str {
-        "ours"
+    fn label(&self) -> &Label {
+        &self.label
     }
 
     fn run(&mut self, repeats: usize) -> Result<Answer> {

@@ -22,7 +22,7 @@ use std::rc::Rc;
 
 use anyhow::{Result, bail};
 
-use contender::Contender;
+use contender::{Contender, Label};
 use distance::{LARGE, Peers, SMALL};
 use files::DataSet;
 use kinematics::{OursChain, POSES, Poses, check_values};
@@ -153,9 +153,7 @@ fn forward_kinematics(tools: &Tools, path: &Path, plan: Plan, results: &mut Resu
             ("computeFrameJacobian", "frame"),
         ] {
             let mut theirs = PeerContender {
-                family: "Pinocchio",
-                name: name.to_owned(),
-                threads: 1,
+                label: Label::new("Pinocchio", name, 1),
                 request: format!("{call} {count} {calls}"),
                 calls: POSES,
                 peer: Rc::clone(peer),

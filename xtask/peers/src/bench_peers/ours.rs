@@ -11,7 +11,7 @@ use haptical_identification::{Fit, Method, Settings, solve};
 use haptical_model::Recording;
 use rayon::ThreadPool;
 
-use super::contender::{Answer, Contender};
+use super::contender::{Answer, Contender, Label};
 use super::files::DataSet;
 
 /// Family of what starts at the nominal values, as every peer does.
@@ -165,11 +165,9 @@ fn step_two(task: &Task<'_>) -> Result<Search> {
 
 /// One of ours, with threads of its own.
 pub(crate) struct Ours<'d> {
-    family: &'static str,
-    name: &'static str,
+    label: Label,
     solver: Solver,
     task: Task<'d>,
-    threads: usize,
     pool: ThreadPool,
 }
 
@@ -180,11 +178,9 @@ pub(crate) fn solvers(set: &DataSet, tolerance: f64, threads: usize) -> Result<V
         .map(|(family, name, solver)| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
             Ok(Ours {
-                family,
-                name,
+                label: Label::new(family, name, threads),
                 solver,
                 task: Task::new(set, tolerance),
-                threads,
                 pool: pool.build().context("a thread cannot be started")?,
             })
         })
@@ -192,16 +188,8 @@ pub(crate) fn solvers(set: &DataSet, tolerance: f64, threads: usize) -> Result<V
 }
 
 impl Contender for Ours<'_> {
-    fn name(&self) -> &str {
-        self.name
-    }
-
-    fn family(&self) -> &str {
-        self.family
-    }
-
-    fn threads(&self) -> usize {
-        self.threads
+    fn label(&self) -> &Label {
+        &self.label
     }
 
     fn run(&mut self, repeats: usize) -> Result<Answer> {
@@ -210,7 +198,7 @@ impl Contender for Ours<'_> {
         let searches: Result<Vec<Search>> = self
             .pool
             .install(|| (0..repeats.max(1)).map(|_| solver(task)).collect());
-        let searches = searches.with_context(|| format!("ours: {}", self.name))?;
+        let searches = searches.with_context(|| format!("ours: {}", self.label.name))?;
         let last = searches.last().context("nothing was run")?;
         Ok(Answer {
             cost: Some(last.cost),

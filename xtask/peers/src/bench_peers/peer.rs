@@ -13,7 +13,7 @@ use std::rc::Rc;
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-use super::contender::{Answer, Contender};
+use super::contender::{Answer, Contender, Label};
 
 /// How a peer is started.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,9 +93,7 @@ impl Drop for Peer {
 /// One way of a peer; several share its process.
 #[derive(Debug, Clone)]
 pub(crate) struct PeerContender {
-    pub(crate) family: &'static str,
-    pub(crate) name: String,
-    pub(crate) threads: usize,
+    pub(crate) label: Label,
     /// The request but for the repeats, its last word.
     pub(crate) request: String,
     /// Calls that one time of an answer covers; the answer is divided by it.
@@ -104,16 +102,8 @@ pub(crate) struct PeerContender {
 }
 
 impl Contender for PeerContender {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn family(&self) -> &str {
-        self.family
-    }
-
-    fn threads(&self) -> usize {
-        self.threads
+    fn label(&self) -> &Label {
+        &self.label
     }
 
     fn process(&self) -> Option<u32> {
@@ -123,7 +113,7 @@ impl Contender for PeerContender {
     fn run(&mut self, repeats: usize) -> Result<Answer> {
         let request = format!("{} {}", self.request, repeats.max(1));
         let asked = self.peer.borrow_mut().ask(&request);
-        let line = asked.with_context(|| format!("{}: {}", self.family, self.name))?;
+        let line = asked.with_context(|| format!("{}: {}", self.label.family, self.label.name))?;
         let mut answer = Answer::from_json(&line)?;
         for time in &mut answer.solve_s {
             *time /= self.calls as f64;

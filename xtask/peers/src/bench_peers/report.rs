@@ -10,11 +10,11 @@ use xtask_output::cells;
 
 use super::agreement::COST_AGREEMENT;
 use super::bars::{BATCH, ONE_POSE, verdicts};
-use super::contender::Contender;
+use super::contender::{Contender, Label};
 use super::distance::{LARGE, SMALL};
 use super::kinematics::VALUE_AGREEMENT;
 use super::load::{DISTURBED, processor};
-use super::rounds::{Comparison, Label};
+use super::rounds::Comparison;
 
 /// In the order of the tables.
 const WORKS: [&str; 4] = [SMALL.name, LARGE.name, ONE_POSE, BATCH];
@@ -64,7 +64,7 @@ impl Results {
     /// Notes the time of ours \[s\].
     pub(crate) fn alone(&mut self, work: &str, ours: &dyn Contender, time_s: f64) {
         self.alone
-            .push((work.to_owned(), Label::from_contender(ours), time_s));
+            .push((work.to_owned(), ours.label().clone(), time_s));
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use haptical_metrics::median;
 
 use super::agreement::check_costs;
-use super::contender::{Answer, Contender};
+use super::contender::{Answer, Contender, Label};
 use super::load::{DISTURBED, Ticks};
 use super::ratio::MedianRatio;
 
@@ -43,33 +43,6 @@ pub(crate) struct Comparison {
     pub(crate) discarded: usize,
 }
 
-/// Who it was.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Label {
-    pub(crate) family: String,
-    pub(crate) name: String,
-    pub(crate) threads: usize,
-}
-
-impl Label {
-    pub(crate) fn from_contender(contender: &dyn Contender) -> Self {
-        Self {
-            family: contender.family().to_owned(),
-            name: contender.name().to_owned(),
-            threads: contender.threads(),
-        }
-    }
-
-    /// `Ceres: automatic, dense QR (2 threads)`.
-    pub(crate) fn full(&self) -> String {
-        let threads = match self.threads {
-            1 => String::new(),
-            threads => format!(" ({threads} threads)"),
-        };
-        format!("{}: {}{threads}", self.family, self.name)
-    }
-}
-
 impl Comparison {
     /// Median of the ratios with its interval; none where every round was disturbed.
     pub(crate) fn ratio(&self) -> Option<MedianRatio> {
@@ -98,8 +71,8 @@ pub(crate) fn compare(
     let ((ours, ours_repeats), (other, other_repeats)) = (ours, other);
     let mut comparison = Comparison {
         work: work.to_owned(),
-        ours: Label::from_contender(ours),
-        other: Label::from_contender(other),
+        ours: ours.label().clone(),
+        other: other.label().clone(),
         ..Comparison::default()
     };
     let processes: Vec<u32> = [ours.process(), other.process()]

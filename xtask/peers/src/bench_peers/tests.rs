@@ -6,14 +6,14 @@ use haptical_identification::{Settings, solve};
 
 use super::agreement::check_costs;
 use super::bars::verdicts;
-use super::contender::{Answer, Contender};
+use super::contender::{Answer, Contender, Label};
 use super::files::{DataSet, read};
 use super::kinematics::{Poses, check_values};
 use super::load::{Ticks, of_process};
 use super::ours::{COLD, WARM, solvers};
 use super::ratio::MedianRatio;
 use super::report::{PeerRecord, Results, pairs, presence, write};
-use super::rounds::{Comparison, Label, Plan, compare, repeats};
+use super::rounds::{Comparison, Plan, compare, repeats};
 
 /// The distance of a pose from the numbers of the file alone, by the paper's eqs. (3) to (5).
 fn distance_m(table: &[f64], joints_rad: &[f64]) -> f64 {
@@ -98,7 +98,7 @@ fn all_of_ours_find_the_same() {
     for mut ours in solvers(&set, 1e-10, 1).unwrap() {
         let answer = ours.run(2).unwrap();
         assert_eq!(answer.solve_s.len(), 2);
-        costs.push((ours.name().to_owned(), answer.cost.unwrap()));
+        costs.push((ours.label().name.clone(), answer.cost.unwrap()));
     }
     assert!(costs.len() >= 3);
     check_costs("200 poses", &costs).unwrap();
@@ -177,18 +177,15 @@ fn the_median_of_ratios_has_the_interval_of_its_order_statistics() {
 
 /// Takes the times it is told, in turn.
 struct Told {
+    label: Label,
     cost: f64,
     times_s: Vec<f64>,
     asked: usize,
 }
 
 impl Contender for Told {
-    fn name(&self) -> &str {
-        "told"
-    }
-
-    fn family(&self) -> &str {
-        "test"
+    fn label(&self) -> &Label {
+        &self.label
     }
 
     fn run(&mut self, _repeats: usize) -> Result<Answer> {
@@ -204,6 +201,7 @@ impl Contender for Told {
 
 fn told(cost: f64, times_s: &[f64]) -> Told {
     Told {
+        label: Label::new("test", "told", 1),
         cost,
         times_s: times_s.to_vec(),
         asked: 0,
@@ -230,11 +228,7 @@ fn ratios_are_taken_pair_by_pair() {
 #[test]
 fn a_bar_is_judged_by_the_fastest_way_and_only_where_all_have_a_ratio() {
     let pair = |name: &str, ratios: &[f64]| {
-        let label = |family: &str, name: &str| Label {
-            family: family.to_owned(),
-            name: name.to_owned(),
-            threads: 1,
-        };
+        let label = |family, name: &str| Label::new(family, name, 1);
         Comparison {
             work: "200 poses".to_owned(),
             ours: label("ours", "solve"),
@@ -258,12 +252,8 @@ fn a_bar_is_judged_by_the_fastest_way_and_only_where_all_have_a_ratio() {
 
 #[test]
 fn a_warm_start_is_judged_by_its_own_bar_alone() {
-    let pair = |ours: &str, ratio: f64| {
-        let label = |family: &str| Label {
-            family: family.to_owned(),
-            name: "solve".to_owned(),
-            threads: 1,
-        };
+    let pair = |ours, ratio: f64| {
+        let label = |family| Label::new(family, "solve", 1);
         Comparison {
             work: "100 000 poses".to_owned(),
             ours: label(ours),
@@ -300,11 +290,7 @@ fn repeats_fill_a_tenth_of_a_second() {
 
 #[test]
 fn labels_say_threads_only_where_there_are_several() {
-    let mut label = Label {
-        family: "Ceres".to_owned(),
-        name: "dense QR".to_owned(),
-        threads: 1,
-    };
+    let mut label = Label::new("Ceres", "dense QR", 1);
     assert_eq!(label.full(), "Ceres: dense QR");
     label.threads = 2;
     assert_eq!(label.full(), "Ceres: dense QR (2 threads)");
