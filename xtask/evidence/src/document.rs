@@ -50,11 +50,8 @@ impl Part {
             return None;
         }
         let held = self.find(committed);
-        let sections: Vec<&str> = of_run
-            .into_iter()
-            .zip(held)
-            .filter_map(|(new, old)| new.or(old))
-            .collect();
+        let sections = of_run.into_iter().zip(held);
+        let sections: Vec<&str> = sections.filter_map(|(new, old)| new.or(old)).collect();
         Some(format!(
             "# Evidence: {}\n\nWritten by `cargo xtask evidence --only {}`; [evidence.md](../evidence.md) has the claims.\n\n## {}\n",
             self.name,

@@ -1,6 +1,7 @@
 //! The paper's tables as data: fixtures/paper/tables.toml, never merged with anything of ours.
 
 use anyhow::{Context, Result, ensure};
+use haptical_model::transmission::CapstanError;
 use serde::Deserialize;
 
 const TABLES: &str = include_str!("../../../fixtures/paper/tables.toml");
@@ -125,6 +126,12 @@ pub struct Paper {
     pub(crate) text: Text,
     /// Deviations of the parallelogram's L1 and L2, with the unit corrected to metres.
     pub(crate) length_deviations_m: [f64; 2],
+}
+
+/// A capstan's errors as printed: R_e, r_o \[mm\], beta_o \[deg\], r_i \[mm\], beta_i \[deg\].
+pub(crate) fn capstan([ratio, ro_mm, beta_o_deg, ri_mm, beta_i_deg]: [f64; 5]) -> CapstanError {
+    let [beta_o, beta_i] = [beta_o_deg, beta_i_deg].map(f64::to_radians);
+    CapstanError::from_polar(0.0, ratio, ro_mm * 1e-3, beta_o, ri_mm * 1e-3, beta_i)
 }
 
 impl Paper {

@@ -3,12 +3,11 @@
 use anyhow::{Context, Result, ensure};
 use haptical_calibration::{CalibrationMethod, Degree, HeldOut, Options, Weighting};
 use haptical_identification::Settings as Search;
-use haptical_model::transmission::CapstanError;
 use haptical_model::{Device, Recording, TransmissionError, TransmissionKind};
 use haptical_simulator::{Settings, apply_deviations, simulate, simulate_transmission};
 
 use crate::pose_error::PoseErrors;
-use crate::published::Paper;
+use crate::published::{Paper, Rows, capstan};
 
 const NOMINAL: &str = include_str!("../../../fixtures/devices/haptic7.toml");
 
@@ -49,12 +48,8 @@ pub fn nominal_device(path: Option<&std::path::Path>) -> Result<Device> {
         device.name,
         device.joints.len()
     );
-    let kinds: Vec<TransmissionKind> = device
-        .joints
-        .iter()
-        .take(4)
-        .map(|joint| joint.transmission)
-        .collect();
+    let kinds = device.joints.iter().take(4).map(|joint| joint.transmission);
+    let kinds: Vec<TransmissionKind> = kinds.collect();
     ensure!(
         kinds[..3]
             .iter()
@@ -138,28 +133,26 @@ pub fn true_device(nominal: &Device, paper: &Paper, scale: f64) -> Result<Device
         .collect();
     let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 3")?;
     let table = &paper.table2;
+    let (radii, angles) = (
+        [&table.ro_mm, &table.ri_mm],
+        [&table.beta_o_deg, &table.beta_i_deg],
+    );
     for joint in 0..3 {
-        truth.joints[joint].transmission_error =
-            TransmissionError::Capstan(CapstanError::from_polar(
-                0.0,
-                table.ratio_deviation.assigned[joint],
-                table.ro_mm.assigned[joint] * 1e-3,
-                table.beta_o_deg.assigned[joint].to_radians(),
-                table.ri_mm.assigned[joint] * 1e-3,
-                table.beta_i_deg.assigned[joint].to_radians(),
-            ));
+        let of = |rows: &Rows| rows.assigned[joint];
+        let ([ro, ri], [beta_o, beta_i]) = (radii.map(of), angles.map(of));
+        let error = capstan([of(&table.ratio_deviation), ro, beta_o, ri, beta_i]);
+        truth.joints[joint].transmission_error = TransmissionError::Capstan(error);
     }
     let fourth = &table.parallelogram_assigned;
     let [first, second] = paper.length_deviations_m;
     truth.joints[3].transmission_error = TransmissionError::Parallelogram {
-        capstan: CapstanError::from_polar(
-            0.0,
+        capstan: capstan([
             fourth.ratio_deviation,
-            fourth.ro4_mm * 1e-3,
-            fourth.beta_o4_deg.to_radians(),
-            fourth.ri4_mm * 1e-3,
-            fourth.beta_i4_deg.to_radians(),
-        ),
+            fourth.ro4_mm,
+            fourth.beta_o4_deg,
+            fourth.ri4_mm,
+            fourth.beta_i4_deg,
+        ]),
         length_deviations_m: [first, second, 0.0, 0.0],
     };
     Ok(truth)

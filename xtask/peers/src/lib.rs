@@ -2,11 +2,8 @@
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
-    reason = "a command talks to its terminal"
-)]
-#![allow(
     clippy::missing_errors_doc,
-    reason = "the errors are texts for a person"
+    reason = "a command talks to its terminal, and its errors are texts for a person"
 )]
 
 pub mod bench_peers;

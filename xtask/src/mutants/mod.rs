@@ -87,11 +87,8 @@ fn pass_without_a_fault(bench: &Bench, faults: &[Fault]) -> Result<()> {
 /// Plants a fault, runs its checks and takes it out again; what caught it.
 fn caught(tree: &Tree, bench: &Bench, fault: &Fault) -> Result<String> {
     let planted = tree.plant(&diff_of(&root(), &fault.name))?;
-    let found: Result<Vec<_>> = fault
-        .caught_by
-        .iter()
-        .map(|check| bench.run(check))
-        .collect();
+    let found = fault.caught_by.iter().map(|check| bench.run(check));
+    let found: Result<Vec<_>> = found.collect();
     tree.restore(&planted)?;
     let mut named = Vec::new();
     for (check, by) in fault.caught_by.iter().zip(found?) {

@@ -70,11 +70,8 @@ fn causes(gap: &Value) -> String {
         let joint = cause["joint"].as_u64().map(|joint| format!("@{joint}"));
         let probability = 100.0 * cause["probability"].as_f64()?;
         let rivals = cause["confusable_with"].as_array();
-        let rivals: Vec<&str> = rivals
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_str)
-            .collect();
+        let rivals = rivals.into_iter().flatten().filter_map(Value::as_str);
+        let rivals: Vec<&str> = rivals.collect();
         let beside = match rivals.is_empty() {
             true => String::new(),
             false => format!(" (or {})", rivals.join(", ")),
@@ -91,11 +88,8 @@ fn closed(gap: &Value) -> String {
     joined(channels.filter_map(|channel| {
         let percent = channel["reduction_percent"].as_f64()?;
         let ends = channel["reduction_ci95"].as_array();
-        let ends: Vec<f64> = ends
-            .into_iter()
-            .flatten()
-            .filter_map(Value::as_f64)
-            .collect();
+        let ends = ends.into_iter().flatten().filter_map(Value::as_f64);
+        let ends: Vec<f64> = ends.collect();
         let name = channel["channel"].as_str()?;
         let unseen = channel["held_out"].as_bool()?;
         let interval = match ends.as_slice() {

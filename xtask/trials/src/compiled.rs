@@ -159,10 +159,8 @@ fn answered(program: &Path, rows: &[f64]) -> Result<Vec<f64>, String> {
         .spawn()
         .map_err(|error| error.to_string())?;
     let mut stdin = run.stdin.take().ok_or("no standard input")?;
-    let bytes: Vec<u8> = rows
-        .iter()
-        .flat_map(|number| number.to_ne_bytes())
-        .collect();
+    let bytes = rows.iter().flat_map(|number| number.to_ne_bytes());
+    let bytes: Vec<u8> = bytes.collect();
     let writer = std::thread::spawn(move || stdin.write_all(&bytes));
     let output = run.wait_with_output().map_err(|error| error.to_string())?;
     let written = writer.join().map_err(|_| "the writer panicked")?;

@@ -17,20 +17,12 @@ pub struct Nominal {
 
 /// The nominal devices: the 7-DOF haptic device, a 6-DOF arm whose elbow has no external encoder and
 /// one of whose wrist joints has one, a small 5-DOF arm with a parallelogram.
-pub const NOMINALS: [Nominal; 3] = [
-    Nominal {
-        name: "haptic7",
-        toml: include_str!("../../devices/haptic7.toml"),
-    },
-    Nominal {
-        name: "elbow6",
-        toml: include_str!("../../devices/elbow6.toml"),
-    },
-    Nominal {
-        name: "desk5",
-        toml: include_str!("../../devices/desk5.toml"),
-    },
-];
+pub const NOMINALS: [Nominal; 3] = rows! {
+    Nominal {name toml}
+    "haptic7", include_str!("../../devices/haptic7.toml");
+    "elbow6", include_str!("../../devices/elbow6.toml");
+    "desk5", include_str!("../../devices/desk5.toml");
+};
 
 impl Nominal {
     /// The device.

@@ -3,11 +3,10 @@
 use std::f64::consts::PI;
 
 use anyhow::{Context, Result};
-use haptical_model::transmission::CapstanError;
 use haptical_model::{Device, TransmissionError};
 use haptical_simulator::apply_deviations;
 
-use crate::published::Paper;
+use crate::published::{Paper, capstan};
 use crate::scenario::Scenario;
 
 /// Joint 4 moves within this: beyond it the printed polynomial, even with its sign mended, has no
@@ -33,15 +32,11 @@ pub(crate) fn true_device(nominal: &Device, paper: &Paper) -> Result<Device> {
     let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 5")?;
     let table = &paper.table4;
     for joint in 0..3 {
-        truth.joints[joint].transmission_error =
-            TransmissionError::Capstan(CapstanError::from_polar(
-                0.0,
-                table.ratio_deviation[joint],
-                table.ro_mm[joint] * 1e-3,
-                table.beta_o_deg[joint].to_radians(),
-                table.ri_mm[joint] * 1e-3,
-                table.beta_i_deg[joint].to_radians(),
-            ));
+        let radii = [table.ro_mm[joint], table.ri_mm[joint]];
+        let angles = [table.beta_o_deg[joint], table.beta_i_deg[joint]];
+        let ratio = table.ratio_deviation[joint];
+        let error = capstan([ratio, radii[0], angles[0], radii[1], angles[1]]);
+        truth.joints[joint].transmission_error = TransmissionError::Capstan(error);
     }
     let range_rad = [-FOURTH_JOINT_RAD, FOURTH_JOINT_RAD];
     let printed = |angle| Ok(power_series(&table.k0_to_k10, angle));

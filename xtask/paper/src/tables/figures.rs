@@ -54,22 +54,15 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
         "Figure 7: curves of the parallelogram's error within +-40 deg",
         "curves | rms difference [mrad] | largest [mrad]",
     );
+    let (found, paper) = ("ours identified, against", "paper's printed polynomial");
     for (name, points, others) in [
+        (format!("{found} the assigned truth"), &identified, &truth),
         (
-            "ours identified, against the assigned truth",
-            &identified,
-            &truth,
-        ),
-        (
-            "paper's printed polynomial, against the assigned truth",
+            format!("{paper}, against the assigned truth"),
             &published,
             &truth,
         ),
-        (
-            "ours identified, against the paper's printed polynomial",
-            &identified,
-            &published,
-        ),
+        (format!("{found} the {paper}"), &identified, &published),
     ] {
         let (mean, most) = inner(points, others)?;
         table.push(cells! { name, mean => 4, most => 4 })?;

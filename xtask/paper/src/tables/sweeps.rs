@@ -181,10 +181,8 @@ pub(crate) struct Summary {
 
 pub(crate) fn summarise(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Result<Summary> {
     let runs = seeds.map(|seed| crate::run::run(scenario, seed))?;
-    let poses: Vec<PoseSummary> = runs
-        .iter()
-        .map(|run| PoseSummary::new(&run.pose))
-        .collect::<Result<_>>()?;
+    let poses = runs.iter().map(|run| PoseSummary::new(&run.pose));
+    let poses: Vec<PoseSummary> = poses.collect::<Result<_>>()?;
     let middle =
         |pick: &dyn Fn(&PoseSummary) -> f64| median(&poses.iter().map(pick).collect::<Vec<f64>>());
     let mut lowest = (String::new(), f64::INFINITY);

@@ -108,11 +108,8 @@ pub(crate) fn table3(
          from the printed percentage."
             .to_owned(),
     );
-    let errors: Vec<f64> = paper
-        .table3
-        .iter()
-        .map(|row| row.identified - row.assigned)
-        .collect();
+    let errors = paper.table3.iter().map(|row| row.identified - row.assigned);
+    let errors: Vec<f64> = errors.collect();
     let values: Vec<f64> = runs
         .samples
         .iter()

@@ -10,10 +10,8 @@ pub(crate) const COST_AGREEMENT: f64 = 1e-9;
 /// # Errors
 /// Names every contender whose cost is not the lowest to that precision, or not a cost.
 pub(crate) fn check_costs(work: &str, costs: &[(String, f64)]) -> Result<()> {
-    let lowest = costs
-        .iter()
-        .map(|(_, cost)| *cost)
-        .fold(f64::INFINITY, f64::min);
+    let lowest = costs.iter().map(|(_, cost)| *cost);
+    let lowest = lowest.fold(f64::INFINITY, f64::min);
     // false for a NaN
     let agrees = |cost: f64| (cost - lowest).abs() <= COST_AGREEMENT * lowest;
     let off: Vec<String> = costs

@@ -100,10 +100,8 @@ impl DataSet {
     /// Writes the file.
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
         let numbers = self.numbers()?;
-        let bytes: Vec<u8> = numbers
-            .iter()
-            .flat_map(|number| number.to_le_bytes())
-            .collect();
+        let bytes = numbers.iter().flat_map(|number| number.to_le_bytes());
+        let bytes: Vec<u8> = bytes.collect();
         Ok(write_atomically(path, &bytes)?)
     }
 }

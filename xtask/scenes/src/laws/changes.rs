@@ -36,10 +36,8 @@ pub(super) fn renamed(made: &Made) -> Result<Option<Made>> {
 
 /// The joint named K of n gets the name n + 1 - K.
 fn renamed_toml(text: &str) -> String {
-    let count = text
-        .lines()
-        .filter(|line| line.trim() == "[[joint]]")
-        .count();
+    let count = text.lines().filter(|line| line.trim() == "[[joint]]");
+    let count = count.count();
     let (mut joint, mut is_in_joint) = (0, false);
     let mut renamed = String::new();
     for line in text.lines() {

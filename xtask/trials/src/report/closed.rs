@@ -149,11 +149,8 @@ pub(crate) fn table(cases: &[Case]) -> Result<Table, ReportError> {
 
 /// `named: link-geometry`.
 fn said(answer: &Answer) -> String {
-    let names: Vec<&str> = answer
-        .causes
-        .iter()
-        .map(|cause| cause.effect.as_str())
-        .collect();
+    let names = answer.causes.iter().map(|cause| cause.effect.as_str());
+    let names: Vec<&str> = names.collect();
     match names.is_empty() {
         true => answer.verdict.text().to_owned(),
         false => format!("{}: {}", answer.verdict.text(), names.join(", ")),

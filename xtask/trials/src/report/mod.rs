@@ -12,7 +12,7 @@ pub(crate) mod wrong;
 use anyhow::Result;
 use haptical_report::{Cell, Table};
 use serde_json::json;
-use xtask_blind::{Rate, Suite, TrialScore, summarise};
+use xtask_blind::{Rate, Suite, TrialScore, rows, summarise};
 use xtask_output::{Output, cells};
 
 use self::wrong::Fault;
@@ -102,10 +102,8 @@ fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
     let mut summaries = Vec::new();
     for suite in present {
         let of_suite: Vec<&Case> = cases.iter().filter(|case| case.suite == suite).collect();
-        let scores: Vec<TrialScore> = of_suite
-            .iter()
-            .filter_map(|case| case.score.clone())
-            .collect();
+        let scores = of_suite.iter().filter_map(|case| case.score.clone());
+        let scores: Vec<TrialScore> = scores.collect();
         let summary = summarise(suite, &scores);
         let wrong = scores.iter().map(|score| score.confidently_wrong);
         table.push(cells! {
@@ -156,37 +154,34 @@ fn calibration(output: &mut Output, cases: &[Case]) -> Result<()> {
     output.folded_table("reliability", "Reliability table", table)
 }
 
+/// A picture of who was taken for whom.
+struct Confusion {
+    file: &'static str,
+    title: &'static str,
+    suites: &'static [&'static str],
+}
+
+const CONFUSIONS: [Confusion; 7] = rows! {
+    Confusion {file title suites}
+    "confusion", "Clean, strong single effects, effects in no catalogue", &["s0", "s1", "s3"];
+    "confusion-near", "Effects a tenth as strong", &["s1n"];
+    "confusion-withheld", "Strong effects, withheld", &["s2"];
+    "confusion-twins", "Effects with structural twins", &["s6"];
+    "confusion-others", "Noise, impossible magnitudes, force", &["s7", "s10", "sf", "sfw", "sfu", "sp", "spw", "spc"];
+    "confusion-measured", "Suites like measured sets", &["se", "sr", "sm", "sc", "sw"];
+    "confusion-moving", "Arms that a controller moves", &["moving", "moving-memory"];
+};
+
 fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {
     output.section("Who was taken for whom");
-    for (file, title, suites) in [
-        (
-            "confusion",
-            "Clean, strong single effects, effects in no catalogue",
-            &["s0", "s1", "s3"][..],
-        ),
-        ("confusion-near", "Effects a tenth as strong", &["s1n"]),
-        ("confusion-withheld", "Strong effects, withheld", &["s2"]),
-        ("confusion-twins", "Effects with structural twins", &["s6"]),
-        (
-            "confusion-others",
-            "Noise, impossible magnitudes, force",
-            &["s7", "s10", "sf", "sfw", "sfu", "sp", "spw", "spc"],
-        ),
-        (
-            "confusion-measured",
-            "Suites like measured sets",
-            &["se", "sr", "sm", "sc", "sw"],
-        ),
-        (
-            "confusion-moving",
-            "Arms that a controller moves",
-            &["moving", "moving-memory"],
-        ),
-    ] {
-        let wanted: Vec<&Case> = cases
-            .iter()
-            .filter(|case| suites.contains(&case.suite))
-            .collect();
+    for Confusion {
+        file,
+        title,
+        suites,
+    } in CONFUSIONS
+    {
+        let wanted = cases.iter().filter(|case| suites.contains(&case.suite));
+        let wanted: Vec<&Case> = wanted.collect();
         if let Some((map, caption)) = figures::confusion(title, &wanted) {
             output.heat_map(file, &caption, &map)?;
         }

@@ -156,11 +156,8 @@ impl Specimen {
             }
         });
         let friction = friction.collect();
-        let armature = arm
-            .axes
-            .iter()
-            .map(|axis| axis.armature * off(random))
-            .collect();
+        let armature = arm.axes.iter().map(|axis| axis.armature * off(random));
+        let armature = armature.collect();
         Self {
             chain,
             armature,

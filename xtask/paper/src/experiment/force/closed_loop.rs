@@ -38,6 +38,22 @@ impl Law {
             derivative_s: 0.0,
         }
     }
+
+    /// The same with an integral.
+    pub(crate) fn with_integral(self, integral_per_s: f64) -> Self {
+        Self {
+            integral_per_s,
+            ..self
+        }
+    }
+
+    /// The same with a derivative.
+    pub(crate) fn with_derivative(self, derivative_s: f64) -> Self {
+        Self {
+            derivative_s,
+            ..self
+        }
+    }
 }
 
 /// Dynamics of one axis between commanded and measured force, for a command held over a sample.
@@ -222,13 +238,11 @@ mod tests {
             check(&Axis::new(stiffness, DAMPING), 100.0, &Law::proportional);
         }
         let gain = 0.5 * assumed().largest_gain();
-        check(&assumed(), 1e4, &|integral_per_s| Law {
-            integral_per_s,
-            ..Law::proportional(gain)
+        check(&assumed(), 1e4, &|k_i| {
+            Law::proportional(gain).with_integral(k_i)
         });
-        check(&assumed(), 1.0, &|derivative_s| Law {
-            derivative_s,
-            ..Law::proportional(gain)
+        check(&assumed(), 1.0, &|k_d| {
+            Law::proportional(gain).with_derivative(k_d)
         });
     }
 

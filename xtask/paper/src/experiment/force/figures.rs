@@ -97,10 +97,7 @@ pub(crate) fn laws(
     let end_s = DERIVATIVE_SHARE * largest_derivative_s;
     let (mut commanded, mut at_handle) = (Vec::new(), Vec::new());
     for (derivative_s, _) in along(0.0, end_s, |x| x).into_iter().step_by(4) {
-        let law = Law {
-            derivative_s,
-            ..Law::proportional(gain)
-        };
+        let law = Law::proportional(gain).with_derivative(derivative_s);
         let found = noise(&axis, &law, seed);
         commanded.push((1e3 * derivative_s, 1e3 * found.command_n));
         at_handle.push((1e3 * derivative_s, 1e3 * found.handle_n));

@@ -3,9 +3,9 @@
 use anyhow::Result;
 use haptical_metrics::rms;
 use haptical_model::kinematics::nalgebra::Vector2;
-use haptical_model::{Device, Evaluation, ParameterId};
+use haptical_model::{Device, ParameterId};
 
-use super::sample::{POSES, measured_n, poses, readings};
+use super::sample::{in_each, measured_n, poses};
 use crate::scenario::Scenario;
 
 /// Share of a parameter's error by which it is moved to find its slope.
@@ -56,16 +56,10 @@ pub(crate) fn first_order(scenario: &Scenario, seed: u64, share: f64) -> Result<
     let errors = errors(scenario);
     let recording = poses(scenario, seed)?;
     let forces = |controller: &Device| -> Result<Vec<Option<Vector2<f64>>>> {
-        let (mut at_truth, mut at) = (Evaluation::new(truth), Evaluation::new(controller));
-        let mut found = Vec::with_capacity(POSES);
-        for row in 0..recording.len() {
-            let readings = readings(&recording, row);
-            at_truth.move_to(&readings)?;
-            at.move_to(&readings)?;
-            let force = measured_n(&at_truth, &at, 0.0)?;
-            found.push(force.map(|force| Vector2::new(force.x, force.y)));
-        }
-        Ok(found)
+        in_each(truth, controller, &recording, |truth, at| {
+            let force = measured_n(truth, at, 0.0)?;
+            Ok(force.map(|force| Vector2::new(force.x, force.y)))
+        })
     };
     let simulated = forces(&moved(truth, &errors, share))?;
     let mut predicted = vec![Vector2::zeros(); simulated.len()];

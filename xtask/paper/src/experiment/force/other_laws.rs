@@ -9,7 +9,7 @@ use super::closed_loop::{Axis, DAMPING, FIXTURE_N_PER_M, Law};
 use super::figure12::SENSOR_SD_N;
 use super::figures;
 use super::laws::{HELD_S, Instant, Outcome, let_go, noise, outcome, wall_energy_j};
-use super::sample::{WALL_FORCE_N, measured_n, poses, readings, transmission, transverse_n};
+use super::sample::{WALL_FORCE_N, in_each, measured_n, poses, transmission, transverse_n};
 use crate::scenario::Scenario;
 
 /// Share of the integral's limit that is shown: at half of it the force still rings when the hand lets go.
@@ -40,7 +40,9 @@ pub(crate) fn other_laws(
         gain,
         seed,
     };
-    let derivative_limit_s = case.axis.largest(1.0, |k_d| case.with_derivative(k_d));
+    let derivative_limit_s = case
+        .axis
+        .largest(1.0, |k_d| case.law().with_derivative(k_d));
     let [proportional, integral] = integral_words(output, &case, posture)?;
     derivative_words(output, &case, derivative_limit_s)?;
     output.grid(
@@ -56,18 +58,8 @@ pub(crate) fn other_laws(
 }
 
 impl Case<'_> {
-    fn with_integral(&self, integral_per_s: f64) -> Law {
-        Law {
-            integral_per_s,
-            ..Law::proportional(self.gain)
-        }
-    }
-
-    fn with_derivative(&self, derivative_s: f64) -> Law {
-        Law {
-            derivative_s,
-            ..Law::proportional(self.gain)
-        }
+    fn law(&self) -> Law {
+        Law::proportional(self.gain)
     }
 
     /// Transverse RMS over the poses of the seed with the nominal model and with the calibrated one \[mN\].
@@ -95,11 +87,11 @@ fn integral_words(
     case: &Case<'_>,
     posture: &[f64],
 ) -> Result<[Vec<Instant>; 2]> {
-    let limit_per_s = case.axis.largest(1e4, |k_i| case.with_integral(k_i));
+    let limit_per_s = case.axis.largest(1e4, |k_i| case.law().with_integral(k_i));
     let integral_per_s = INTEGRAL_SHARE * limit_per_s;
     let share = case.share(posture)?;
-    let proportional = let_go(&Law::proportional(case.gain), share);
-    let integral = let_go(&case.with_integral(integral_per_s), share);
+    let proportional = let_go(&case.law(), share);
+    let integral = let_go(&case.law().with_integral(integral_per_s), share);
     let of = |course: &[Instant]| outcome(course).context("an empty course of the wall");
     let (p, pi) = (of(&proportional)?, of(&integral)?);
     let open = of(&let_go(&Law::proportional(0.0), share))?;
@@ -141,8 +133,8 @@ fn derivative_words(output: &mut Output, case: &Case<'_>, limit_s: f64) -> Resul
     let best_s = best_derivative(axis, limit_s);
     let larger = largest_gain_with(axis, best_s);
     let (quiet, noisy) = (
-        noise(axis, &case.with_derivative(0.0), case.seed),
-        noise(axis, &case.with_derivative(best_s), case.seed),
+        noise(axis, &case.law().with_derivative(0.0), case.seed),
+        noise(axis, &case.law().with_derivative(best_s), case.seed),
     );
     let stiff_limit = match largest_gain_with(&stiff, best_s) {
         limit if limit > 0.0 => format!("{limit:.2}"),
@@ -174,9 +166,8 @@ fn derivative_words(output: &mut Output, case: &Case<'_>, limit_s: f64) -> Resul
 }
 
 fn largest_gain_with(axis: &Axis, derivative_s: f64) -> f64 {
-    axis.largest(100.0, |gain| Law {
-        derivative_s,
-        ..Law::proportional(gain)
+    axis.largest(100.0, |gain| {
+        Law::proportional(gain).with_derivative(derivative_s)
     })
 }
 
@@ -194,20 +185,14 @@ fn best_derivative(axis: &Axis, limit_s: f64) -> f64 {
 /// wants: the lean of the wanted direction.
 fn lean_mn(scenario: &Scenario, seed: u64) -> Result<f64> {
     let recording = poses(scenario, seed)?;
-    let (mut at_truth, mut at) = (
-        Evaluation::new(&scenario.truth),
-        Evaluation::new(&scenario.nominal),
-    );
-    let mut leans_mn = Vec::new();
-    for row in 0..recording.len() {
-        let readings = readings(&recording, row);
-        at_truth.move_to(&readings)?;
-        at.move_to(&readings)?;
-        if transmission(&at_truth, &at).is_none() {
-            continue;
-        }
-        let along = at_truth.pose()?.rotation.transpose() * at.pose()?.rotation.column(2);
-        leans_mn.push(1e3 * WALL_FORCE_N * along.x.hypot(along.y));
-    }
-    Ok(rms(&leans_mn)?)
+    let leans_mn = in_each(
+        &scenario.truth,
+        &scenario.nominal,
+        &recording,
+        |truth, at| {
+            let along = truth.pose()?.rotation.transpose() * at.pose()?.rotation.column(2);
+            Ok(transmission(truth, at).map(|_| 1e3 * WALL_FORCE_N * along.x.hypot(along.y)))
+        },
+    )?;
+    Ok(rms(&leans_mn.into_iter().flatten().collect::<Vec<f64>>())?)
 }

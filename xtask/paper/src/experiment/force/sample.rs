@@ -88,6 +88,23 @@ pub(crate) fn readings(recording: &Recording, row: usize) -> Vec<f64> {
     recording.joint.iter().map(|column| column[row]).collect()
 }
 
+/// What `of` makes of the true device and a controller in every pose.
+pub(crate) fn in_each<T>(
+    truth: &Device,
+    controller: &Device,
+    recording: &Recording,
+    mut of: impl FnMut(&Evaluation<'_>, &Evaluation<'_>) -> Result<T>,
+) -> Result<Vec<T>> {
+    let (mut at_truth, mut at) = (Evaluation::new(truth), Evaluation::new(controller));
+    let in_one = |row| {
+        let readings = readings(recording, row);
+        at_truth.move_to(&readings)?;
+        at.move_to(&readings)?;
+        of(&at_truth, &at)
+    };
+    (0..recording.len()).map(in_one).collect()
+}
+
 /// How the wall's wrench comes out of the controller's model; none in a posture that is left out.
 pub(crate) fn transmission(
     truth: &Evaluation<'_>,
@@ -119,28 +136,18 @@ pub(crate) fn transverse_n(
     recording: &Recording,
     gain: f64,
 ) -> Result<(Vec<Vec<f64>>, Vec<usize>)> {
-    let mut at_truth = Evaluation::new(truth);
-    let mut at: Vec<Evaluation<'_>> = controllers.iter().map(|d| Evaluation::new(d)).collect();
-    let mut found = vec![Vec::new(); controllers.len()];
-    let mut rows = Vec::new();
-    for row in 0..recording.len() {
-        let readings = readings(recording, row);
-        at_truth.move_to(&readings)?;
-        let mut forces = Vec::new();
-        for evaluation in &mut at {
-            evaluation.move_to(&readings)?;
-            forces.extend(measured_n(&at_truth, evaluation, gain)?);
-        }
-        if forces.len() < found.len() {
-            continue;
-        }
-        rows.push(row);
-        for (all, force) in found.iter_mut().zip(&forces) {
-            all.push(force.x.hypot(force.y));
-        }
-    }
+    let forces = |controller: &&Device| {
+        in_each(truth, controller, recording, |truth, at| {
+            let force = measured_n(truth, at, gain)?;
+            Ok(force.map(|force| force.x.hypot(force.y)))
+        })
+    };
+    let all: Vec<Vec<Option<f64>>> = controllers.iter().map(forces).collect::<Result<_>>()?;
+    let is_kept = |row: &usize| all.iter().all(|forces| forces[*row].is_some());
+    let rows: Vec<usize> = (0..recording.len()).filter(is_kept).collect();
     ensure!(!rows.is_empty(), "every posture is singular");
-    Ok((found, rows))
+    let kept = |forces: &Vec<Option<f64>>| rows.iter().filter_map(|row| forces[*row]).collect();
+    Ok((all.iter().map(kept).collect(), rows))
 }
 
 /// Readings of the pose whose transverse force under the nominal controller is nearest to that of all poses
@@ -245,19 +252,14 @@ pub(crate) fn unsettled(
 ) -> Result<Vec<[Vec<bool>; 2]>> {
     let of_one = |calibrated: &Calibrated| -> Result<[Vec<bool>; 2]> {
         let recording = poses(scenario, calibrated.seed)?;
-        let mut at_truth = Evaluation::new(&scenario.truth);
-        let mut at = [&scenario.nominal, &calibrated.full].map(Evaluation::new);
-        let mut found: [Vec<bool>; 2] = Default::default();
-        for row in 0..recording.len() {
-            let readings = readings(&recording, row);
-            at_truth.move_to(&readings)?;
-            for (found, controller) in found.iter_mut().zip(&mut at) {
-                controller.move_to(&readings)?;
-                let known = transmission(&at_truth, controller);
-                found.extend(known.map(|known| !settles(axis, &known.matrix, gain)));
-            }
-        }
-        Ok(found)
+        let of = |controller: &Device| -> Result<Vec<bool>> {
+            let found = in_each(&scenario.truth, controller, &recording, |truth, at| {
+                let known = transmission(truth, at);
+                Ok(known.map(|known| !settles(axis, &known.matrix, gain)))
+            })?;
+            Ok(found.into_iter().flatten().collect())
+        };
+        Ok([of(&scenario.nominal)?, of(&calibrated.full)?])
     };
     calibrated.par_iter().map(of_one).collect()
 }
