@@ -7,18 +7,20 @@ pub(crate) struct SlipElement {
     pub(crate) width: f64,
 }
 
+/// Differences of successive entries; the first is 0.
+fn steps(input: &[f64]) -> impl Iterator<Item = f64> {
+    let before = input.iter().take(1).chain(input);
+    input.iter().zip(before).map(|(now, before)| now - before)
+}
+
 /// Generalised Maxwell-slip: the weighted sum of stops, each from -weight to weight.
 ///
 /// Source: Al-Bender, Lampaert & Swevers, "The generalized Maxwell-slip model", IEEE TAC 50, 2005,
 /// without its viscous part. `input` in any unit, `width` in the same; result in units of the weights.
 pub(crate) fn maxwell_slip(input: &[f64], elements: &[SlipElement]) -> Vec<f64> {
     let mut states = vec![0.0; elements.len()];
-    let mut before = input.first().copied().unwrap_or(0.0);
-    input
-        .iter()
-        .map(|&now| {
-            let step = now - before;
-            before = now;
+    steps(input)
+        .map(|step| {
             let mut sum = 0.0;
             for (state, element) in states.iter_mut().zip(elements) {
                 *state = (*state + step / element.width).clamp(-1.0, 1.0);
@@ -34,12 +36,8 @@ pub(crate) fn maxwell_slip(input: &[f64], elements: &[SlipElement]) -> Vec<f64> 
 /// Source: Dahl, "Solid friction damping of mechanical vibrations", 1976; the steady part of LuGre's.
 pub(crate) fn dahl(input: &[f64], width: f64) -> Vec<f64> {
     let mut state = 0.0;
-    let mut before = input.first().copied().unwrap_or(0.0);
-    input
-        .iter()
-        .map(|&now| {
-            let step = now - before;
-            before = now;
+    steps(input)
+        .map(|step| {
             let target = if step > 0.0 { 1.0 } else { -1.0 };
             state = target + (state - target) * libm::exp(-step.abs() / width);
             state
@@ -58,16 +56,13 @@ const BOUC_WEN_STEPS: usize = 80;
 /// share of the sign-dependent term.
 pub(crate) fn bouc_wen(input: &[f64], width: f64, exponent: f64, share: f64) -> Vec<f64> {
     let mut state: f64 = 0.0;
-    let mut before = input.first().copied().unwrap_or(0.0);
     let slope = |state: f64, direction: f64| {
         let agreement = if state * direction >= 0.0 { 1.0 } else { -1.0 };
         direction * (1.0 - libm::pow(state.abs(), exponent) * (1.0 - share + share * agreement))
     };
-    input
-        .iter()
-        .map(|&now| {
-            let travel = (now - before) / width;
-            before = now;
+    steps(input)
+        .map(|step| {
+            let travel = step / width;
             let count = ((travel.abs() / BOUC_WEN_STEP) as usize + 1).min(BOUC_WEN_STEPS);
             let step = travel.abs().min(BOUC_WEN_STEP * BOUC_WEN_STEPS as f64) / count as f64;
             let direction = if travel > 0.0 { 1.0 } else { -1.0 };

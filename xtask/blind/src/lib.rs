@@ -15,6 +15,11 @@ macro_rules! rows {
     ($type:ident $fields:tt $($($value:expr),+;)+) => { [$($crate::rows!(@ $type $fields $($value),+)),+] };
 }
 
+/// Numbers under their names.
+macro_rules! named {
+    ($($number:ident),+) => { [$((stringify!($number), $number)),+] };
+}
+
 mod again;
 mod arms;
 mod colour;

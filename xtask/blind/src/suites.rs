@@ -293,10 +293,8 @@ pub(crate) fn of_group(group: Group) -> Vec<&'static Kind> {
 }
 
 pub(crate) fn named(names: &[&str]) -> Vec<&'static Kind> {
-    KINDS
-        .iter()
-        .filter(|kind| names.contains(&kind.name))
-        .collect()
+    let kinds = KINDS.iter().filter(|kind| names.contains(&kind.name));
+    kinds.collect()
 }
 
 /// The 7-DOF device half of the time, the others a quarter each.

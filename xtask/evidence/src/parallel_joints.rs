@@ -168,9 +168,8 @@ impl Trial {
         let mut poses = |rows: usize, sd_m: f64| -> Result<Recording> {
             let joint = |index: usize, random: &mut rand_chacha::ChaCha8Rng| -> Vec<f64> {
                 let reach = if index < 6 { 2.5 } else { 0.0 };
-                (0..rows)
-                    .map(|_| reach * random.random_range(-1.0..1.0))
-                    .collect()
+                let each = (0..rows).map(|_| reach * random.random_range(-1.0..1.0));
+                each.collect()
             };
             let mut recording = Recording {
                 line: (2..2 + rows as u64).collect(),

@@ -9,7 +9,8 @@ use serde::Deserialize;
 use serde_json::Value;
 use xtask_output::{read_json, read_text, said};
 
-use super::sets::{Folders, HERE};
+use super::Arguments;
+use super::sets::HERE;
 
 /// Lines between which the table is.
 pub(super) const BEGIN: &str = "<!-- table: cargo xtask real-arms, dynamics -->\n";
@@ -39,12 +40,12 @@ struct Motion {
     published: String,
 }
 
-/// The table, a line for each recording whose name has `wanted` in it.
-pub(super) fn table(program: &Path, folders: &Folders, wanted: &str) -> Result<String> {
+/// The table, a line for each recording that is asked for.
+pub(super) fn table(program: &Path, folders: &Arguments) -> Result<String> {
     let path = Path::new(HERE).join("dynamics.toml");
     let all: Recordings = toml::from_str(&read_text(&path)?)?;
     let mut table = HEAD.to_owned();
-    for motion in all.recording.iter().filter(|own| own.name.contains(wanted)) {
+    for motion in all.recording.iter().filter(|own| folders.wants(&own.name)) {
         let line = match motion.answer(program, folders)? {
             Ok((result, seconds)) => motion.line(&result, seconds),
             Err(missing) => {
@@ -63,7 +64,7 @@ pub(super) fn table(program: &Path, folders: &Folders, wanted: &str) -> Result<S
 
 impl Motion {
     /// identified.json with the seconds that it took, or the file that is missing.
-    fn answer(&self, program: &Path, folders: &Folders) -> Result<Result<(Value, f64), PathBuf>> {
+    fn answer(&self, program: &Path, folders: &Arguments) -> Result<Result<(Value, f64), PathBuf>> {
         let place = |text: &str| folders.place(text);
         let [device, fitted, unseen] =
             [&self.device, &self.fitted, &self.unseen].map(|own| place(own));

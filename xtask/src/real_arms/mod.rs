@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 use xtask_output::{built_command, put_between};
 
-use sets::{Folders, Sets};
+use sets::{HERE, Sets};
 
 /// The page with the table.
 const PAGE: &str = "docs/real-arms.md";
@@ -36,19 +36,27 @@ pub(crate) struct Arguments {
     out: PathBuf,
 }
 
+impl Arguments {
+    /// A path or a flag with the folders in it.
+    fn place(&self, text: &str) -> String {
+        text.replace("{shared}", &self.shared.to_string_lossy())
+            .replace("{fetched}", &self.fetched.to_string_lossy())
+            .replace("{here}", HERE)
+    }
+
+    /// Whether a name is asked for.
+    fn wants(&self, name: &str) -> bool {
+        self.only.as_deref().is_none_or(|only| name.contains(only))
+    }
+}
+
 /// Runs the job.
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let sets = Sets::load()?;
     let program = built_command(Path::new("."))?;
-    let folders = Folders {
-        shared: arguments.shared.clone(),
-        fetched: arguments.fetched.clone(),
-        out: arguments.out.clone(),
-    };
     let (mut table, mut remarks) = (page::HEAD.to_owned(), String::new());
-    let wanted = arguments.only.as_deref().unwrap_or_default();
-    for set in sets.set.iter().filter(|set| set.name.contains(wanted)) {
-        let line = match set.answers(&program, &folders)? {
+    for set in sets.set.iter().filter(|set| arguments.wants(&set.name)) {
+        let line = match set.answers(&program, arguments)? {
             Ok(answers) => page::line(set, &answers),
             Err(missing) => {
                 println!("{}: not run, no {}", set.name, missing.display());
@@ -62,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
             set.name, set.source, set.remark
         ));
     }
-    let of_dynamics = dynamics::table(&program, &folders, wanted)?;
+    let of_dynamics = dynamics::table(&program, arguments)?;
     if arguments.only.is_none() {
         let page = Path::new(PAGE);
         put_between(page, [dynamics::BEGIN, dynamics::END], &of_dynamics)?;

@@ -9,6 +9,8 @@ use serde::Deserialize;
 use serde_json::Value;
 use xtask_output::{read_json, read_text, said};
 
+use super::Arguments;
+
 /// All sets.
 #[derive(Debug, Deserialize)]
 pub(super) struct Sets {
@@ -37,23 +39,6 @@ pub(super) struct Set {
     pub(super) known: String,
     /// What stays unknown, and why.
     pub(super) remark: String,
-}
-
-/// Folders that the sets' paths start at.
-#[derive(Debug)]
-pub(super) struct Folders {
-    pub(super) shared: PathBuf,
-    pub(super) fetched: PathBuf,
-    pub(super) out: PathBuf,
-}
-
-impl Folders {
-    /// A path or a flag with the folders in it.
-    pub(super) fn place(&self, text: &str) -> String {
-        text.replace("{shared}", &self.shared.to_string_lossy())
-            .replace("{fetched}", &self.fetched.to_string_lossy())
-            .replace("{here}", HERE)
-    }
 }
 
 /// What the command answered for a set.
@@ -86,7 +71,7 @@ impl Set {
     pub(super) fn answers(
         &self,
         program: &Path,
-        folders: &Folders,
+        folders: &Arguments,
     ) -> Result<Result<Answers, PathBuf>> {
         let own = folders.out.join(self.name.replace([' ', ',', '/'], "-"));
         std::fs::create_dir_all(&own)?;

@@ -124,13 +124,24 @@ impl Fixed {
 impl Batch {
     /// Seals every truth.
     pub(crate) fn seal(&self) -> Result<Vec<Sealed>> {
-        let progress = Progress::new("sealing", self.trials.len());
-        let sealed = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
-            let (suite, index) = self.trials[number];
+        self.each("sealing", |number, suite, index| {
             let trial = suite.draw(index, self.seed)?;
             self.sealed(number, &trial.truth)
+        })
+    }
+
+    /// What `work` makes of the number, the suite and the index of each trial.
+    fn each<T: Send>(
+        &self,
+        what: &str,
+        work: impl Fn(usize, Suite, u64) -> Result<T> + Sync,
+    ) -> Result<Vec<T>> {
+        let progress = Progress::new(what, self.trials.len());
+        let done = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
+            let (suite, index) = self.trials[number];
+            work(number, suite, index)
         })?;
-        sealed.into_iter().collect()
+        done.into_iter().collect()
     }
 
     /// What is published of the seals.
@@ -149,16 +160,14 @@ impl Batch {
         let (suite, index) = self.trials[number];
         let [_, place] = suite.numbers();
         let stream = SALT_STREAM + (place << 40) + index;
-        Ok(seal(truth, &mut Random::new(self.seed, stream))?)
+        seal(truth, &mut Random::new(self.seed, stream))
     }
 
     /// Diagnoses every trial.
     pub(crate) fn diagnose(&self, sealed: &[Sealed]) -> Result<Vec<Fixed>> {
-        let progress = Progress::new("diagnosing", self.trials.len());
-        let fixed = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
+        self.each("diagnosing", |number, _, _| {
             self.fixed(number, &sealed[number])
-        })?;
-        fixed.into_iter().collect()
+        })
     }
 
     fn fixed(&self, number: usize, sealed: &Sealed) -> Result<Fixed> {
@@ -251,16 +260,14 @@ impl Batch {
 
     /// Writes every trial with its truth below `folder`.
     pub(crate) fn dump(&self, folder: &Path) -> Result<()> {
-        let progress = Progress::new("writing", self.trials.len());
-        let written = in_parallel(self.jobs, self.trials.len(), &progress, |number| {
-            let (suite, index) = self.trials[number];
+        self.each("writing", |_, suite, index| {
             if suite == Suite::Moving {
-                return Ok(write_moving(index, self.seed, folder)?);
+                return write_moving(index, self.seed, folder);
             }
             let trial = suite.draw(index, self.seed)?;
             let name = format!("{}-{index:03}-{}", suite.name(), trial.truth.name);
-            Ok(write_trial(&trial, &folder.join(name), true)?)
-        })?;
-        written.into_iter().collect()
+            write_trial(&trial, &folder.join(name), true)
+        })
+        .map(drop)
     }
 }

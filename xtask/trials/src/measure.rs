@@ -157,8 +157,13 @@ impl Group {
     }
 }
 
-/// Adds figures to a group, a row each: name, value, bar or none.
+/// Figures of a heading, or added to a group, a row each: name, value, bar or none.
 macro_rules! figures {
+    ($heading:literal: $($name:expr, $value:expr, $bar:expr;)+) => {{
+        let mut group = Group::new($heading);
+        $(group.add($name, $value, $bar);)+
+        group.measures
+    }};
     ($group:ident: $($name:expr, $value:expr, $bar:expr;)+) => {
         $($group.add($name, $value, $bar);)+
     };

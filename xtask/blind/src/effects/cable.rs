@@ -137,8 +137,7 @@ pub(crate) fn thermal(draw: &mut Draw<'_>) -> Effect {
         // the mean length is a guess of the order of the device's
         let deviation = law(scene, &vec![0.3; scene.len()]);
         Facts::default()
-            .law("per_degc", per_degc)
-            .law("housing_m", housing_m)
+            .laws(named!(per_degc, housing_m))
             .law("m_per_degc", slope_of(&scene.temperature_degc, &deviation))
     };
     let info = draw.anywhere("thermal-drift", &["thermal-drift"]);

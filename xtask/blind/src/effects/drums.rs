@@ -65,8 +65,7 @@ pub(crate) fn cable_pitch(draw: &mut Draw<'_>) -> Effect {
     let centre_rad = draw.random.uniform(-0.4, 0.4);
     let facts = Facts::default()
         .with("quadratic_per_rad", quadratic_per_rad)
-        .law("lead_rad", lead_rad)
-        .law("centre_rad", centre_rad);
+        .laws(named!(lead_rad, centre_rad));
     let profile = move |angle: f64| {
         let turned = (angle - centre_rad) / lead_rad;
         2.0 * quadratic_per_rad * lead_rad * lead_rad * (libm::hypot(1.0, turned) - 1.0)
@@ -125,10 +124,8 @@ pub(crate) fn cable_drum(draw: &mut Draw<'_>) -> Effect {
             libm::hypot(free_m + eccentricity_m * sin, eccentricity_m * cos)
         };
         let home_m = signal.first().map_or(0.0, strand_m);
-        signal
-            .iter()
-            .map(|length_m| strand_m(length_m) - home_m)
-            .collect()
+        let signal = signal.iter().map(|length_m| strand_m(length_m) - home_m);
+        signal.collect()
     };
     let info = draw.anywhere("cable-drum-eccentricity", &["cable-drum-eccentricity"]);
     Effect::added(info, Stage::Cable, fixed(facts), law)

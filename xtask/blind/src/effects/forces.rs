@@ -34,9 +34,7 @@ pub(crate) fn force_bias(draw: &mut Draw<'_>) -> Effect {
     let bias_n = draw.signed(0.3);
     let axis = draw.random.index(3);
     let n_per_degc = bias_n * draw.random.uniform(-0.02, 0.02);
-    let facts = Facts::default()
-        .law("bias_n", bias_n)
-        .law("n_per_degc", n_per_degc);
+    let facts = Facts::default().laws(named!(bias_n, n_per_degc));
     of_sensor(draw, "force-bias", facts, move |scene, force_n| {
         for (value, degc) in force_n[axis].iter_mut().zip(&scene.temperature_degc) {
             *value += bias_n + n_per_degc * (degc - scene.cold_degc);
@@ -130,9 +128,7 @@ pub(crate) fn joint_friction(draw: &mut Draw<'_>) -> Effect {
     let coulomb_nm = draw.amplitude(0.06);
     let extra_nm = coulomb_nm * draw.random.uniform(0.0, 0.4);
     let viscous_nms = coulomb_nm * draw.random.uniform(0.1, 0.6);
-    let facts = Facts::default()
-        .law("coulomb_nm", coulomb_nm)
-        .law("viscous_nms", viscous_nms);
+    let facts = Facts::default().laws(named!(coulomb_nm, viscous_nms));
     of_motor(draw, "joint-friction", facts, move |_, rate, _| {
         let slow = rate / STRIBECK_SPEED_RAD_S;
         let level = coulomb_nm + extra_nm * libm::exp(-slow * slow);
@@ -147,9 +143,7 @@ pub(crate) fn motor_cogging(draw: &mut Draw<'_>) -> Effect {
     let phase_rad = draw.random.phase_rad();
     let second = draw.random.uniform(0.0, 0.3);
     let ratio = draw.device.joints[draw.joint].transmission_ratio;
-    let facts = Facts::default()
-        .law("amplitude_nm", amplitude_nm)
-        .law("poles", poles);
+    let facts = Facts::default().laws(named!(amplitude_nm, poles));
     of_motor(draw, "motor-cogging", facts, move |angle, _, _| {
         let motor = poles * ratio * angle;
         amplitude_nm * (libm::sin(motor + phase_rad) + second * libm::sin(2.0 * motor))

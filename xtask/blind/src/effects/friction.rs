@@ -42,8 +42,7 @@ fn looped(
         values
     };
     let facts = Facts::default()
-        .law("amplitude", amplitude)
-        .law("width", width)
+        .laws(named!(amplitude, width))
         .with(name, factor * amplitude);
     Effect::added(info, stage, fixed(facts), law)
 }

@@ -71,6 +71,13 @@ impl Facts {
         }
     }
 
+    /// With numbers of the law.
+    #[must_use]
+    pub(crate) fn laws<const N: usize>(mut self, numbers: [(&'static str, f64); N]) -> Self {
+        self.law.extend(numbers);
+        self
+    }
+
     /// With a number of the law.
     #[must_use]
     pub(crate) fn law(mut self, name: &'static str, value: f64) -> Self {

@@ -56,9 +56,7 @@ fn carried(info: Info, body: usize, mass_kg: f64, centre_m: [f64; 3], is_put_dow
     let facts = Facts::default()
         .with("mass_kg", sign * mass_kg)
         .law("row", body as f64)
-        .law("x_m", x_m)
-        .law("y_m", y_m)
-        .law("z_m", z_m);
+        .laws(named!(x_m, y_m, z_m));
     Effect::of_columns(info, Stage::Torque, facts, act)
 }
 

@@ -56,8 +56,7 @@ fn strands(
     let facts = move |scene: &Scene<'_>| {
         let facts = Facts::default()
             .law("initial_compliance_rad_per_nm", compliance_rad_per_nm)
-            .law("slack_nm", slack_nm)
-            .law("settling_nm", settling_nm);
+            .laws(named!(slack_nm, settling_nm));
         let taken_up = match stage {
             Stage::Upstream => taken_up(scene, joint),
             _ => Vec::new(),

@@ -124,9 +124,7 @@ pub(crate) fn tool_changed(draw: &mut Draw<'_>) -> Effect {
         let [x_m, y_m, z_m] = shift_m;
         Facts::default()
             .with("shift_m", Vector3::from(shift_m).norm())
-            .law("x_m", x_m)
-            .law("y_m", y_m)
-            .law("z_m", z_m)
+            .laws(named!(x_m, y_m, z_m))
     };
     let info = draw.anywhere("tool-changed", &["tool-changed"]);
     moved(info, Where::Hook, facts, shifts)

@@ -41,10 +41,8 @@ impl Sloppy {
                 let of = |joint: usize| -> Vec<f64> {
                     let from = (joint + 2) % count;
                     let scale = arm.axes[joint].range / arm.axes[from].range;
-                    ticks.torque[from]
-                        .iter()
-                        .map(|torque| torque * scale)
-                        .collect()
+                    let torque = ticks.torque[from].iter().map(|torque| torque * scale);
+                    torque.collect()
                 };
                 ticks.torque = (0..count).map(of).collect();
             }

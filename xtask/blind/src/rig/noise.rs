@@ -58,8 +58,8 @@ impl NoisePlan {
 }
 
 impl ChannelNoise {
-    /// `clean` with noise of this kind; `speed` is the channel's, in any unit; `count` the encoder's.
-    pub(crate) fn add(
+    /// `clean` with noise of this kind and the digits of a log; `speed` is the channel's, in any unit; `count` the encoder's.
+    pub(crate) fn read(
         &self,
         clean: &[f64],
         speed: &[f64],
@@ -83,27 +83,12 @@ impl ChannelNoise {
                 if self.outlier_share > 0.0 && random.unit() <= self.outlier_share {
                     reading += size * self.outlier_factor * random.normal();
                 }
-                match count {
-                    Some(count) if self.rounded => libm::round(reading / count) * count,
-                    _ => reading,
+                if let Some(count) = count.filter(|_| self.rounded) {
+                    reading = libm::round(reading / count) * count;
                 }
+                rounded(reading, 1e7)
             })
             .collect()
-    }
-}
-
-impl ChannelNoise {
-    /// The same with the digits of a log.
-    pub(crate) fn read(
-        &self,
-        clean: &[f64],
-        speed: &[f64],
-        sd: f64,
-        count: Option<f64>,
-        random: &mut Random,
-    ) -> Vec<f64> {
-        let read = self.add(clean, speed, sd, count, random).into_iter();
-        read.map(|value| rounded(value, 1e7)).collect()
     }
 }
 

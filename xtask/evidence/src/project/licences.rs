@@ -44,11 +44,8 @@ pub(crate) fn section(output: &mut Output) -> Result<()> {
         .exec()
         .context("cargo metadata")?;
     let mut licences: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for package in metadata
-        .packages
-        .iter()
-        .filter(|package| package.source.is_some())
-    {
+    let metadata = metadata.packages.iter();
+    for package in metadata.filter(|package| package.source.is_some()) {
         let licence = package.license.clone().unwrap_or_default();
         let name = format!("{} {}", package.name, package.version);
         licences.entry(licence).or_default().push(name);

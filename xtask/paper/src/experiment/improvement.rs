@@ -169,10 +169,8 @@ pub(crate) fn section(
 /// Where ours and the paper's differ, and which reading of the second percentage comes nearest.
 fn verdicts(output: &mut Output, cases: &[Case], paper: &Paper) -> Result<()> {
     let of = |reading: usize| -> Vec<f64> {
-        cases
-            .iter()
-            .map(|case| case.spreads[reading].median)
-            .collect()
+        let cases = cases.iter().map(|case| case.spreads[reading].median);
+        cases.collect()
     };
     let full = paper.text.improvement_full_percent;
     let least = of(0).into_iter().fold(f64::INFINITY, f64::min);

@@ -71,12 +71,8 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     let failed = runs.failures.len() + results.preset_runs.failures.len();
     let text = format!("{failed} of the runs did not end at a minimum");
     output.verdict(failed == 0, text);
-    for (seed, reason) in runs
-        .failures
-        .iter()
-        .chain(&results.preset_runs.failures)
-        .take(5)
-    {
+    let runs = runs.failures.iter();
+    for (seed, reason) in runs.chain(&results.preset_runs.failures).take(5) {
         output.words(format!("Seed {seed}: {reason}"));
     }
     Ok(())

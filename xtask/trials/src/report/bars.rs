@@ -52,21 +52,23 @@ pub(super) fn named(score: &TrialScore) -> bool {
 
 /// All figures, in the order of the report.
 pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let mut all = answered(cases);
-    all.extend(clean(cases));
-    all.extend(singles(cases));
-    all.extend(precision(cases));
-    all.extend(withheld(cases));
-    all.extend(pairs(cases));
-    all.extend(shrink(cases));
-    all.extend(calibration(cases));
-    all.extend(parameters(cases));
-    all.extend(near(cases));
-    all.extend(super::measured::measures(cases));
-    all.extend(super::moving::measures(cases));
-    all.extend(super::closed::measures(cases));
-    all.extend(others(cases));
-    all
+    let parts: [fn(&[Case]) -> Vec<Measure>; 14] = [
+        answered,
+        clean,
+        singles,
+        precision,
+        withheld,
+        pairs,
+        shrink,
+        calibration,
+        parameters,
+        near,
+        super::measured::measures,
+        super::moving::measures,
+        super::closed::measures,
+        others,
+    ];
+    parts.iter().flat_map(|of| of(cases)).collect()
 }
 
 fn answered(cases: &[Case]) -> Vec<Measure> {
@@ -116,21 +118,18 @@ pub(super) fn confidently_wrong(score: &TrialScore) -> bool {
 
 fn singles(cases: &[Case]) -> Vec<Measure> {
     let scores = scores_of(cases, &["s1"]);
-    let mut strong = Group::new("strong singles");
-    figures! { strong:
+    let strong = figures! { "strong singles":
         "detected", share(&scores, any, detected), None;
         "answered `named`", share(&scores, any, named), Bar::AtLeast(0.7);
         "size of the declared class", class_sizes(&scores), Bar::AtMost(2.0);
         "top name alone right", share(&scores, any, |score| score.top_right), Bar::AtLeast(0.8);
-    }
-    let mut seen = Group::new("detected singles");
-    figures! { seen:
+    };
+    let seen = figures! { "detected singles":
         "family right up to the declared class", share(&scores, detected, right), Bar::AtLeast(0.97);
         "joint right, of those found", joints(&scores), Bar::AtLeast(0.95);
         "named and wrong", share(&scores, detected, confidently_wrong), None;
-    }
-    strong.measures.extend(seen.measures);
-    strong.measures
+    };
+    [strong, seen].concat()
 }
 
 /// Whether a verdict `named` is right: one name of every effect is there, or of two effects one alone, with
@@ -140,17 +139,15 @@ pub(super) fn name_is_right(score: &TrialScore) -> bool {
 }
 
 fn precision(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("precision of `named`");
     let strong = scores_of(cases, &["s1"]);
     let everywhere = cases.iter().filter_map(|case| case.score.as_ref());
     let everywhere: Vec<&TrialScore> = everywhere.collect();
     let alone = |score: &TrialScore| name_is_right(score) && score.false_causes == 0;
-    figures! { group:
+    figures! { "precision of `named`":
         "strong singles", share(&strong, named, name_is_right), Bar::AtLeast(0.98);
         "all suites together", share(&everywhere, named, name_is_right), Bar::AtLeast(0.98);
         "all suites together, and nothing else named", share(&everywhere, named, alone), None;
     }
-    group.measures
 }
 
 fn withheld(cases: &[Case]) -> Vec<Measure> {
@@ -201,7 +198,6 @@ fn pairs(cases: &[Case]) -> Vec<Measure> {
 }
 
 fn shrink(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("held-out gap where the name is right");
     let of_right = |suites: &[&str]| {
         let scores = scores_of(cases, suites);
         let right = scores.into_iter().filter(|score| score.top_right);
@@ -217,66 +213,57 @@ fn shrink(cases: &[Case]) -> Vec<Measure> {
     let median = |percents: Vec<f64>| number(&percents, 1, "%", |values| quantile(values, 0.5));
     let truly = median(strong.iter().map(|own| own.true_percent).collect());
     let stated = median(strong.iter().filter_map(|own| own.stated_percent).collect());
-    figures! { group:
+    figures! { "held-out gap where the name is right":
         "truly closed, median, strong singles", truly, Bar::AtLeast(90.0);
         "stated as closed, median, strong singles", stated, None;
         "interval holds the true shrink, strong singles", covered(&strong), Bar::AtLeast(0.9);
         "interval holds the true shrink, all with names", covered(&all), Bar::AtLeast(0.9);
     }
-    group.measures
 }
 
 fn calibration(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("expected calibration error, unknown included");
     let error =
         |suites: Option<&[&str]>| number(&probabilities(cases, suites), 3, "", calibration_error);
-    figures! { group:
+    figures! { "expected calibration error, unknown included":
         "all suites together", error(None), Bar::AtMost(0.05);
         "strong singles", error(Some(&["s1"])), None;
         "withheld and never in the catalogue", error(Some(&["s2", "s3"])), None;
     }
-    group.measures
 }
 
 fn parameters(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("95 % intervals of effect parameters hold the truth");
     let covered = |suites: &[&str]| {
         let scores = scores_of(cases, suites);
         let all = scores.iter().flat_map(|score| &score.coverage);
         let with_interval = all.filter(|one| !CHOICES.contains(&one.parameter.as_str()));
         Value::Share(Rate::of_cases(with_interval.map(|one| one.covered)))
     };
-    figures! { group:
+    figures! { "95 % intervals of effect parameters hold the truth":
         "all suites with names", covered(&NAMED), Bar::Between(0.9, 0.99);
         "strong singles", covered(&["s1"]), None;
         "near-threshold singles", covered(&["s1n"]), None;
     }
-    group.measures
 }
 
 fn near(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("near-threshold effects");
     let scores = scores_of(cases, &["s1n"]);
-    figures! { group:
+    figures! { "near-threshold effects":
         "detected", share(&scores, any, detected), Bar::AtLeast(0.85);
         "right, of detected", share(&scores, detected, right), Bar::AtLeast(0.9);
         "joint right, of those found", joints(&scores), None;
     }
-    group.measures
 }
 
 /// Suites without a bar of their own.
 fn others(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("other suites");
     let flagged = scores_of(cases, &["s10"]);
     let flagged = flagged.iter().filter_map(|score| score.implausible_flagged);
     let plain = |suite: &str| share(&scores_of(cases, &[suite]), any, right);
-    figures! { group:
+    figures! { "other suites":
         "twins: right up to the declared class", plain("s6"), None;
         "pathologies of the noise: right", plain("s7"), None;
         "ablation: every missing base term named", plain("s8"), None;
         "impossible magnitudes flagged", Value::Share(Rate::of_cases(flagged)), None;
         "force and torque: right", plain("sf"), None;
     }
-    group.measures
 }

@@ -63,10 +63,8 @@ fn of<'c>(cases: &'c [Case], strata: &[Stratum]) -> Vec<&'c Case> {
 }
 
 fn scores<'c>(cases: &[&'c Case]) -> Vec<&'c TrialScore> {
-    cases
-        .iter()
-        .filter_map(|case| case.score.as_ref())
-        .collect()
+    let cases = cases.iter().filter_map(|case| case.score.as_ref());
+    cases.collect()
 }
 
 /// All figures of the suite.
@@ -152,10 +150,8 @@ fn stated(cases: &[&Case]) -> Value {
 /// Effect by effect; none without trials.
 pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
     let mut by_label: BTreeMap<&str, Vec<&Case>> = BTreeMap::new();
-    for case in cases
-        .iter()
-        .filter(|case| [SUITE, MEMORY].contains(&case.suite))
-    {
+    let cases = cases.iter();
+    for case in cases.filter(|case| [SUITE, MEMORY].contains(&case.suite)) {
         by_label.entry(&case.truth.name).or_default().push(case);
     }
     if by_label.is_empty() {

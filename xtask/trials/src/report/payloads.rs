@@ -8,7 +8,6 @@ use crate::measure::{Bar, Group, Measure, figures};
 
 /// Payloads named, withheld, and none where nothing changed.
 pub(crate) fn payloads(cases: &[Case]) -> Vec<Measure> {
-    let mut group = Group::new("torques alone");
     let changed = scores_of(cases, &["sp"]);
     let withheld = scores_of(cases, &["spw"]);
     let same = scores_of(cases, &["spc"]);
@@ -16,7 +15,7 @@ pub(crate) fn payloads(cases: &[Case]) -> Vec<Measure> {
         same.iter().partition(|score| score.is_clean);
     let all = [&changed[..], &withheld, &same].concat();
     let is_wrong = |score: &TrialScore| named(score) && !score.right;
-    figures! { group:
+    figures! { "torques alone":
         "payload: any verdict but no-gap", share(&changed, any, detected), None;
         "payload: named right of detected", share(&changed, detected, right), Bar::AtLeast(0.95);
         "withheld: unknown or a twin class", share(&withheld, detected, right), None;
@@ -24,5 +23,4 @@ pub(crate) fn payloads(cases: &[Case]) -> Vec<Measure> {
         "no change, no friction: any verdict but no-gap", share(&clean, any, detected), Bar::AtMost(0.01);
         "no change, friction: a wrong name", share(&rubbing, any, is_wrong), Bar::AtMost(0.01);
     }
-    group.measures
 }

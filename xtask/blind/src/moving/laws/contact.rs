@@ -49,11 +49,9 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
         }
     };
     Drawn::new(|own| own.torque = Box::new(press))
-        .with("force_n", force_n)
-        .with("place_m", place_m)
+        .with_all(named!(force_n, place_m))
         .with("normal_x", normal.x)
         .with("normal_y", normal.y)
         .with("normal_z", normal.z)
-        .with("from_s", from_s)
-        .with("until_s", until_s)
+        .with_all(named!(from_s, until_s))
 }

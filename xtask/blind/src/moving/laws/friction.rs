@@ -32,8 +32,7 @@ pub(crate) fn stribeck(draw: &mut Draw<'_>) -> Drawn {
         let ratio = sliding.speed / speed;
         levels.coulomb += extra / (1.0 + ratio * ratio);
     })
-    .with("extra", extra)
-    .with("speed", speed)
+    .with_all(named!(extra, speed))
 }
 
 /// Grows with what the motor exerts: `share sqrt(tau^2 + small^2)`.
@@ -67,8 +66,7 @@ pub(crate) fn drift(draw: &mut Draw<'_>) -> Drawn {
     levels(draw, move |sliding, levels| {
         levels.scale(1.0 + share * libm::exp(-sliding.time_s / time_s));
     })
-    .with("share", share)
-    .with("time_s", time_s)
+    .with_all(named!(share, time_s))
 }
 
 /// A bristle that yields over a long way.
@@ -84,8 +82,7 @@ pub(crate) fn presliding(draw: &mut Draw<'_>) -> Drawn {
         move |specimen: &mut Specimen| specimen.friction[joint].sense = Sense::Bristle { length };
     Drawn::new(|own| (own.prepare, own.build) = (Box::new(prepare), Box::new(build)))
         .at(joint)
-        .with("level", level)
-        .with("length", length)
+        .with_all(named!(level, length))
 }
 
 /// A bearing with a dent: more near one angle.
@@ -99,7 +96,5 @@ pub(crate) fn dent(draw: &mut Draw<'_>) -> Drawn {
         let off = (sliding.angle - angle) / width;
         levels.coulomb += extra * libm::exp(-0.5 * off * off);
     })
-    .with("extra", extra)
-    .with("angle", angle)
-    .with("width", width)
+    .with_all(named!(extra, angle, width))
 }

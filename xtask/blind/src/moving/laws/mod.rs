@@ -102,6 +102,12 @@ impl Drawn {
         self
     }
 
+    fn with_all<const N: usize>(mut self, numbers: [(&str, f64); N]) -> Self {
+        let named = numbers.map(|(name, value)| (name.to_owned(), value));
+        self.numbers.extend(named);
+        self
+    }
+
     fn with(mut self, name: &str, value: f64) -> Self {
         self.numbers.insert(name.to_owned(), value);
         self
@@ -148,8 +154,7 @@ impl Draw<'_> {
 
     /// Largest torque that the joint's drive needs.
     pub(crate) fn peak(&self) -> f64 {
-        self.loads[self.joint]
-            .iter()
-            .fold(0.0, |largest, load| load.abs().max(largest))
+        let loads = self.loads[self.joint].iter();
+        loads.fold(0.0, |largest, load| load.abs().max(largest))
     }
 }

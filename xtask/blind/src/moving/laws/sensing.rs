@@ -70,10 +70,7 @@ pub(crate) fn controller_mode(draw: &mut Draw<'_>) -> Drawn {
         true => [factor, libm::sqrt(factor)],
         false => [1.0, 1.0],
     };
-    Drawn::new(|own| own.gains = Box::new(gains))
-        .with("from_s", from_s)
-        .with("until_s", until_s)
-        .with("factor", factor)
+    Drawn::new(|own| own.gains = Box::new(gains)).with_all(named!(from_s, until_s, factor))
 }
 
 /// A recorder that shows a row twice, in the place of the next one.

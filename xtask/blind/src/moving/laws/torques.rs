@@ -29,8 +29,7 @@ pub(crate) fn spring(draw: &mut Draw<'_>) -> Drawn {
         torque[joint] -= moment_nm * sine * (1.0 - rest / length);
     })
     .at(joint)
-    .with("moment_nm", moment_nm)
-    .with("angle_rad", angle_rad)
+    .with_all(named!(moment_nm, angle_rad))
 }
 
 /// Magnets of a motor: once per turn of it, and a third as much twice.

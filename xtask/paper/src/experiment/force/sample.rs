@@ -217,11 +217,8 @@ pub(crate) fn calibrations(
     progress: &Progress,
 ) -> Vec<Calibrated> {
     let of_seed = |index| calibrate(scenario, first_seed.wrapping_add(index), sampling);
-    progress
-        .over(seeds, of_seed)
-        .into_iter()
-        .flatten()
-        .collect()
+    let progress = progress.over(seeds, of_seed).into_iter().flatten();
+    progress.collect()
 }
 
 /// The forces of the three controllers of one seed.

@@ -100,10 +100,8 @@ fn walls(
     output.terminal_table(&table, &[0, 1, 2, 4, 6, 8, 9]);
     output.table("forces", table)?;
     output.table("force_poses", table::over_poses(&kinds)?)?;
-    for (kind, least) in kinds
-        .iter()
-        .zip(["", "", ": alpha7 shows in no distance", ""])
-    {
+    let notes = ["", "", ": alpha7 shows in no distance", ""];
+    for (kind, least) in kinds.iter().zip(notes) {
         let ratios = kind.ratios(|sample| sample.ratio(2))?;
         let spread = Spread::new(&ratios)?;
         let text = format!(
