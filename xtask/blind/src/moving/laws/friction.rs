@@ -9,9 +9,10 @@ fn levels(
     change: impl Fn(&Sliding, &mut Levels) + Send + Sync + 'static,
 ) -> Drawn {
     let joint = draw.joint;
-    let of_joint = move |sliding: &Sliding, levels: &mut Levels| match sliding.joint == joint {
-        true => change(sliding, levels),
-        false => {}
+    let of_joint = move |sliding: &Sliding, levels: &mut Levels| {
+        if sliding.joint == joint {
+            change(sliding, levels);
+        }
     };
     Drawn::new(|own| own.friction = Box::new(of_joint)).at(joint)
 }
