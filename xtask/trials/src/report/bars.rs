@@ -50,9 +50,12 @@ pub(super) fn named(score: &TrialScore) -> bool {
     score.verdict == Verdict::Named
 }
 
+/// The figures of one part of the report.
+type Part = fn(&[Case]) -> Vec<Measure>;
+
 /// All figures, in the order of the report.
 pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let parts: [fn(&[Case]) -> Vec<Measure>; 14] = [
+    let parts: [Part; 14] = [
         answered,
         clean,
         singles,
