@@ -3,7 +3,7 @@
 use haptical_simulator::model::kinematics::nalgebra::{
     Quaternion, Rotation3, UnitQuaternion, Vector3,
 };
-use haptical_simulator::model::{AddedReadings, Device, Recording};
+use haptical_simulator::model::{AddedBy, AddedReadings, Device, Recording};
 use haptical_simulator::{
     PostureSensors, PostureSimulation, SimulatorError, apply_deviations, true_poses, with_places_of,
 };
