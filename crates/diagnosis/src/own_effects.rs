@@ -30,20 +30,23 @@ pub(crate) fn within_laws(
 ) -> Result<Diagnosis, DiagnosisError> {
     // links and drives are numbers of the base model
     let is_of_base = |name: &str| {
-        spec(name).is_some_and(|own| {
-            own.hook == Hook::BaseModel || own.absorbed_by == Absorbed::ByTransmission
+        spec(name).is_some_and(|spec| {
+            spec.hook == Hook::BaseModel || spec.absorbed_by == Absorbed::ByTransmission
         })
     };
     // the same law with another size is no error of the law
     let is_known = |cause: &CauseAnswer| {
-        let is_own = cause.earlier.is_empty() && own_effects.iter().any(|own| is_kin(own, cause));
-        is_of_base(&cause.effect) || is_own
+        let is_of_device =
+            cause.earlier.is_empty() && own_effects.iter().any(|effect| is_kin(effect, cause));
+        is_of_base(&cause.effect) || is_of_device
     };
     // which of several effects it is, and where, is open: one of the family of an effect of the device may be it
     let may_be_known = |cause: &CauseAnswer| {
         let rivals = cause.confusable_with.iter().map(String::as_str);
         let mut class = std::iter::once(cause.effect.as_str()).chain(rivals);
-        class.any(|name| is_of_base(name) || own_effects.iter().any(|own| is_of_family(own, name)))
+        class.any(|name| {
+            is_of_base(name) || own_effects.iter().any(|effect| is_of_family(effect, name))
+        })
     };
     let is_open = match found.verdict {
         Verdict::NoGap => false,
@@ -56,7 +59,7 @@ pub(crate) fn within_laws(
     }
     // friction of a moving arm is a part of its base model
     let is_moving = is_moving_arm(options.model.unwrap_or(device), recording);
-    let may_leave = |own: &&DeviceEffect| !(is_moving && own.is_friction());
+    let may_leave = |effect: &&DeviceEffect| !(is_moving && effect.is_friction());
     // torques and other channels each by themselves, if they have a gap: the laws of one leave nothing in the other
     let channels = found.gap.channels.clone();
     let (of_drives, others): (Vec<&ChannelGap>, Vec<&ChannelGap>) = (channels.iter())
@@ -71,8 +74,8 @@ pub(crate) fn within_laws(
         if !is_asked {
             continue;
         }
-        let laws = own_effects.iter().filter(may_leave).filter(|own| {
-            spec(&own.name).is_some_and(|spec| spec.hook.is_on_drives() == is_on_drives)
+        let laws = own_effects.iter().filter(may_leave).filter(|effect| {
+            spec(&effect.name).is_some_and(|spec| spec.hook.is_on_drives() == is_on_drives)
         });
         let laws: Vec<DeviceEffect> = laws.cloned().collect();
         let without = match is_on_drives {
@@ -156,7 +159,7 @@ fn torques_without(
 ) -> Result<Vec<Without>, DiagnosisError> {
     let model = bare(options.model.unwrap_or(device));
     let of_motion = of_moving_arm(&model, recording, None, &options.without);
-    let is_of_other = |cause: &CauseAnswer| !effects.iter().any(|own| is_kin(own, cause));
+    let is_of_other = |cause: &CauseAnswer| !effects.iter().any(|effect| is_kin(effect, cause));
     let gaps = match of_motion {
         Some((found, _)) if found.findings.iter().any(is_of_other) => return Ok(Vec::new()),
         Some((found, _)) => found.channels,
@@ -176,31 +179,34 @@ fn left_by_laws(gaps: &[&ChannelGap], without: &[Without], laws: &[DeviceEffect]
     let (mut left, mut kept, mut whole, mut allowed) = (0.0, 0.0, 0.0, 0.0);
     for gap in gaps {
         let beyond = |rms: f64| ((rms / gap.noise_floor).powi(2) - 1.0).max(0.0);
-        let own_left = beyond(gap.rms_before);
-        let Some(bare) = without.iter().find(|own| own.channel == gap.channel) else {
+        let with_effects = beyond(gap.rms_before);
+        let Some(bare) = without.iter().find(|bare| bare.channel == gap.channel) else {
             // nothing says what the effects take off a channel that was not examined without them
             if gap.has_gap {
                 return None;
             }
             continue;
         };
-        let acts = |own: &&DeviceEffect| {
-            let joint = own.joint.filter(|_| is_of_drives(gap));
+        let acts = |effect: &&DeviceEffect| {
+            let joint = effect.joint.filter(|_| is_of_drives(gap));
             joint.is_none_or(|joint| Some(joint + 1) == gap.joint)
         };
-        let acting = laws.iter().filter(acts).filter_map(|own| spec(&own.name));
+        let acting = laws
+            .iter()
+            .filter(acts)
+            .filter_map(|effect| spec(&effect.name));
         let share = acting.map(|spec| spec.law_error.share).fold(0.0, f64::max);
-        let of_effects = (beyond(bare.rms) - own_left).max(0.0);
+        let of_effects = (beyond(bare.rms) - with_effects).max(0.0);
         let most = match share > 0.0 {
             true => LEFT_OF_CHANNEL.max(share),
             false => 0.0,
         };
-        if gap.has_gap && own_left > most * of_effects {
+        if gap.has_gap && with_effects > most * of_effects {
             return None;
         }
-        kept += bare.count * if gap.has_gap { own_left } else { 0.0 };
-        left += bare.count * own_left;
-        whole += bare.count * (own_left + of_effects);
+        kept += bare.count * if gap.has_gap { with_effects } else { 0.0 };
+        left += bare.count * with_effects;
+        whole += bare.count * (with_effects + of_effects);
         allowed += bare.count * share * of_effects;
     }
     (whole > 0.0 && kept <= allowed).then(|| left / whole)

@@ -76,8 +76,8 @@ impl OnSecond {
             Some(unseen.joint + 1),
             &*answer.unit,
         );
-        let own = (left(answer.rms_after, rows[1]), of_log);
-        let channel = SecondChannel::new(name, own, ALLOWED, of_both);
+        let rest = (left(answer.rms_after, rows[1]), of_log);
+        let channel = SecondChannel::new(name, rest, ALLOWED, of_both);
         self.second.channels.push(channel);
         let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
             row: *row,

@@ -53,7 +53,7 @@ impl<'a> Along<'a> {
         let joints = context.device.joints.len();
         let (blocks, channels) = recorded.shape();
         let torques = recorded.torque_nm.iter();
-        let means = torques.flat_map(|own| recorded.means(own));
+        let means = torques.flat_map(|torque_nm| recorded.means(torque_nm));
         let mut along = Self {
             halves: Vec::with_capacity(2 * blocks),
             angle: DMatrix::zeros(blocks, joints),
@@ -125,7 +125,7 @@ impl<'a> Along<'a> {
     pub(super) fn carrying(&self, link: Option<usize>, numbers: [f64; PER_LINK]) -> Vec<f64> {
         let flange = self.recorded.bodies.flange(0);
         let place = Pose {
-            position_m: flange.map_or_else(Vector3::zeros, |own| own.pose.position_m),
+            position_m: flange.map_or_else(Vector3::zeros, |flange| flange.pose.position_m),
             ..Pose::default()
         };
         let numbers = match link {
@@ -152,7 +152,7 @@ impl<'a> Along<'a> {
             let arm = self.hand(block);
             let noise = recorded.force_noise.iter().enumerate();
             noise
-                .map(|(k, own)| (arm[(channel, k)] * own.sd).powi(2))
+                .map(|(k, noise)| (arm[(channel, k)] * noise.sd).powi(2))
                 .sum::<f64>()
         };
         let blocks = recorded.blocks.len();
@@ -297,7 +297,7 @@ fn motion(recorded: &Recorded<'_>, joint: usize) -> [Vec<f64>; 3] {
     // the smoothed reading through the transmission, whose slope is nearly 1
     let position = readings.map(|((output, smooth), read)| output + smooth - read);
     let position: Vec<f64> = position.collect();
-    [&position, &motion.velocity, &motion.acceleration].map(|own| recorded.half_means(own))
+    [&position, &motion.velocity, &motion.acceleration].map(|values| recorded.half_means(values))
 }
 
 fn mean_force(recorded: &Recorded<'_>, block: usize, half: &Range<usize>) -> Vector3<f64> {
@@ -305,8 +305,8 @@ fn mean_force(recorded: &Recorded<'_>, block: usize, half: &Range<usize>) -> Vec
         return Vector3::zeros();
     };
     let usable = &recorded.blocks[block].usable;
-    let mut own: Vec<usize> = usable.clone();
-    own.retain(|row| half.contains(row));
-    let rows = if own.is_empty() { usable } else { &own };
+    let mut in_half: Vec<usize> = usable.clone();
+    in_half.retain(|row| half.contains(row));
+    let rows = if in_half.is_empty() { usable } else { &in_half };
     rows.iter().map(|&row| force[row]).sum::<Vector3<f64>>() / rows.len().max(1) as f64
 }

@@ -104,9 +104,9 @@ fn fitted(
         let (parameters, _) = sizes.parameters(pick);
         let numbers = parameters
             .iter()
-            .map(|(name, own)| (name.clone(), own.value));
+            .map(|(name, number)| (name.clone(), number.value));
         let intervals = parameters.iter();
-        let intervals = intervals.map(|(name, own)| (name.clone(), own.ci95.map(Some)));
+        let intervals = intervals.map(|(name, number)| (name.clone(), number.ci95.map(Some)));
         let effect = DeviceEffect {
             name: wanted.name.clone(),
             joint: wanted.joint,
@@ -133,12 +133,13 @@ impl Model<'_> {
             return Ok(None);
         };
         let unseen = self.predicted(&Along::new(recorded)?);
-        let gap = |own: &Unseen| own.before.iter().sum::<f64>() / own.noise.powi(2).max(1e-300);
+        let gap =
+            |unseen: &Unseen| unseen.before.iter().sum::<f64>() / unseen.noise.powi(2).max(1e-300);
         let largest = unseen.iter().max_by(|a, b| gap(a).total_cmp(&gap(b)));
-        let own = &self.effects.along.recorded;
+        let recorded = &self.effects.along.recorded;
         Ok(largest.and_then(|unseen| {
-            let channel = own.channel(unseen.joint)?;
-            Some(held_out(own.named(channel), unseen, &unseen.after))
+            let channel = recorded.channel(unseen.joint)?;
+            Some(held_out(recorded.named(channel), unseen, &unseen.after))
         }))
     }
 
@@ -146,9 +147,9 @@ impl Model<'_> {
     fn take_up(&mut self, wanted: &DeviceEffect) -> Option<Pick> {
         let (effects, base) = (&self.effects, &mut self.base);
         let is_wanted = |index: &&usize| {
-            let own = effects.effect(**index);
-            let is_it = own.name() == wanted.name && own.joint() == wanted.joint;
-            is_it && own.spec().further.is_empty()
+            let effect = effects.effect(**index);
+            let is_it = effect.name() == wanted.name && effect.joint() == wanted.joint;
+            is_it && effect.spec().further.is_empty()
         };
         let order = wanted.numbers.get("order");
         let at_shapes = |&index: &usize| {
@@ -165,8 +166,8 @@ impl Model<'_> {
         // of equals the first
         let best =
             possible.reduce(
-                |best, own| match effects.merit(&own) > effects.merit(&best) {
-                    true => own,
+                |best, other| match effects.merit(&other) > effects.merit(&best) {
+                    true => other,
                     false => best,
                 },
             )?;

@@ -40,7 +40,7 @@ pub(super) fn assumed(along: &Along<'_>) -> Vec<Assumed> {
             (PER_LINK * joint + place, value, sd)
         };
         let numbers = values.into_iter().enumerate().map(number);
-        let is_shown = |own: &Known| along.inertia[own.0].iter().any(|entry| *entry != 0.0);
+        let is_shown = |known: &Known| along.inertia[known.0].iter().any(|entry| *entry != 0.0);
         let (shown, hidden) = numbers.partition(is_shown);
         Assumed {
             joint,
@@ -55,9 +55,9 @@ pub(super) fn assumed(along: &Along<'_>) -> Vec<Assumed> {
 /// Inertial numbers by a model of the links alone, with what is assumed of those that the torques do not show.
 pub(super) fn with_assumed(along: &Along<'_>, links: &Regression<TorqueRows>) -> Vec<f64> {
     let assumed = assumed(along);
-    let shown: Vec<Known> = assumed.iter().flat_map(|own| own.shown.clone()).collect();
+    let shown: Vec<Known> = assumed.iter().flat_map(|link| link.shown.clone()).collect();
     let mut inertia = with_knowledge(links, &shown).solution();
-    for (number, value, _) in assumed.into_iter().flat_map(|own| own.hidden) {
+    for (number, value, _) in assumed.into_iter().flat_map(|link| link.hidden) {
         inertia[number] = value;
     }
     inertia

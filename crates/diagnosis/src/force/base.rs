@@ -149,8 +149,8 @@ impl Along<'_> {
             base.torque_nm = self.drive_torques(&base.inertia, &base.force_n);
             let behind = base.regression.truncate(base.scales.start);
             for (channel, sd) in self.scale_sds().into_iter().enumerate() {
-                let own = base.torque_nm.column(channel).into_owned();
-                base.add_known(&self.recorded.on(channel, own.as_slice()), sd);
+                let torque_nm = base.torque_nm.column(channel).into_owned();
+                base.add_known(&self.recorded.on(channel, torque_nm.as_slice()), sd);
             }
             let effects = behind.into_iter().skip(base.scales.len());
             effects.for_each(|column| base.regression.add(column));
@@ -166,8 +166,8 @@ impl Along<'_> {
         }
         let drives = self.drive_torques(&base.inertia, &self.force_n);
         for (channel, &joint) in self.recorded.channels.iter().enumerate() {
-            if let Some(own) = first.recorded.channel(joint) {
-                let scaled = drives.column(channel) * solution[base.scales.start + own];
+            if let Some(first_channel) = first.recorded.channel(joint) {
+                let scaled = drives.column(channel) * solution[base.scales.start + first_channel];
                 let mut sum = torque.column_mut(channel);
                 sum += scaled;
             }

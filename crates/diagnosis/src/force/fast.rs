@@ -16,20 +16,23 @@ pub(super) fn rows(along: &Along<'_>, fitted: &Means) -> Vec<FastRows> {
         let variance = along.row_sd(channel).powi(2).max(1e-300);
         let fitted: Vec<f64> = fitted.column(channel).iter().copied().collect();
         let rest = deviations(recorded, &recorded.torque_nm[channel], &fitted);
-        let values: Vec<f64> = rest.iter().flat_map(|own| own.1.iter().copied()).collect();
+        let values: Vec<f64> = rest
+            .iter()
+            .flat_map(|(_, values)| values.iter().copied())
+            .collect();
         let values = DVector::from_vec(values);
-        let own = columns.iter().map(|column| -> Vec<f64> {
+        let harmonics = columns.iter().map(|column| -> Vec<f64> {
             let of_block = |(block, _): &(&Block, _)| about_mean(block, |row| column[row]);
             rest.iter().flat_map(of_block).collect()
         });
-        let all = matrix(own, values.len());
+        let all = matrix(harmonics, values.len());
         let (orders, controls) = all.columns_range_pair(..2 * ORDERS, 2 * ORDERS..);
         let scores = (0..ORDERS).filter_map(|order| {
             let [a, b] = [2 * order, 2 * order + 1].map(|k| controls.column(k));
             let across = a.dot(&b);
-            let own = Matrix2::new(a.norm_squared(), across, across, b.norm_squared());
+            let gram = Matrix2::new(a.norm_squared(), across, across, b.norm_squared());
             let right = Vector2::new(a.dot(&values), b.dot(&values));
-            Some(right.dot(&(own.try_inverse()? * right)) / variance)
+            Some(right.dot(&(gram.try_inverse()? * right)) / variance)
         });
         let variance = variance * colour(scores.collect());
         let right = orders.tr_mul(&values) / variance;
@@ -45,7 +48,9 @@ fn colour(mut scores: Vec<f64>) -> f64 {
     scores.retain(|score| score.is_finite());
     scores.sort_by(f64::total_cmp);
     let median = scores.get(scores.len() / 2).copied();
-    median.map_or(1.0, |own| (own / (2.0 * std::f64::consts::LN_2)).max(1.0))
+    median.map_or(1.0, |median| {
+        (median / (2.0 * std::f64::consts::LN_2)).max(1.0)
+    })
 }
 
 /// What a channel's torque does within blocks beyond the base model: their usable rows' deviations
@@ -57,7 +62,11 @@ pub(super) fn deviations<'r>(
     fitted: &[f64],
 ) -> Vec<(&'r Block, Vec<f64>)> {
     let blocks = &recorded.blocks;
-    let is_joined = |first: usize| blocks[first + 1..first + 5].iter().all(|own| own.follows);
+    let is_joined = |first: usize| {
+        blocks[first + 1..first + 5]
+            .iter()
+            .all(|block| block.follows)
+    };
     let of_block = |(first, fitted): (usize, &[f64])| {
         let block = &blocks[first + 2];
         let means: &[f64; 5] = fitted.first_chunk()?;

@@ -30,10 +30,12 @@ pub(super) fn unbalanced(
     // what sets a link's numbers free of what is known of them
     let released = |link: &Assumed| -> Vec<Vec<f64>> {
         let rows = &system.layout;
-        let release = |own: &Known| rows.release(own.0, assuming.column(own.0)[rows.prior(own.0)]);
+        let release = |number: &Known| {
+            rows.release(number.0, assuming.column(number.0)[rows.prior(number.0)])
+        };
         link.shown.iter().map(release).collect()
     };
-    let split = |own: &Vec<f64>| system.layout.split(own);
+    let split = |column: &Vec<f64>| system.layout.split(column);
     let saved = links.iter().map(|link| {
         let columns = released(link).iter().map(split).collect();
         let candidate = Candidate::of_columns(system, columns, 0, 0.0);
@@ -45,7 +47,9 @@ pub(super) fn unbalanced(
     };
     let (link, score) = (&links[best], saved[best]);
     let mut free = assuming.clone();
-    released(link).into_iter().for_each(|own| free.add(own));
+    released(link)
+        .into_iter()
+        .for_each(|column| free.add(column));
     let solution = free.solution();
     let p = chi_square_p_value(score, link.shown.len() as f64)?;
     let mut change = vec![0.0; along.inertia.len()];
@@ -54,9 +58,9 @@ pub(super) fn unbalanced(
     }
     let torque_nm = along.link_torques(&change);
     let mut channels = torque_nm.column_iter().enumerate();
-    let is_large = channels.any(|(channel, own)| {
+    let is_large = channels.any(|(channel, column)| {
         let least = (LEAST_WEIGHT * along.row_sd(channel)).powi(2);
-        own.norm_squared() > least * own.len() as f64
+        column.norm_squared() > least * column.len() as f64
     });
     if p * links.len() as f64 >= FAMILY_WISE_P || !is_large {
         return Ok(None);
@@ -65,10 +69,14 @@ pub(super) fn unbalanced(
     let deviations = score.sqrt();
     let behind = |index: usize| 0.5 * (score - saved[index]);
     let number = PER_LINK * link.joint;
-    let mass_kg = link.shown.iter().any(|own| own.0 == number).then(|| {
-        let variance = free.covariance()[(number, number)];
-        (change[number], variance.sqrt())
-    });
+    let mass_kg = link
+        .shown
+        .iter()
+        .any(|(place, ..)| *place == number)
+        .then(|| {
+            let variance = free.covariance()[(number, number)];
+            (change[number], variance.sqrt())
+        });
     let mass_kg = mass_kg.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
     let others = (0..saved.len()).filter(|&index| index != best);
     let probability = LISTED_PROBABILITY * probability(others.map(behind));
@@ -89,7 +97,9 @@ pub(super) fn unbalanced(
         ..CauseAnswer::named(UNBALANCED_GRAVITY.name, Some(link.joint), probability)
     };
     // in one run a mass at the flange and one of the last link are one column
-    let last = links.iter().position(|own| own.joint + 1 == along.joints());
+    let last = links
+        .iter()
+        .position(|link| link.joint + 1 == along.joints());
     let is_put_on = mass_kg.is_none_or(|(mass, _)| mass > 0.0);
     if may_be_payload && is_put_on && last.is_some_and(|last| behind(last) < CONFUSABLE_NATS) {
         cause.confusable_with.push(PAYLOAD.name.to_owned());

@@ -45,8 +45,8 @@ pub(super) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f
     };
     let orders = &harmonics[..2 * ORDERS];
     let read = DVector::from_vec(differences(values));
-    let own = matrix(orders.iter().map(|column| differences(column)), read.len());
-    let mut gram = own.tr_mul(&own);
+    let differenced = matrix(orders.iter().map(|column| differences(column)), read.len());
+    let mut gram = differenced.tr_mul(&differenced);
     // slow harmonics have next to no differences, and are not noise either
     let ridge = 1e-3 * gram.diagonal().max();
     for k in 0..gram.nrows() {
@@ -54,7 +54,7 @@ pub(super) fn without_harmonics(values: &[f64], harmonics: &[Vec<f64>]) -> Vec<f
     }
     let mut rest = DVector::from_column_slice(values);
     if let Some(factor) = gram.cholesky() {
-        let amplitudes = factor.solve(&own.tr_mul(&read));
+        let amplitudes = factor.solve(&differenced.tr_mul(&read));
         let orders = matrix(orders.iter().cloned(), values.len());
         rest -= orders * amplitudes;
     }

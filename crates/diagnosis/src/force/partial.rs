@@ -26,7 +26,7 @@ pub(super) struct Partial {
 /// One pick's columns: by its law, and by a free function of its joint's rate.
 struct Law {
     pick: usize,
-    own: Vec<usize>,
+    columns: Vec<usize>,
     free: Vec<usize>,
 }
 
@@ -39,8 +39,8 @@ struct Comparison {
 
 impl Comparison {
     fn with(&self, laws: &[usize]) -> Fitted {
-        let own = laws.iter().flat_map(|law| &self.laws[*law].own);
-        let columns: Vec<usize> = self.common.iter().chain(own).copied().collect();
+        let of_laws = laws.iter().flat_map(|law| &self.laws[*law].columns);
+        let columns: Vec<usize> = self.common.iter().chain(of_laws).copied().collect();
         self.folds.fit(&columns)
     }
 }
@@ -79,7 +79,7 @@ impl Needless for Comparison {
             self.folds.fit(&columns.copied().collect::<Vec<_>>())
         };
         let of_free = free(&[]).gain_over(&without, None).sum;
-        let beyond = free(&law.own).gain_over(&with, None).sum;
+        let beyond = free(&law.columns).gain_over(&with, None).sum;
         let is_supported = is_beyond_choice(gain)
             && gain.sum >= LAW_OF_FREE * of_free
             && beyond <= LEFT_TO_FREE * gain.sum;
@@ -138,9 +138,9 @@ impl Model<'_> {
             let mut add = |column| columns.add(column, f64::INFINITY);
             laws.push(Law {
                 pick: index,
-                own: signals
+                columns: signals
                     .iter()
-                    .map(|own| add(recorded.signal_means(own)))
+                    .map(|signal| add(recorded.signal_means(signal)))
                     .collect(),
                 free: bins.map(|bin| add(recorded.on(channel, &bin))).collect(),
             });

@@ -49,7 +49,7 @@ impl Posture {
         let order = chain.convention().order();
         // a link's frame is behind this turn; a slide of its joint changes places with what follows in the row
         let mut parameters = order.iter();
-        let turn = parameters.position(|own| *own == Parameter::Theta);
+        let turn = parameters.position(|parameter| *parameter == Parameter::Theta);
         let step = |(row, place): (usize, usize)| Step {
             twist: rows[row].get(order[place]),
             first_joint: row.saturating_sub(usize::from(Some(place) < turn)),
@@ -64,7 +64,9 @@ impl Posture {
             ..*link
         };
         Ok(Self {
-            joints: moved.filter_map(|(row, own)| row.joint(*own)).collect(),
+            joints: moved
+                .filter_map(|(row, motion)| row.joint(*motion))
+                .collect(),
             steps: places.map(step).collect(),
             links: links.map(from_handle).collect(),
             handle,

@@ -126,7 +126,7 @@ impl<'a> Recorded<'a> {
         // a force of zero throughout is that of no hand, and tests no sensor
         let axes = recording.force_n.as_ref();
         let axes = axes.filter(|axes| axes.iter().flatten().any(|force| *force != 0.0));
-        let at = |row: usize| axes.map(|axes| Vector3::from(axes.each_ref().map(|own| own[row])));
+        let at = |row: usize| axes.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
         let force_n: Option<Vec<Vector3<f64>>> = (0..context.rows()).map(at).collect();
         if is_held && channels.len() < 5 {
             return Err(
@@ -269,7 +269,7 @@ impl<'a> Recorded<'a> {
     /// Variance of a block's mean torque by noise alone \[(N m)^2\], ((N)^2 where the joint slides), channel by channel.
     pub(super) fn block_variances(&self) -> Vec<f64> {
         let rows = mean_rows(&self.blocks).max(1.0);
-        self.noise.iter().map(|own| own.of_mean(rows)).collect()
+        self.noise.iter().map(|noise| noise.of_mean(rows)).collect()
     }
 
     /// Name of a joint's torque column in a log.
@@ -309,7 +309,7 @@ impl<'a> Recorded<'a> {
             let first = channel * self.blocks.len();
             let windows = windows.iter();
             windows
-                .map(|own| first + own.start..first + own.end)
+                .map(|window| first + window.start..first + window.end)
                 .collect()
         };
         (0..self.channels.len()).map(behind).collect()
@@ -324,15 +324,17 @@ impl<'a> Recorded<'a> {
         besides: Besides,
     ) -> DMatrix<f64> {
         let rows = self.blocks[block].usable.len() as f64;
-        let mut force = self.force_noise.map(|own| own.of_mean(rows));
-        let mut own: Vec<f64> = self.noise.iter().map(|own| own.of_mean(rows)).collect();
+        let mut force = self.force_noise.map(|noise| noise.of_mean(rows));
+        let mut torque: Vec<f64> = self.noise.iter().map(|noise| noise.of_mean(rows)).collect();
         match besides {
             Besides::Nothing => {}
-            Besides::Hand(sd_n) => force.iter_mut().for_each(|own| *own += sd_n * sd_n),
-            Besides::Channel(channel) => own[channel] += UNKNOWN_TORQUE_SD_NM.powi(2),
+            Besides::Hand(sd_n) => force
+                .iter_mut()
+                .for_each(|variance| *variance += sd_n * sd_n),
+            Besides::Channel(channel) => torque[channel] += UNKNOWN_TORQUE_SD_NM.powi(2),
         }
         let by_force = hand * Matrix3::from_diagonal(&force.into());
-        by_force * hand.transpose() + DMatrix::from_diagonal(&own.into())
+        by_force * hand.transpose() + DMatrix::from_diagonal(&torque.into())
     }
 }
 

@@ -17,8 +17,9 @@ pub(super) struct Whitener(Vec<DMatrix<f64>>);
 impl Whitener {
     /// From each block's covariance; none for one that is not positive.
     pub(super) fn new(covariances: impl Iterator<Item = DMatrix<f64>>) -> Option<Self> {
-        let factors =
-            covariances.map(|own| Cholesky::new(own).map(|own: Cholesky<f64, Dyn>| own.l()));
+        let factors = covariances.map(|covariance| {
+            Cholesky::new(covariance).map(|factor: Cholesky<f64, Dyn>| factor.l())
+        });
         Some(Self(factors.collect::<Option<_>>()?))
     }
 
@@ -99,7 +100,7 @@ impl Layout for TorqueRows {
         let Some(channel) = stream.checked_sub(channels) else {
             return stream * blocks..(stream + 1) * blocks;
         };
-        let lengths = self.fast.iter().map(|own| own.reading.len());
+        let lengths = self.fast.iter().map(|rows| rows.reading.len());
         let mut ends = std::iter::once(self.priors).chain(lengths);
         let first = blocks * channels + ends.by_ref().take(channel).sum::<usize>();
         first..first + ends.next().unwrap_or(0)
@@ -119,7 +120,7 @@ impl TorqueRows {
     /// Adds what changes within blocks; their readings.
     pub(super) fn append(&mut self, fast: Vec<FastRows>) -> Vec<f64> {
         self.fast = fast;
-        let readings = self.fast.iter().flat_map(|own| own.reading.iter());
+        let readings = self.fast.iter().flat_map(|rows| rows.reading.iter());
         readings.copied().collect()
     }
 
@@ -156,9 +157,9 @@ impl TorqueRows {
 
     /// Adds a harmonic's part within the blocks of its channel to a column.
     pub(super) fn add_fast(&self, channel: usize, harmonic: usize, column: &mut [f64]) {
-        if let Some(own) = self.fast.get(channel) {
+        if let Some(fast) = self.fast.get(channel) {
             let rows = &mut column[self.range(self.shape.1 + 1 + channel)];
-            rows.copy_from_slice(own.root.column(harmonic).as_slice());
+            rows.copy_from_slice(fast.root.column(harmonic).as_slice());
         }
     }
 
@@ -166,7 +167,7 @@ impl TorqueRows {
     pub(super) fn split(&self, column: &[f64]) -> Column {
         let streams = 0..=self.shape.1 + self.fast.len();
         let parts = streams.map(|stream| (stream, column[self.range(stream)].to_vec()));
-        let parts = parts.filter(|(_, own)| own.iter().any(|entry| *entry != 0.0));
+        let parts = parts.filter(|(_, entries)| entries.iter().any(|entry| *entry != 0.0));
         Column {
             parts: parts.collect(),
         }

@@ -30,17 +30,17 @@ impl Model<'_> {
         let context = Context::new(device, &joined, &[])?;
         let mut both = Model::new(&context, false, &[])?;
         let payloads = both.as_ref().map(|both| both.carried.payloads.as_slice());
-        let is_between = |own: &&Payload| own.run == first.context.runs.len();
+        let is_between = |payload: &&Payload| payload.run == first.context.runs.len();
         let carries_more = payloads.unwrap_or_default().iter().find(is_between);
         let has_same = carries_more.is_none();
-        seen.warnings.extend(carries_more.map(told));
+        seen.warnings.extend(carries_more.map(warning));
         for mut unseen in unseen {
             let Some(channel) = first.channel(unseen.joint) else {
                 continue;
             };
             let both = both.as_ref().ok();
             unseen.of_both = both.and_then(|both| both.left_of(unseen.joint, log.len()));
-            // what the log's own torques may keep without a gap is none of the second recording's
+            // what the model leaves of the log without a gap is no gap of the second recording
             let rest = self.selection.rest_after.column(channel);
             let kept = (rest.norm_squared() / rest.len().max(1) as f64).sqrt();
             let answer = held_out(first.named(channel), &unseen, &unseen.after);
@@ -48,7 +48,7 @@ impl Model<'_> {
         }
         // one fit of both, as torques of a log are judged
         let found = &mut seen.second;
-        if found.channels.iter().any(|own| own.has_gap) && has_same {
+        if found.channels.iter().any(|channel| channel.has_gap) && has_same {
             let (is_explained, not_tested) = match &mut both {
                 Ok(both) => {
                     both.selection = both.effects.select(&mut both.base)?;
@@ -67,7 +67,12 @@ impl Model<'_> {
         }
         if found.not_predicted.is_empty() {
             let names = (0..first.channels.len()).map(|channel| first.named(channel).0);
-            let is_seen = |name: &String| found.channels.iter().any(|own| own.channel == *name);
+            let is_seen = |name: &String| {
+                found
+                    .channels
+                    .iter()
+                    .any(|channel| channel.channel == *name)
+            };
             let missing = names.filter(|name| !is_seen(name));
             let missing = missing.map(|name| format!("it has no {name}, and the log has"));
             found.not_predicted = missing.collect();
@@ -83,8 +88,8 @@ impl Model<'_> {
         let rest = self.carried.rest_before.column(channel);
         Some([false, true].map(|side| {
             let blocks = recorded.blocks.iter().zip(&rest);
-            let own = blocks.filter(|(block, _)| (block.rows.start >= first_rows) == side);
-            let squares: Vec<f64> = own.map(|(_, rest)| rest * rest).collect();
+            let blocks = blocks.filter(|(block, _)| (block.rows.start >= first_rows) == side);
+            let squares: Vec<f64> = blocks.map(|(_, rest)| rest * rest).collect();
             let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
             (mean / variance).sqrt()
         }))
@@ -92,12 +97,12 @@ impl Model<'_> {
 
     /// What this model, and its base model without effects, leave of the torques of another recording that both have.
     pub(super) fn predicted(&self, along: &Along<'_>) -> Vec<Unseen> {
-        let (recorded, own) = (&along.recorded, &self.effects.along);
+        let (recorded, first) = (&along.recorded, &self.effects.along);
         let mut alone = self.base.regression.clone();
         alone.truncate(self.base.scales.end);
         let solution = self.base.regression.solution();
         let [before, mut after] = [&alone.solution(), &solution]
-            .map(|solution| along.predicted(own, &self.base, solution));
+            .map(|solution| along.predicted(first, &self.base, solution));
         for pick in &self.selection.picks {
             let effect = self.effects.effect(pick.effect);
             if !is_scale(effect) {
@@ -112,7 +117,7 @@ impl Model<'_> {
         }
         let channels = recorded.channels.iter().zip(recorded.block_variances());
         let channels = channels.enumerate();
-        let common = channels.filter(|(_, (joint, _))| own.recorded.channel(**joint).is_some());
+        let common = channels.filter(|(_, (joint, _))| first.recorded.channel(**joint).is_some());
         let unseen = common.map(|(channel, (&joint, variance))| {
             let mut unseen = Unseen::new(joint, variance.sqrt());
             for (index, block) in recorded.blocks.iter().enumerate() {
@@ -130,7 +135,7 @@ impl Model<'_> {
 }
 
 /// A warning where the arm carries more, or less, in the second recording than at the end of the first.
-fn told(payload: &Payload) -> String {
+fn warning(payload: &Payload) -> String {
     let mass_kg = payload.cause.parameters["mass_kg"];
     let [low, high] = mass_kg.ci95;
     format!(
@@ -141,20 +146,23 @@ fn told(payload: &Payload) -> String {
 }
 
 /// What the torques of one recording are examined by, without what the device's own effects add, where another one has it too.
-fn torques_alone(device: &Device, [own, other]: [&Recording; 2]) -> Recording {
+fn torques_alone(device: &Device, [recording, other]: [&Recording; 2]) -> Recording {
     let torque_of = |joint: usize| {
         other.torque_nm.get(joint)?.as_ref()?;
-        torque_nm_without_effects(device, own, joint)
+        torque_nm_without_effects(device, recording, joint)
     };
-    let joints = 0..own.joint.len();
+    let joints = 0..recording.joint.len();
     Recording {
-        line: own.line.clone(),
-        time_s: own.time_s.clone().filter(|_| other.time_s.is_some()),
-        run: own.run.clone(),
-        joint: own.joint.clone(),
+        line: recording.line.clone(),
+        time_s: recording.time_s.clone().filter(|_| other.time_s.is_some()),
+        run: recording.run.clone(),
+        joint: recording.joint.clone(),
         output: vec![None; joints.len()],
         torque_nm: joints.map(torque_of).collect(),
-        force_n: own.force_n.clone().filter(|_| other.force_n.is_some()),
+        force_n: recording
+            .force_n
+            .clone()
+            .filter(|_| other.force_n.is_some()),
         ..Recording::default()
     }
 }

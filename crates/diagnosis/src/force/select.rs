@@ -109,9 +109,9 @@ impl Effects<'_> {
         if !is_harmonic(effect) {
             return picked.next().is_some();
         }
-        let own = (score.effect, score.shape);
+        let wanted = (score.effect, score.shape);
         picked.clone().count() >= MOST_ORDERS
-            || (picked.chain(&chosen.ripples)).any(|pick| (pick.effect, pick.shape) == own)
+            || (picked.chain(&chosen.ripples)).any(|pick| (pick.effect, pick.shape) == wanted)
     }
 
     /// Bayes' criterion: the score less what as many free numbers explain of nothing.
@@ -133,10 +133,10 @@ impl Effects<'_> {
         if !is_sensor_loop(self.effect(score.effect)) {
             return true;
         }
-        let mut beside = base.clone();
-        beside.adopt(&self.bias_and_gain(base));
+        let mut extended = base.clone();
+        extended.adopt(&self.bias_and_gain(base));
         let columns = self.columns(base, score.effect, score.shape);
-        let left = beside.score(&columns, score.effect, score.shape);
+        let left = extended.score(&columns, score.effect, score.shape);
         left.score >= LEAST_LOOP * score.score
     }
 
@@ -172,8 +172,8 @@ impl Effects<'_> {
         let amplitudes = score(shape).amplitudes;
         let mut slope = vec![0.0; base.regression.reading().len()];
         for side in [1.0, -1.0] {
-            let beside = columns(placed(best + side * SHAPE_STEP));
-            for (column, amplitude) in beside.iter().zip(&amplitudes) {
+            let shifted = columns(placed(best + side * SHAPE_STEP));
+            for (column, amplitude) in shifted.iter().zip(&amplitudes) {
                 let factor = side * amplitude / (2.0 * SHAPE_STEP);
                 let entries = slope.iter_mut().zip(column);
                 entries.for_each(|(sum, value)| *sum += factor * value);
@@ -356,8 +356,8 @@ impl Search<'_, '_> {
             let name = self.effects.effect(pick.effect).name();
             pick.score = without.state.gone.map_or(0.0, |score| score.score);
             pick.probability = probability(found.iter().map(|rival| rival.behind));
-            let near = found.iter().filter(|own| own.behind < CONFUSABLE_NATS);
-            let names = near.map(|own| own.name.0);
+            let near = found.iter().filter(|rival| rival.behind < CONFUSABLE_NATS);
+            let names = near.map(|rival| rival.name.0);
             pick.rivals = names.filter(|other| *other != name).collect();
         }
         Ok(picks)

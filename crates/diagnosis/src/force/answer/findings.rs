@@ -82,8 +82,8 @@ impl<'m, 'a> Sizes<'m, 'a> {
     }
 
     fn covariance_of(&self, first: usize, count: usize) -> DMatrix<f64> {
-        let own = self.covariance.view((first, first), (count, count));
-        own.into_owned()
+        let block = self.covariance.view((first, first), (count, count));
+        block.into_owned()
     }
 
     /// A pick's numbers with their standard deviations.

@@ -33,7 +33,7 @@ impl Model<'_> {
             // mean square of what varies within blocks, and the number of rows
             let within = |torque_nm: &[f64], fitted: &[f64]| {
                 let rest = deviations(recorded, torque_nm, fitted);
-                let rest: Vec<f64> = rest.into_iter().flat_map(|own| own.1).collect();
+                let rest: Vec<f64> = rest.into_iter().flat_map(|(_, values)| values).collect();
                 match rest.len() {
                     0 => (row_sd * row_sd * (1.0 - 1.0 / size), 0),
                     count => (mean_square(&rest), count),
@@ -106,13 +106,13 @@ impl Model<'_> {
         let time_s = recorded.context.recording.time_s.as_ref()?;
         let share = |channel: &usize| channels[*channel].share_of_gap;
         let channel = (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
-        let own = |rest: &Means| rest.column(channel).iter().copied().collect();
+        let on_channel = |rest: &Means| rest.column(channel).iter().copied().collect();
         Some(Course {
             channel: channels[channel].channel.clone(),
             unit: recorded.named(channel).1,
             time_s: recorded.means(time_s),
-            before: own(self.rest_before()),
-            after: own(&self.selection.rest_after),
+            before: on_channel(self.rest_before()),
+            after: on_channel(&self.selection.rest_after),
         })
     }
 }

@@ -203,7 +203,7 @@ impl Model<'_> {
             let (findings, explained) = self.picked(&energies, &kept);
             answer.unexplained_share = match named {
                 true => 1.0 - explained,
-                false => (1.0 - findings.iter().map(|own| own.share).sum::<f64>()).max(0.0),
+                false => (1.0 - findings.iter().map(|finding| finding.share).sum::<f64>()).max(0.0),
             };
             answer.findings = findings;
             let channels = kept.iter().filter_map(|pick| self.scaled_by(pick));
@@ -213,8 +213,8 @@ impl Model<'_> {
         } else if answer.significant {
             let found = self.held(&energies);
             has_grip = found.is_some();
-            answer.unexplained_share = found.as_ref().map_or(1.0, |own| own.1);
-            answer.findings.extend(found.map(|own| own.0));
+            answer.unexplained_share = found.as_ref().map_or(1.0, |(_, left)| *left);
+            answer.findings.extend(found.map(|(cause, _)| cause));
         }
         // where a gap shows anyhow it is that gap's
         let strained = self
@@ -281,8 +281,8 @@ impl Model<'_> {
     /// With the payloads before the other findings, whose shares are of what the payloads leave.
     fn with_payloads(&self, mut answer: ForceAnswer, energies: &Energies) -> ForceAnswer {
         let rest = self.carried.rest_share(energies.before, energies.total);
-        let mut own = self.carried.findings(rest);
-        if own.is_empty() {
+        let mut findings = self.carried.findings(rest);
+        if findings.is_empty() {
             return answer;
         }
         for finding in &mut answer.findings {
@@ -298,10 +298,12 @@ impl Model<'_> {
             .closed_share()
             .map(|share| (1.0 - rest) * share);
         answer.closed_unseen_share = closed.map(|share| share + of_rest);
-        own.append(&mut answer.findings);
-        answer.findings = own;
+        findings.append(&mut answer.findings);
+        answer.findings = findings;
         let payloads = self.carried.payloads.iter();
-        answer.warnings = payloads.filter_map(|own| own.warning.clone()).collect();
+        answer.warnings = payloads
+            .filter_map(|payload| payload.warning.clone())
+            .collect();
         answer.significant = true;
         answer
     }
@@ -326,8 +328,8 @@ impl Model<'_> {
         {
             return Ok(None);
         }
-        let is_beside_others = total > LEAST_STRUCTURE * recorded.rows();
-        let rest = total * f64::from(is_beside_others);
+        let has_others = total > LEAST_STRUCTURE * recorded.rows();
+        let rest = total * f64::from(has_others);
         let may_be_payload = !self.effects.is_left_out(PAYLOAD.name);
         gravity::unbalanced(&self.effects.along, &self.base, (rest, may_be_payload))
     }

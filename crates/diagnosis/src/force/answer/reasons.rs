@@ -10,7 +10,8 @@ use crate::force::grip;
 /// Every effect on torques and forces, once, but for those that motors' currents show.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     let is_on_drives = |name: &&str| {
-        spec(name).is_some_and(|own| own.hook.is_on_drives() && !own.needs.contains(&Need::Current))
+        spec(name)
+            .is_some_and(|spec| spec.hook.is_on_drives() && !spec.needs.contains(&Need::Current))
     };
     haptical_effects::names().into_iter().filter(is_on_drives)
 }
@@ -79,7 +80,11 @@ impl Model<'_> {
         let unseen = joints.filter(|&joint| recorded.channel(joint).is_none());
         let is_read = |joint: &usize| context.recorded_torque_nm(*joint).is_some();
         let (constant, missing): (Vec<usize>, Vec<usize>) = unseen.partition(is_read);
-        let at_joints = self.effects.all.iter().filter(|own| own.joint().is_some());
+        let at_joints = self
+            .effects
+            .all
+            .iter()
+            .filter(|effect| effect.joint().is_some());
         if let Some(first) = constant.first() {
             let column = recorded.column(*first);
             let why = format!("{column} has one value throughout: nothing was measured there");

@@ -98,13 +98,13 @@ fn twins(
     let earlier = of_last.map(|block| (place(block).1, block));
     let earlier: BTreeMap<usize, usize> = earlier.collect();
     let ranges = along.ranges();
-    let is_same = |(own, twin): &(usize, usize)| {
-        let off = along.angle.row(*own) - along.angle.row(*twin);
+    let is_same = |(block, twin): &(usize, usize)| {
+        let off = along.angle.row(*block) - along.angle.row(*twin);
         let mut off = off.iter().zip(&ranges);
         off.all(|(off, range)| off.abs() <= SAME_POSTURE * range.max(1e-12))
     };
-    let paired = |own: usize| Some((own, *earlier.get(&place(own).1)?));
+    let paired = |block: usize| Some((block, *earlier.get(&place(block).1)?));
     let pairs = after.clone().filter_map(paired);
-    let (own, twin): (Vec<usize>, Vec<usize>) = pairs.filter(is_same).unzip();
-    (5 * own.len() >= 4 * after.len()).then_some((own, twin))
+    let (blocks, twin): (Vec<usize>, Vec<usize>) = pairs.filter(is_same).unzip();
+    (5 * blocks.len() >= 4 * after.len()).then_some((blocks, twin))
 }

@@ -19,7 +19,7 @@ pub(in crate::force) struct Columns {
     /// What both sides share; empty where one repeats the other.
     pub(super) common: Range<usize>,
     /// For each joint what its own torque may have changed by, of each kind: an offset, friction, a gain.
-    pub(super) own: Vec<[Vec<usize>; 3]>,
+    pub(super) drives: Vec<[Vec<usize>; 3]>,
     /// Where a mass may have been put: at the flange, and on each link.
     pub(super) places: Vec<Place>,
 }
@@ -38,7 +38,7 @@ pub(in crate::force) struct Place {
 impl Place {
     /// Columns of its numbers.
     pub(super) fn columns(&self) -> Vec<usize> {
-        self.numbers.iter().map(|own| own.0).collect()
+        self.numbers.iter().map(|(column, _)| *column).collect()
     }
 
     /// All its columns.
@@ -49,7 +49,9 @@ impl Place {
     /// The column of one of the ten numbers.
     pub(super) fn column(&self, number: usize) -> Option<usize> {
         let mut numbers = self.numbers.iter();
-        numbers.find(|own| own.1 == number).map(|own| own.0)
+        numbers
+            .find(|(_, place)| *place == number)
+            .map(|(column, _)| *column)
     }
 }
 
@@ -93,8 +95,8 @@ impl Columns {
         let ranges = along.ranges();
         for (channel, &joint) in along.recorded.channels.iter().enumerate() {
             let mut add = |values: &[f64]| {
-                let own = pair.common(&along.recorded.on(channel, values));
-                self.add(own, f64::INFINITY)
+                let column = pair.common(&along.recorded.on(channel, values));
+                self.add(column, f64::INFINITY)
             };
             let angle = along.angle.column(joint);
             let (middle, half) = (angle.mean(), (0.5 * ranges[joint]).max(1e-12));
@@ -118,15 +120,16 @@ impl Columns {
         let gained = pair.gained(along, &base.torque_nm);
         for (channel, &joint) in recorded.channels.iter().enumerate() {
             let mut add = |values: &[f64]| {
-                let own = pair.later(&recorded.on(channel, values));
-                self.add(own, f64::INFINITY)
+                let column = pair.later(&recorded.on(channel, values));
+                self.add(column, f64::INFINITY)
             };
             let offset = add(&vec![1.0; recorded.blocks.len()]);
             let friction = friction(along, joint).map(|values| add(&values));
-            let mut own = gained.map(|_| 0.0);
-            own.set_column(channel, &gained.column(channel));
-            let gain = self.add(own, f64::INFINITY);
-            self.own.push([vec![offset], friction.to_vec(), vec![gain]]);
+            let mut gain = gained.map(|_| 0.0);
+            gain.set_column(channel, &gained.column(channel));
+            let gain = self.add(gain, f64::INFINITY);
+            self.drives
+                .push([vec![offset], friction.to_vec(), vec![gain]]);
         }
     }
 
@@ -161,7 +164,10 @@ impl Columns {
 
     /// Every drive's change of some kind.
     pub(super) fn every(&self, kind: usize) -> Vec<usize> {
-        self.own.iter().flat_map(|own| own[kind].clone()).collect()
+        self.drives
+            .iter()
+            .flat_map(|kinds| kinds[kind].clone())
+            .collect()
     }
 }
 
@@ -169,5 +175,6 @@ impl Columns {
 fn friction(along: &Along<'_>, joint: usize) -> [Vec<f64>; 2] {
     let rate = along.rate.column(joint);
     let turn = (SLOW * rate.norm() / (rate.len().max(1) as f64).sqrt()).max(1e-12);
-    [rate.map(|rate| (rate / turn).tanh()), rate.into_owned()].map(|own| own.as_slice().to_vec())
+    [rate.map(|rate| (rate / turn).tanh()), rate.into_owned()]
+        .map(|values| values.as_slice().to_vec())
 }

@@ -48,14 +48,14 @@ impl Folds {
         let count = columns.all.len();
         let normal = |(fold, channel): (usize, usize)| {
             let all = columns.all.iter().chain([&pair.reading]);
-            let own = all.map(|column| -> Option<Vec<f64>> {
+            let parts = all.map(|column| -> Option<Vec<f64>> {
                 let entries = rows[fold].iter().map(|&row| column[(row, channel)]);
                 // most columns of drives are nothing in the other channels
                 let is_here = entries.clone().any(|entry| entry != 0.0);
                 is_here.then(|| entries.collect())
             });
-            let own: Vec<Option<Vec<f64>>> = own.collect();
-            NormalEquations::from_products(count, |a, b| match (&own[a], &own[b]) {
+            let parts: Vec<Option<Vec<f64>>> = parts.collect();
+            NormalEquations::from_products(count, |a, b| match (&parts[a], &parts[b]) {
                 (Some(a), Some(b)) => dot(a, b),
                 _ => 0.0,
             })
@@ -98,13 +98,13 @@ impl Folds {
         let count = self.sd.len();
         let mut sums = vec![NormalEquations::new(count); FOLDS + 1];
         for (fold, parts) in self.parts.iter().enumerate() {
-            let mut own = NormalEquations::new(count);
+            let mut weighted = NormalEquations::new(count);
             for (part, &weight) in parts.iter().zip(&self.weight) {
-                own.add(part, weight);
+                weighted.add(part, weight);
             }
             let without = sums.iter_mut().enumerate();
             for (_, sum) in without.filter(|(other, _)| *other != fold) {
-                sum.add(&own, 1.0);
+                sum.add(&weighted, 1.0);
             }
         }
         self.sums = sums;
@@ -119,7 +119,7 @@ impl Folds {
     pub(super) fn unseen(&self, channel: usize, [null, all]: [&Fitted; 2], unseen: &mut Unseen) {
         unseen.rows[..FOLDS].copy_from_slice(&self.rows);
         for fold in 0..FOLDS {
-            let left = |own: &Fitted| own.left[fold][channel] / self.weight[channel];
+            let left = |fitted: &Fitted| fitted.left[fold][channel] / self.weight[channel];
             (unseen.before[fold], unseen.after[fold]) = (left(null), left(all));
         }
     }
@@ -141,8 +141,8 @@ impl Folds {
     pub(super) fn prior_sd(&self, fitted: &Fitted, sum: &[(usize, f64)]) -> f64 {
         let columns = &fitted.columns;
         let factor = |&column: &usize| {
-            let own = sum.iter().filter(|(other, _)| *other == column);
-            own.map(|(_, factor)| factor).sum()
+            let factors = sum.iter().filter(|(other, _)| *other == column);
+            factors.map(|(_, factor)| factor).sum()
         };
         let right: Vec<f64> = columns.iter().map(factor).collect();
         let moved = self.solve(columns, FOLDS).inverse_times(&right);
@@ -176,21 +176,21 @@ impl Folds {
         let first = self.sd.len();
         for parts in &mut self.parts {
             for (channel, part) in parts.iter_mut().enumerate() {
-                let own = sums.iter().map(|(terms, _, only)| -> &[_] {
+                let terms = sums.iter().map(|(terms, _, only)| -> &[_] {
                     let is_here = only.is_none_or(|only| only == channel);
                     if is_here { terms } else { &[] }
                 });
-                *part = part.with_sums(&own.collect::<Vec<_>>());
+                *part = part.with_sums(&terms.collect::<Vec<_>>());
             }
         }
-        self.sd.extend(sums.iter().map(|own| own.1));
+        self.sd.extend(sums.iter().map(|(_, sd, _)| sd));
         self.measure();
         (first..self.sd.len()).collect()
     }
 
-    /// Normal equations of some columns over all blocks, less what `beside` can take of them.
-    pub(super) fn apart(&self, columns: &[usize], beside: &[usize]) -> Matrix {
-        self.sums[FOLDS].across(&self.solve(beside, FOLDS), columns)
+    /// Normal equations of some columns over all blocks, less what `others` can take of them.
+    pub(super) fn apart(&self, columns: &[usize], others: &[usize]) -> Matrix {
+        self.sums[FOLDS].across(&self.solve(others, FOLDS), columns)
     }
 
     /// With another standard deviation of a number.
@@ -203,7 +203,7 @@ impl Folds {
     pub(in crate::force) fn closed(&self, [null, all]: [&Fitted; 2], variance: &[f64]) -> f64 {
         let variances = self.weight.iter().zip(variance);
         let noise = variances.map(|(weight, variance)| weight * variance * self.count());
-        let [before, after] = [null, all].map(|own| own.by_fold(|_| true));
+        let [before, after] = [null, all].map(|fitted| fitted.by_fold(|_| true));
         let closed = closed_share(&before, &after, noise.sum());
         closed.share.clamp(0.0, 1.0)
     }
@@ -229,8 +229,8 @@ impl Fitted {
     fn by_fold(&self, is_wanted: impl Fn(usize) -> bool) -> Vec<f64> {
         let wanted = |left: &Vec<f64>| {
             let channels = left.iter().enumerate();
-            let wanted = channels.filter(|own| is_wanted(own.0));
-            wanted.map(|own| own.1).sum()
+            let wanted = channels.filter(|(channel, _)| is_wanted(*channel));
+            wanted.map(|(_, left)| left).sum()
         };
         self.left.iter().map(wanted).collect()
     }
@@ -243,8 +243,8 @@ impl Fitted {
 
     /// What `other` leaves more than this, of all channels or of one.
     pub(in crate::force) fn gain_over(&self, other: &Self, of: Option<usize>) -> Gain {
-        let [before, after] =
-            [other, self].map(|own| own.by_fold(|channel| of.is_none_or(|only| only == channel)));
+        let [before, after] = [other, self]
+            .map(|fitted| fitted.by_fold(|channel| of.is_none_or(|only| only == channel)));
         Gain::between(&before, &after)
     }
 }
@@ -254,10 +254,10 @@ fn folds(pair: &Pair) -> Vec<Vec<usize>> {
     let mut folds = vec![Vec::new(); FOLDS];
     for side in [false, true] {
         let blocks = pair.is_after().enumerate();
-        let own = blocks.filter(|(_, is_after)| *is_after == side);
-        let own: Vec<usize> = own.map(|(block, _)| block).collect();
-        for (place, block) in own.iter().enumerate() {
-            folds[place * FOLDS / own.len()].push(*block);
+        let blocks = blocks.filter(|(_, is_after)| *is_after == side);
+        let blocks: Vec<usize> = blocks.map(|(block, _)| block).collect();
+        for (place, block) in blocks.iter().enumerate() {
+            folds[place * FOLDS / blocks.len()].push(*block);
         }
     }
     folds

@@ -32,7 +32,7 @@ impl Hypothesis {
             folds.knowing(column, FLANGE_REACH_M.powi(reach) * first_kg);
         }
         // the flange, and every link that a drive in front of others carries
-        let places = columns.places.iter().filter(|own| own.link != Some(0));
+        let places = columns.places.iter().filter(|place| place.link != Some(0));
         let mut places: Vec<Place> = places.cloned().collect();
         let scale_sds = along.scale_sds();
         // a mass's torque is read with each joint's scale, which is known to a deviation
@@ -76,25 +76,29 @@ impl Drives<'_> {
     /// The place of a mass: the flange, unless a link does much better.
     fn best(&self) -> Option<Hypothesis> {
         let null = self.folds.fit(&self.common);
-        let gains = |own: &Fitted, other: &Fitted| is_beyond_chance(own.gain_over(other, None));
-        let with = |own: &Place| self.folds.fit(&[&*self.common, &own.all()].concat());
-        let tried = self.places.iter().map(|own| (own, with(own)));
-        let found: Vec<(&Place, Fitted)> = tried.filter(|own| gains(&own.1, &null)).collect();
-        let better = |best: usize, own: usize| match gains(&found[own].1, &found[best].1) {
-            true => own,
+        let gains =
+            |fitted: &Fitted, other: &Fitted| is_beyond_chance(fitted.gain_over(other, None));
+        let with = |place: &Place| self.folds.fit(&[&*self.common, &place.all()].concat());
+        let tried = self.places.iter().map(|place| (place, with(place)));
+        let found: Vec<(&Place, Fitted)> =
+            tried.filter(|(_, fitted)| gains(fitted, &null)).collect();
+        let better = |best: usize, other: usize| match gains(&found[other].1, &found[best].1) {
+            true => other,
             false => best,
         };
         let best = (0..found.len()).reduce(better)?;
-        let as_well = found.iter().filter(|own| !gains(&found[best].1, &own.1));
-        let links: Vec<usize> = as_well.filter_map(|own| own.0.link).collect();
+        let as_well = found
+            .iter()
+            .filter(|(_, fitted)| !gains(&found[best].1, fitted));
+        let links: Vec<usize> = as_well.filter_map(|(place, _)| place.link).collect();
         let links = [links.iter().min(), links.iter().max()].map(Option::<&usize>::copied);
         let (place, fitted) = found.into_iter().nth(best)?;
-        let own = place.link.unwrap_or_default();
+        let chosen = place.link.unwrap_or_default();
         Some(Hypothesis {
             place: place.clone(),
             fitted,
             null,
-            links: links.map(|link| link.unwrap_or(own)),
+            links: links.map(|link| link.unwrap_or(chosen)),
         })
     }
 }

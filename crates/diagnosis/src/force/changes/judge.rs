@@ -59,18 +59,19 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     }
     let common: Vec<usize> = columns.common.clone().collect();
     let with = |more: &[usize]| folds.fit(&[common.as_slice(), more].concat());
-    let drives = columns.own.concat().concat();
-    let beside = with(&drives);
+    let drives = columns.drives.concat().concat();
+    let of_drives = with(&drives);
     let both = with(&[drives.as_slice(), &place.all()].concat());
-    let is_more = is_beyond_chance(both.gain_over(&beside, None));
-    if !is_more || !agree(&folds, place, &beside.columns, [fitted, &both]) {
+    let is_more = is_beyond_chance(both.gain_over(&of_drives, None));
+    if !is_more || !agree(&folds, place, &of_drives.columns, [fitted, &both]) {
         return None;
     }
     // changes of one drive, or of one kind on all drives, that leave as little of these channels
     let of_kinds = (0..3).map(|kind| columns.every(kind));
-    let mut rivals = of_kinds.chain(columns.own.iter().map(|own| own.concat()));
+    let mut rivals = of_kinds.chain(columns.drives.iter().map(|kinds| kinds.concat()));
     let left = fitted.left_on(&shown);
-    if left >= beside.left_on(&shown) || rivals.any(|own| left >= with(&own).left_on(&shown)) {
+    if left >= of_drives.left_on(&shown) || rivals.any(|rival| left >= with(&rival).left_on(&shown))
+    {
         return None;
     }
     let mut numbers = [0.0; PER_LINK];
@@ -116,7 +117,9 @@ fn cause(
     let from_one = |place: usize| (place + 1) as f64;
     let value = |name: &str| match name {
         "mass_kg" => number(size.mass_kg, size.ci95_kg),
-        "moment_kg_m" => size.moment_kg_m.and_then(|own| number(own.0, own.1)),
+        "moment_kg_m" => size
+            .moment_kg_m
+            .and_then(|(value, ci95)| number(value, ci95)),
         "on_link" => number(from_one(link?.0), link?.1.map(from_one)),
         "from_run" => number(from_one(run), [from_one(run); 2]),
         _ => None,
@@ -126,7 +129,8 @@ fn cause(
         None => &PAYLOAD,
     };
     let parameters = spec.parameters.iter();
-    let parameters = parameters.filter_map(|own| Some((own.name.to_owned(), value(own.name)?)));
+    let parameters = parameters
+        .filter_map(|parameter| Some((parameter.name.to_owned(), value(parameter.name)?)));
     CauseAnswer {
         parameters: parameters.collect(),
         held_out: Some(unseen),
@@ -138,7 +142,7 @@ fn cause(
 fn is_large(along: &Along<'_>, torque_nm: &Means, from: usize) -> bool {
     let later = (torque_nm.nrows() - from).max(1) as f64;
     let mut channels = torque_nm.column_iter().zip(&along.recorded.noise);
-    channels.any(|(own, noise)| own.norm_squared() / later > LEAST_SIGNAL * noise.sd.powi(2))
+    channels.any(|(column, noise)| column.norm_squared() / later > LEAST_SIGNAL * noise.sd.powi(2))
 }
 
 /// Whether two fits of a mass at a place, without and with changes of all drives, give about the same torques: of the part that no
@@ -150,13 +154,13 @@ fn agree(folds: &Folds, place: &Place, drives: &[usize], fits: [&Fitted; 2]) -> 
         let numbers = columns.iter().map(|&column| fitted.number(column));
         numbers.collect()
     };
-    let [alone, beside] = fits.map(numbers);
+    let [alone, with_drives] = fits.map(numbers);
     let dot = |a: &[f64], b: &[f64]| -> f64 {
         let along = |(index, a): (usize, &f64)| a * haptical_linalg::dot(apart.column(index), b);
         a.iter().enumerate().map(along).sum()
     };
-    let own = dot(&alone, &alone).max(0.0).sqrt();
-    let other = dot(&beside, &beside).max(0.0).sqrt();
+    let size = dot(&alone, &alone).max(0.0).sqrt();
+    let other = dot(&with_drives, &with_drives).max(0.0).sqrt();
     let [least, most] = SIZE_BESIDE;
-    dot(&alone, &beside) > ALIKE * own * other && (least..most).contains(&(other / own))
+    dot(&alone, &with_drives) > ALIKE * size * other && (least..most).contains(&(other / size))
 }

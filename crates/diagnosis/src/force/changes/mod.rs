@@ -124,9 +124,9 @@ impl Carried {
         let all: f64 = self.payloads.iter().map(square).sum();
         let closed = 1.0 - rest_share;
         let share = |payload: &Payload| closed * square(payload) / all.max(1e-300);
-        let found = self.payloads.iter().map(|own| CauseAnswer {
-            share: share(own),
-            ..own.cause.clone()
+        let found = self.payloads.iter().map(|payload| CauseAnswer {
+            share: share(payload),
+            ..payload.cause.clone()
         });
         let mut found: Vec<CauseAnswer> = found.collect();
         found.sort_by(|a, b| b.share.total_cmp(&a.share));

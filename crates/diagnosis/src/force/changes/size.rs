@@ -78,7 +78,7 @@ pub(super) fn size(
         return by_column(place.numbers[0].0).0;
     }
     let column = |number: usize| place.column(number);
-    let number = |place: usize| column(place).map_or(0.0, |own| fitted.number(own));
+    let number = |place: usize| column(place).map_or(0.0, |column| fitted.number(column));
     let moment_of = |of: Numbers<'_>| {
         let square = (1..4).filter_map(column).map(|column| of(column).powi(2));
         square.sum::<f64>().sqrt()
@@ -135,7 +135,7 @@ fn by_inertia(
     (place, direction): (&Place, &[f64; 3]),
     fitted: &Fitted,
 ) -> Option<(f64, [f64; 2])> {
-    let own = &place.numbers;
+    let numbers = &place.numbers;
     let [x, y, z] = *direction;
     // 1 - d d^T: the inertia of 1 kg at 1 m about the origin
     let shape = [
@@ -148,12 +148,14 @@ fn by_inertia(
     ];
     let sums = [(1, direction.as_slice()), (4, &shape)].map(|(first, factors)| {
         let factor = |number: usize| factors.get(number.checked_sub(first)?).copied();
-        let terms = own.iter().filter_map(|own| Some((own.0, factor(own.1)?)));
+        let terms = numbers
+            .iter()
+            .filter_map(|&(column, number)| Some((column, factor(number)?)));
         (terms.collect(), f64::INFINITY, None)
     });
     let mut with = folds.clone();
     let [moment, inertia] = *with.add_sums(&sums).first_chunk::<2>()?;
-    let is_other = |column: &&usize| !own.iter().any(|(own, _)| own == *column);
+    let is_other = |column: &&usize| !numbers.iter().any(|(number, _)| number == *column);
     let common: Vec<usize> = fitted.columns.iter().filter(is_other).copied().collect();
     let found = with.fit(&[common.as_slice(), &[moment, inertia]].concat());
     let mass_of = |number: Numbers<'_>| {
@@ -162,18 +164,18 @@ fn by_inertia(
     };
     let mass_kg = mass_of(&|column| found.number(column))?;
     // logarithms: a ratio of two numbers is no normal one
-    let beside = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
-    let parts = (0..FOLDS).map(|fold| beside(mass_of(&|column| found.nth(fold, column))?));
+    let log_ratio = |other: f64| (other * mass_kg > 0.0).then(|| (other / mass_kg).ln());
+    let parts = (0..FOLDS).map(|fold| log_ratio(mass_of(&|column| found.nth(fold, column))?));
     let of_folds = SESSION_FACTOR * jackknife_sd(parts.collect::<Option<Vec<_>>>()?.into_iter());
     // scales within what is stated of them, offsets and friction as they like
     for (gain, sd) in columns.every(2).into_iter().zip(along.scale_sds()) {
         with.knowing(gain, sd);
     }
-    let mut all = [common, columns.own.concat().concat()].concat();
+    let mut all = [common, columns.drives.concat().concat()].concat();
     all.sort_unstable();
     all.dedup();
     let changed = with.fit(&[all.as_slice(), &[moment, inertia]].concat());
-    let of_drives = beside(mass_of(&|column| changed.number(column))?)?;
+    let of_drives = log_ratio(mass_of(&|column| changed.number(column))?)?;
     let slopes = [
         (moment, 2.0 / changed.number(moment)),
         (inertia, -1.0 / changed.number(inertia)),

@@ -13,7 +13,7 @@ const DAMPING: f64 = 0.5;
 /// 42, 1975: `k d^p (1 + c d')`.
 pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
     let reach: Vec<f64> = draw.flange_m.iter().map(Vector3::norm).collect();
-    let lever_m = reach.iter().fold(0.1_f64, |most, own| own.max(most));
+    let lever_m = reach.iter().fold(0.1_f64, |most, value| value.max(most));
     let strongest = draw.arm.axes[0].range.max(draw.arm.axes[1].range);
     let force_n = draw.size * draw.random.uniform(0.25, 0.5) * strongest / lever_m;
     let (sine, cosine) = libm::sincos(draw.random.phase_rad());
@@ -48,7 +48,7 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
             instant.at.add_at_flange(&force, torque);
         }
     };
-    Drawn::new(|own| own.torque = Box::new(press))
+    Drawn::new(|drawn| drawn.torque = Box::new(press))
         .with_all(named!(force_n, place_m))
         .with("normal_x", normal.x)
         .with("normal_y", normal.y)

@@ -5,7 +5,7 @@ use crate::moving::motion::specimen::{Soft, Specimen};
 
 fn yielding(soft: Soft) -> Drawn {
     let build = move |specimen: &mut Specimen| specimen.soft = Some(soft);
-    Drawn::new(|own| own.build = Box::new(build)).at(soft.joint)
+    Drawn::new(|drawn| drawn.build = Box::new(build)).at(soft.joint)
 }
 
 /// A gear that the range of its drive twists by 10 to 20 mrad, and that stiffens with load. Source of the shape: the measured

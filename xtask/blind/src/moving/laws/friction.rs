@@ -14,7 +14,7 @@ fn levels(
             change(sliding, levels);
         }
     };
-    Drawn::new(|own| own.friction = Box::new(of_joint)).at(joint)
+    Drawn::new(|drawn| drawn.friction = Box::new(of_joint)).at(joint)
 }
 
 impl Levels {
@@ -76,12 +76,12 @@ pub(crate) fn presliding(draw: &mut Draw<'_>) -> Drawn {
     let length = draw.size * draw.top_speed() * draw.random.uniform(0.008, 0.02);
     let joint = draw.joint;
     let prepare = move |specimen: &mut Specimen| {
-        let own = &mut specimen.friction[joint];
-        own.coulomb = own.coulomb.max(level);
+        let friction = &mut specimen.friction[joint];
+        friction.coulomb = friction.coulomb.max(level);
     };
     let build =
         move |specimen: &mut Specimen| specimen.friction[joint].sense = Sense::Bristle { length };
-    Drawn::new(|own| (own.prepare, own.build) = (Box::new(prepare), Box::new(build)))
+    Drawn::new(|drawn| (drawn.prepare, drawn.build) = (Box::new(prepare), Box::new(build)))
         .at(joint)
         .with_all(named!(level, length))
 }

@@ -8,7 +8,7 @@ use crate::moving::motion::specimen::Specimen;
 
 /// Changes the arm before it moves.
 fn built(build: impl Fn(&mut Specimen) + Send + Sync + 'static) -> Drawn {
-    Drawn::new(|own| own.build = Box::new(build))
+    Drawn::new(|drawn| drawn.build = Box::new(build))
 }
 
 /// A body with a ball more. Moments about the common centre by Steiner's theorem.

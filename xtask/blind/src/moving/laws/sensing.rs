@@ -13,7 +13,7 @@ fn reading(draw: &Draw<'_>, read: impl Fn(f64) -> f64 + Send + Sync + 'static) -
             *torque = read(*torque);
         }
     };
-    Drawn::new(|own| own.readings = Box::new(change)).at(joint)
+    Drawn::new(|drawn| drawn.readings = Box::new(change)).at(joint)
 }
 
 /// A scale that is off by 20 to 45 %.
@@ -52,13 +52,13 @@ pub(crate) fn dead_band(draw: &mut Draw<'_>) -> Drawn {
 pub(crate) fn encoder_latency(draw: &mut Draw<'_>) -> Drawn {
     let delay_s = draw.size * draw.random.uniform(0.012, 0.03);
     let late = move |ticks: &mut Ticks| ticks.delay_angles(delay_s, TICKS_PER_S);
-    Drawn::new(|own| own.readings = Box::new(late)).with("delay_s", delay_s)
+    Drawn::new(|drawn| drawn.readings = Box::new(late)).with("delay_s", delay_s)
 }
 
 /// The controller hears its command late.
 pub(crate) fn command_latency(draw: &mut Draw<'_>) -> Drawn {
     let delay_s = draw.size * draw.random.uniform(0.004, 0.012);
-    Drawn::new(|own| own.command_delay_s = delay_s).with("delay_s", delay_s)
+    Drawn::new(|drawn| drawn.command_delay_s = delay_s).with("delay_s", delay_s)
 }
 
 /// A controller that is softer for a while.
@@ -70,7 +70,7 @@ pub(crate) fn controller_mode(draw: &mut Draw<'_>) -> Drawn {
         true => [factor, libm::sqrt(factor)],
         false => [1.0, 1.0],
     };
-    Drawn::new(|own| own.gains = Box::new(gains)).with_all(named!(from_s, until_s, factor))
+    Drawn::new(|drawn| drawn.gains = Box::new(gains)).with_all(named!(from_s, until_s, factor))
 }
 
 /// A recorder that shows a row twice, in the place of the next one.
@@ -83,7 +83,7 @@ pub(crate) fn repeated(draw: &mut Draw<'_>) -> Drawn {
             }
         }
     };
-    Drawn::new(|own| own.rows = Box::new(repeat)).with("share", share)
+    Drawn::new(|drawn| drawn.rows = Box::new(repeat)).with("share", share)
 }
 
 /// A recorder that loses up to four rows at a time and counts on as if none was lost.
@@ -102,5 +102,5 @@ pub(crate) fn dropped(draw: &mut Draw<'_>) -> Drawn {
             true
         });
     };
-    Drawn::new(|own| own.rows = Box::new(lose)).with("share", share)
+    Drawn::new(|drawn| drawn.rows = Box::new(lose)).with("share", share)
 }

@@ -10,7 +10,7 @@ use crate::moving::motion::specimen::Specimen;
 
 /// Adds torques on the joints.
 fn adding(add: impl Fn(&Instant<'_>, &mut [f64]) + Send + Sync + 'static) -> Drawn {
-    Drawn::new(|own| own.torque = Box::new(add))
+    Drawn::new(|drawn| drawn.torque = Box::new(add))
 }
 
 /// A spring between a place beside the axis and one on the link: its pull times its lever,

@@ -33,7 +33,11 @@ impl Rig<'_> {
         let joints = self.arm.count();
         let mut plant = Plant::new(self.specimen, self.effects, &course.about);
         let mut controller = Controller::new(self.design);
-        let delay_s: f64 = self.effects.iter().map(|own| own.command_delay_s).sum();
+        let delay_s: f64 = self
+            .effects
+            .iter()
+            .map(|effect| effect.command_delay_s)
+            .sum();
         let mut ticks = Ticks::new(joints);
         let (mut held, mut torque) = (vec![0.0; joints], vec![0.0; joints]);
         let mut read = vec![0.0; joints];
@@ -51,8 +55,8 @@ impl Rig<'_> {
             let heard: Asked = course.at(time_s - delay_s);
             let mut factors = [1.0; 2];
             for effect in self.effects {
-                let own = (effect.gains)(time_s);
-                factors = [factors[0] * own[0], factors[1] * own[1]];
+                let gains = (effect.gains)(time_s);
+                factors = [factors[0] * gains[0], factors[1] * gains[1]];
             }
             controller.tick(&heard, &read, factors, &mut torque);
             if tick >= 0 {
