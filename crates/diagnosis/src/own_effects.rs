@@ -16,9 +16,9 @@ use crate::{DiagnosisError, Options};
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
 ///
-/// A law is right up to a share of the squares that its effect takes off a channel ([`haptical_effects::LawError`]): what a device without
-/// the effects, fitted to the same recording and examined in the same way, leaves more (A240). A channel that was not examined so has no
-/// allowance. `device` and `recording` are without effects.
+/// A law is right up to a share of the squares that its effect takes off a channel ([`haptical_effects::LawError`]).
+/// A device without the effects leaves these squares more, fitted to the same recording and examined in the same way
+/// (A240). A channel that was not examined so has no allowance. `device` and `recording` are without effects.
 ///
 /// # Errors
 /// [`DiagnosisError`] where the device without effects cannot be fitted.
@@ -149,8 +149,8 @@ fn channels_without(
     Ok(residuals.iter().map(of_channel).collect())
 }
 
-/// The same of torques, whose base model has as many rows of each, by the examination that the verdict is by; none where that finds a cause
-/// which is none of the effects.
+/// The same for torques, by the examination that gives the verdict; the base model has as many rows of each torque.
+/// None where the examination finds a cause that is none of the effects.
 fn torques_without(
     device: &Device,
     recording: &Recording,

@@ -27,7 +27,7 @@ impl SecondAnswer {
         }
     }
 
-    /// With what another view of the same recording says.
+    /// Adds what another view of the same recording says.
     pub(crate) fn extend(&mut self, other: Self) {
         self.channels.extend(other.channels);
         self.not_predicted.extend(other.not_predicted);
@@ -37,9 +37,9 @@ impl SecondAnswer {
 /// What a second recording shows of torques, or of encoders on links.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct OnSecond {
-    /// Gap of each channel before and after.
+    /// Gap of each channel, without the named effects and with them.
     pub(crate) held_out: Vec<HeldOutAnswer>,
-    /// Of block means, at the row in the middle of each.
+    /// Block means, each at the row in the middle of its block.
     pub(crate) predictions: Vec<Prediction>,
     pub(crate) warnings: Vec<String>,
     pub(crate) second: SecondAnswer,
@@ -54,8 +54,8 @@ impl OnSecond {
         }
     }
 
-    /// With a joint's rows, whose gap is `answer`; `of_log`: root mean square of what the model leaves of the log itself, and readings of
-    /// that. What is not named predicts nothing.
+    /// Adds a joint's rows, whose gap is `answer`. `of_log` is the root mean square that the model leaves of the log
+    /// itself, over that many readings. An effect that is not named predicts nothing.
     pub(crate) fn add(
         &mut self,
         answer: HeldOutAnswer,
@@ -91,7 +91,7 @@ impl OnSecond {
         self.held_out.push(answer);
     }
 
-    /// With what another view of the same recording says.
+    /// Adds what another view of the same recording says.
     pub(crate) fn extend(&mut self, other: Self) {
         self.held_out.extend(other.held_out);
         self.predictions.extend(other.predictions);

@@ -36,11 +36,11 @@ pub(super) struct Along<'a> {
     pub(super) rate: DMatrix<f64>,
     /// Mean recorded force of the hand, per half block.
     pub(super) force_n: Vec<Vector3<f64>>,
-    /// Columns of the inertial numbers of an arm: ten of each link, and the inertia of each drive's rotor and gears at its joint, which
-    /// no link's number takes (Khalil & Dombre, *Modeling, Identification and Control of Robots*, section 9.4). One that is
-    /// rounding alone is nothing.
+    /// Columns of the inertial numbers of an arm: ten of each link, then one of each drive. That one is the inertia
+    /// of rotor and gears at the joint, which no link's number replaces. A column of rounding errors alone is zero.
+    /// Source: Khalil & Dombre, *Modeling, Identification and Control of Robots*, section 9.4.
     pub(super) inertia: Vec<Means>,
-    /// Torques of drives and hand together.
+    /// Sum of the drives' and the hand's torques.
     pub(super) reading: Means,
 }
 
@@ -109,7 +109,7 @@ impl<'a> Along<'a> {
         Ok(along)
     }
 
-    /// Joints of the arm.
+    /// Number of the arm's joints.
     pub(super) fn joints(&self) -> usize {
         self.angle.ncols()
     }
@@ -120,8 +120,8 @@ impl<'a> Along<'a> {
         joints.map(|angle| angle.max() - angle.min()).collect()
     }
 
-    /// Inertial numbers of an arm that carries nothing but what has these ten on a link, or about the flange, which is where the last
-    /// link has the handle.
+    /// Inertial numbers of an arm whose only mass has these ten numbers, on a link or about the flange. The flange is
+    /// where the last link has the handle.
     pub(super) fn carrying(&self, link: Option<usize>, numbers: [f64; PER_LINK]) -> Vec<f64> {
         let flange = self.recorded.bodies.flange(0);
         let place = Pose {
@@ -145,7 +145,7 @@ impl<'a> Along<'a> {
         (&self.halves[2 * block].hand + &self.halves[2 * block + 1].hand) * 0.5
     }
 
-    /// Standard deviation of a row of a channel: its torque's noise and the hand force's.
+    /// Standard deviation of a channel's row by the noise of its torque and of the hand's force.
     pub(super) fn row_sd(&self, channel: usize) -> f64 {
         let recorded = &self.recorded;
         let of_hand = |block: usize| {
@@ -163,14 +163,14 @@ impl<'a> Along<'a> {
         (recorded.noise[channel].sd.powi(2) + hand).sqrt()
     }
 
-    /// What whitens the blocks; none where the torques have no noise at all.
+    /// The whitener of the blocks; none where the torques have no noise at all.
     pub(super) fn whitener(&self, besides: Besides) -> Option<Whitener> {
         let blocks = 0..self.recorded.blocks.len();
         let covariance = |block| self.recorded.covariance(block, &self.hand(block), besides);
         Whitener::new(blocks.map(covariance))
     }
 
-    /// Block means of torques by those of their halves.
+    /// Averages the torques of half blocks to block means.
     fn of_halves(&self, torques: impl Fn(usize, &Half) -> DVector<f64>) -> Means {
         let (blocks, channels) = self.recorded.shape();
         let mut means = Means::zeros(blocks, channels);
@@ -233,8 +233,9 @@ impl<'a> Along<'a> {
         rows.map(sd).collect()
     }
 
-    /// Columns of all that is not exactly known but the links, each with what its number may be: of each row parameter of the chain,
-    /// and of a delay. They are taken at inertial numbers, and at forces of the hand per half block.
+    /// Columns of what is not exactly known except the links: of each row parameter of the chain, and of a delay.
+    /// Each has the standard deviation of its number. They are linearised at these inertial numbers and these forces
+    /// of the hand, one per half block.
     pub(super) fn geometry(&self, inertia: &[f64], force_n: &[Vector3<f64>]) -> Vec<(Means, f64)> {
         let nothing = self.reading.map(|_| 0.0);
         let known = self.geometry_sds().into_iter();
@@ -275,8 +276,8 @@ impl<'a> Along<'a> {
         column
     }
 
-    /// What an error of a joint's angle adds whose accelerations are these, row by row: torques for an acceleration that the link does
-    /// not have, by the joint's column of the mass matrix.
+    /// Torques that an error of a joint's angle adds, by the accelerations of that error, row by row. The link does
+    /// not have these accelerations; the joint's column of the mass matrix makes torques of them.
     pub(super) fn accelerated(&self, joint: usize, inertia: &[f64], acceleration: &[f64]) -> Means {
         let means = self.recorded.half_means(acceleration);
         self.of_halves(|index, half| {

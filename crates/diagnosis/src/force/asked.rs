@@ -126,7 +126,8 @@ fn fitted(
 }
 
 impl Model<'_> {
-    /// What it closes on a second recording of what its base alone leaves, of the torque with the largest gap there.
+    /// What the effects close on a second recording, for the torque with the largest gap there. That gap is what the
+    /// base model alone leaves.
     fn closed_on(&self, second: &Recording) -> Result<Option<HeldOutAnswer>, DiagnosisError> {
         let context = Context::new(self.effects.along.recorded.context.device, second, &[])?;
         let Ok(recorded) = Recorded::new(&context, false) else {
@@ -163,7 +164,7 @@ impl Model<'_> {
             base.score(&columns, effect, shape)
         });
         let possible = scores.filter(|score| effects.is_possible(score));
-        // of equals the first
+        // of equal merits the first wins
         let best =
             possible.reduce(
                 |best, other| match effects.merit(&other) > effects.merit(&best) {

@@ -8,7 +8,7 @@ use super::rows::TorqueRows;
 use crate::engine::regression::Regression;
 use crate::thresholds::torque::{CENTRE_SD_M, LEAST_MASS_SD_KG, MASS_SD, ROD_SD};
 
-/// An inertial number by its place, with the value and the standard deviation that are assumed of it.
+/// An inertial number: its place, its assumed value and the standard deviation of that value.
 pub(super) type Known = (usize, f64, f64);
 
 /// What is known beforehand of a link's mass and first moments.
@@ -16,7 +16,7 @@ pub(super) struct Assumed {
     pub(super) joint: usize,
     /// Whether the device file gives the mass; else it is that of a plausible rod (A150).
     pub(super) is_in_file: bool,
-    /// Those that the torques show, and those that they do not.
+    /// Numbers that the torques show, and numbers that they do not.
     pub(super) shown: Vec<Known>,
     hidden: Vec<Known>,
 }

@@ -22,7 +22,7 @@ pub(super) struct Base {
     pub(super) regression: Regression<TorqueRows>,
     /// Columns of the geometry.
     pub(super) geometry: Range<usize>,
-    /// Columns of the torque scales, one per channel, behind all others of the base model.
+    /// Columns of the torque scales, one per channel, after all others of the base model.
     pub(super) scales: Range<usize>,
     /// Inertial parameters of all links.
     pub(super) inertia: Vec<f64>,
@@ -52,7 +52,7 @@ impl Base {
         self.regression.append(&reading);
     }
 
-    /// Takes up effects' columns.
+    /// Adds the columns of effects.
     pub(super) fn adopt(&mut self, columns: &[Vec<f64>]) {
         let columns = columns.iter().cloned();
         columns.for_each(|column| self.regression.add(column));
@@ -64,7 +64,7 @@ impl Base {
         candidate.score(&self.regression.system)
     }
 
-    /// Columns of an effect at a shape, with what the model has of them.
+    /// Columns of an effect at a shape, with their projection on the model.
     pub(super) fn candidate(&self, columns: &[Vec<f64>], effect: usize, shape: f64) -> Candidate {
         let system = &self.regression.system;
         let columns = columns.iter().map(|column| system.layout.split(column));
@@ -77,7 +77,7 @@ impl Base {
         system.layout.means(&system.residual)
     }
 
-    /// Squares of what the torques pull each number of the geometry by, over its tolerance, per number.
+    /// Mean square of the changes that the torques ask of the geometry's numbers, each over its tolerance.
     pub(super) fn strain(&self) -> f64 {
         let system = &self.regression.system;
         let pull = |index| system.residual[system.layout.prior(index)];
@@ -105,12 +105,12 @@ impl Base {
 }
 
 impl Along<'_> {
-    /// Fits the base model; where a force of the hand is free, that force first. None where the torques have no noise at all.
+    /// Fits the base model, after the hand's force where that is free; none where the torques have no noise at all.
     pub(super) fn fit(&self, besides: Besides) -> Option<Base> {
         let whitener = self.whitener(besides)?;
         let links = self.inertia.len();
         let geometry = links..links + self.geometry_sds().len();
-        // the delay is behind the geometry
+        // the delay's column follows the geometry's
         let scales = geometry.end + 1..geometry.end + 1 + self.recorded.channels.len();
         let rows = TorqueRows::new(whitener.clone(), self.recorded.shape(), scales.end);
         let windows = self.recorded.windows();

@@ -77,7 +77,7 @@ impl<'a> Effects<'a> {
         haptical_parallel::map(shaped.collect::<Vec<_>>(), at)
     }
 
-    /// Scores of candidates that are possible, beside a model.
+    /// Scores of the candidates that are possible, each in addition to a model.
     pub(super) fn scores(&self, base: &Base, candidates: &mut [Candidate]) -> Vec<Score> {
         let system = &base.regression.system;
         let scores = candidates.iter_mut().map(|candidate| {
@@ -88,7 +88,7 @@ impl<'a> Effects<'a> {
         scores.filter(|score| self.is_possible(score)).collect()
     }
 
-    /// Whether nature allows what a score is of.
+    /// Whether the amplitudes of a score are physically possible.
     pub(super) fn is_possible(&self, score: &Score) -> bool {
         let effect = self.effect(score.effect);
         score.rank > 0 && effect.is_possible(self.along.recorded.context, &score.amplitudes)

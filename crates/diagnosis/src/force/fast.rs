@@ -8,8 +8,8 @@ use super::harmonics::{ORDERS, matrix};
 use super::recorded::{Block, Recorded};
 use super::rows::FastRows;
 
-/// The harmonics' deviations from block means against those of the torques less the base model's, over the noise
-/// of a row, channel by channel.
+/// Rows of the harmonics within blocks, channel by channel, over the noise of a row. Deviations of the harmonics from
+/// block means are to explain those of the torques less the base model's.
 pub(super) fn rows(along: &Along<'_>, fitted: &Means) -> Vec<FastRows> {
     let recorded = &along.recorded;
     let of_channel = |(channel, columns): (usize, &Vec<Vec<f64>>)| {
@@ -42,8 +42,8 @@ pub(super) fn rows(along: &Along<'_>, fitted: &Means) -> Vec<FastRows> {
     channels.map(of_channel).collect()
 }
 
-/// What the noise's colour adds to scores: the median of those of the controls, orders between the
-/// whole ones, over that of chi-square with two degrees of freedom.
+/// Factor by which the noise's colour raises scores: the controls' median over that of chi-square with two degrees of
+/// freedom. The controls are orders between the whole ones.
 fn colour(mut scores: Vec<f64>) -> f64 {
     scores.retain(|score| score.is_finite());
     scores.sort_by(f64::total_cmp);
@@ -53,9 +53,8 @@ fn colour(mut scores: Vec<f64>) -> f64 {
     })
 }
 
-/// What a channel's torque does within blocks beyond the base model: their usable rows' deviations
-/// from the block's mean. Within a block the model is the quartic that has its means there and in
-/// the two blocks on each side.
+/// What a channel's torque does within blocks beyond the base model: deviations of the usable rows from their block's
+/// mean. Within a block, the model is the quartic that has its means there and in the two blocks on each side.
 pub(super) fn deviations<'r>(
     recorded: &'r Recorded<'_>,
     torque_nm: &[f64],
@@ -89,8 +88,8 @@ fn about_mean(block: &Block, value: impl Fn(usize) -> f64) -> Vec<f64> {
     values
 }
 
-/// The quartic with these means over five successive blocks, less its value in the middle, at a
-/// place from -1/2 to 1/2 of the middle block.
+/// The quartic with these means over five successive blocks, less its value in the middle. `place` is from -1/2 to
+/// 1/2 of the middle block.
 pub(super) fn within(means: [f64; 5], place: f64) -> f64 {
     let [a, b, c, d, e] = means;
     let slope = (5.0 * a - 34.0 * b + 34.0 * d - 5.0 * e) / 48.0;

@@ -15,8 +15,9 @@ use crate::select::scan::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{FAMILY_WISE_P, LEAST_WEIGHT, LISTED_PROBABILITY};
 
-/// A link whose weight is not the assumed one, with the torque of the difference: each link's assumed mass and centre are tested against
-/// what the torques imply. `rest`: structured energy of what else is left; `may_be_payload`: whether that is an effect of the catalogue.
+/// A link whose weight is not the assumed one, with the torque of the difference. Each link's assumed mass and centre
+/// are tested against what the torques imply. `rest` is the structured energy of what else is left. `may_be_payload`
+/// says whether the catalogue has payloads.
 pub(super) fn unbalanced(
     along: &Along<'_>,
     base: &Base,
@@ -27,7 +28,7 @@ pub(super) fn unbalanced(
     let known: Vec<Known> = links.iter().flat_map(|link| link.shown.clone()).collect();
     let assuming = with_knowledge(&base.regression, &known);
     let system = &assuming.system;
-    // what sets a link's numbers free of what is known of them
+    // columns that free a link's numbers from what is known of them
     let released = |link: &Assumed| -> Vec<Vec<f64>> {
         let rows = &system.layout;
         let release = |number: &Known| {
@@ -80,7 +81,7 @@ pub(super) fn unbalanced(
     let mass_kg = mass_kg.filter(|(mass, sd)| *sd < 0.3 * mass.abs());
     let others = (0..saved.len()).filter(|&index| index != best);
     let probability = LISTED_PROBABILITY * probability(others.map(behind));
-    // how far beyond the file's tolerance, in standard deviations
+    // `deviations` says how far beyond the file's tolerance, in standard deviations
     let numbers = [
         Some((moment_nm, moment_nm / deviations.max(1.0))),
         Some((deviations, 0.0)),
@@ -96,7 +97,7 @@ pub(super) fn unbalanced(
         share: score / (score + rest),
         ..CauseAnswer::named(UNBALANCED_GRAVITY.name, Some(link.joint), probability)
     };
-    // in one run a mass at the flange and one of the last link are one column
+    // in one run, a mass at the flange and one on the last link share a column
     let last = links
         .iter()
         .position(|link| link.joint + 1 == along.joints());

@@ -20,8 +20,9 @@ pub(super) fn is_testable(channels: usize) -> bool {
     channels >= 3 + SPARE_CHANNELS
 }
 
-/// Fits the base model with any force of the hand allowed for: where that accounts for what is left, the force as a cause, and the part of
-/// the structure that it leaves. `before` is what the model leaves otherwise, `excess` the structured energy of that.
+/// Fits the base model with any force of the hand allowed for. Where that accounts for what is left, returns the
+/// force as a cause, and the part of the structure that it leaves. `before` is what the model leaves otherwise,
+/// `excess` the structured energy of that.
 pub(super) fn grip(
     along: &Along<'_>,
     ordinary: &Whitener,

@@ -24,7 +24,7 @@ pub(super) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
     columns
 }
 
-/// Columns side by side.
+/// The matrix of these columns.
 pub(super) fn matrix(
     columns: impl ExactSizeIterator<Item = Vec<f64>>,
     rows: usize,

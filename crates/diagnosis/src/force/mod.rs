@@ -101,14 +101,15 @@ fn examined(
 /// The torques of a recording, and what explains them.
 struct Model<'a> {
     effects: Effects<'a>,
-    /// With the effects that were picked.
+    /// The base model with the effects that were picked.
     base: Base,
     selection: Selection,
     carried: Carried,
 }
 
 impl<'a> Model<'a> {
-    /// The base model without what the arm carries in some runs alone; none where nothing can be said, and why.
+    /// Fits the base model without what the arm carries only in some runs. The inner error says why nothing can be
+    /// said.
     fn new(
         context: &'a Context<'a>,
         is_held: bool,

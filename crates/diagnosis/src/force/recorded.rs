@@ -44,7 +44,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Its first and second half; of a single row that row twice.
+    /// Its first and second half. A block of a single row has that row in both.
     fn halves(&self) -> [Range<usize>; 2] {
         let Range { start, end } = self.rows;
         let middle = start + self.rows.len() / 2;
@@ -56,12 +56,12 @@ impl Block {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RowNoise {
     pub(super) sd: f64,
-    /// What its colour adds to the variance of a mean over a block.
+    /// Factor by which its colour raises the variance of a mean over a block.
     inflation: f64,
 }
 
 impl RowNoise {
-    /// That of readings; none where no rows follow each other. `size`: rows of a block.
+    /// Noise of readings; none where no rows follow each other. `size` is the number of rows of a block.
     fn of(context: &Context<'_>, values: &[f64], size: f64) -> Option<Self> {
         let known = Known {
             runs: &context.runs,
@@ -79,7 +79,7 @@ impl RowNoise {
         })
     }
 
-    /// Variance of a mean of so many rows.
+    /// Variance of a mean over that many rows.
     fn of_mean(self, rows: f64) -> f64 {
         self.sd.powi(2) * self.inflation / rows
     }
@@ -97,8 +97,8 @@ pub(super) struct Recorded<'a> {
     pub(super) bodies: RigidBodies,
     /// Force of the hand in the handle's frame, row by row; none where it is not recorded.
     pub(super) force_n: Option<Vec<Vector3<f64>>>,
-    /// Whether a hand of unknown force may hold the handle. Where nothing but joints and torques is recorded nobody does: the
-    /// arm moves by itself.
+    /// Whether a hand of unknown force may hold the handle. Where only joints and torques are recorded, the arm moves
+    /// by itself.
     pub(super) is_held: bool,
     /// Per channel and row: torque of the drive plus that of the hand.
     pub(super) torque_nm: Vec<Vec<f64>>,
@@ -110,7 +110,8 @@ pub(super) struct Recorded<'a> {
 }
 
 impl<'a> Recorded<'a> {
-    /// Gathers the channels, or says what is missing; `is_held`: whether a hand of unknown force may hold the handle.
+    /// Gathers the channels, or says what is missing. `is_held` says whether a hand of unknown force may hold the
+    /// handle.
     pub(super) fn new(context: &'a Context<'a>, is_held: bool) -> Result<Self, String> {
         let (device, recording) = (context.device, context.recording);
         needed(context)?;
@@ -123,7 +124,7 @@ impl<'a> Recorded<'a> {
             return Err("no [gravity] in the device file".to_owned());
         }
         let bodies = RigidBodies::plausible(device).map_err(|error| error.to_string())?;
-        // a force of zero throughout is that of no hand, and tests no sensor
+        // a force that is zero throughout is no hand's, and tests no sensor
         let axes = recording.force_n.as_ref();
         let axes = axes.filter(|axes| axes.iter().flatten().any(|force| *force != 0.0));
         let at = |row: usize| axes.map(|axes| Vector3::from(axes.each_ref().map(|axis| axis[row])));
@@ -200,7 +201,7 @@ impl<'a> Recorded<'a> {
         (self.blocks.len(), self.channels.len())
     }
 
-    /// Half blocks, two of each.
+    /// Half blocks, two of each block.
     pub(super) fn halves(&self) -> impl Iterator<Item = Range<usize>> {
         self.blocks.iter().flat_map(Block::halves)
     }
@@ -235,7 +236,7 @@ impl<'a> Recorded<'a> {
         self.channels.iter().position(|&own| own == joint)
     }
 
-    /// Block means of one channel, nothing elsewhere.
+    /// Block means of one channel, zero elsewhere.
     pub(super) fn on(&self, channel: usize, means: &[f64]) -> Means {
         let (blocks, channels) = self.shape();
         let mut all = Means::zeros(blocks, channels);
@@ -296,7 +297,7 @@ impl<'a> Recorded<'a> {
         spread > CONSTANT_FORCE * known.map(Vector3::norm_squared).sum::<f64>()
     }
 
-    /// Windows of each channel's blocks that follow each other.
+    /// Windows of successive blocks, channel by channel.
     pub(super) fn windows(&self) -> Vec<Vec<Range<usize>>> {
         let mut windows: Vec<Range<usize>> = Vec::new();
         for (index, block) in self.blocks.iter().enumerate() {

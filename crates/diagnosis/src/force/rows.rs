@@ -1,5 +1,5 @@
-//! Rows of the torques' least squares: whitened block means channel by channel, one for each number that is known
-//! beforehand, and what changes within blocks.
+//! Rows of the torques' least squares: whitened block means by channel, a row for each number known beforehand, and
+//! what changes within blocks.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::thresholds::torque::{ABSENT_HARMONIC, SURVIVING};
 pub(super) struct Whitener(Vec<DMatrix<f64>>);
 
 impl Whitener {
-    /// From each block's covariance; none for one that is not positive.
+    /// Factors each block's covariance; none where one is not positive definite.
     pub(super) fn new(covariances: impl Iterator<Item = DMatrix<f64>>) -> Option<Self> {
         let factors = covariances.map(|covariance| {
             Cholesky::new(covariance).map(|factor: Cholesky<f64, Dyn>| factor.l())
@@ -52,7 +52,7 @@ impl Whitener {
     }
 }
 
-/// What the rows of a channel say of its harmonics within blocks: as many independent readings.
+/// What the rows of a channel say of its harmonics within blocks, as independent readings.
 #[derive(Debug, Clone)]
 pub(super) struct FastRows {
     /// One column for each harmonic.
@@ -76,7 +76,7 @@ impl FastRows {
     }
 }
 
-/// The rows.
+/// Rows of the torques' least squares.
 #[derive(Debug, Clone)]
 pub(super) struct TorqueRows {
     pub(super) whitener: Whitener,
@@ -117,7 +117,7 @@ impl TorqueRows {
         }
     }
 
-    /// Adds what changes within blocks; their readings.
+    /// Adds what changes within blocks and returns its readings.
     pub(super) fn append(&mut self, fast: Vec<FastRows>) -> Vec<f64> {
         self.fast = fast;
         let readings = self.fast.iter().flat_map(|rows| rows.reading.iter());
@@ -134,7 +134,7 @@ impl TorqueRows {
         self.prior(self.priors)..self.count()
     }
 
-    /// Block means by their whitened rows.
+    /// Block means from their whitened rows.
     pub(super) fn means(&self, rows: &[f64]) -> Means {
         let (blocks, channels) = self.shape;
         let white = Means::from_column_slice(blocks, channels, &rows[..blocks * channels]);
@@ -148,7 +148,7 @@ impl TorqueRows {
         column
     }
 
-    /// Column with nothing but an entry in one prior's row: it sets that number free.
+    /// A column whose one entry is in a prior's row: it sets that number free.
     pub(super) fn release(&self, index: usize, weight: f64) -> Vec<f64> {
         let mut column = vec![0.0; self.count()];
         column[self.prior(index)] = weight;
@@ -163,7 +163,7 @@ impl TorqueRows {
         }
     }
 
-    /// A column by those streams where it is not nothing.
+    /// Splits a column by streams and leaves out those where it is zero.
     pub(super) fn split(&self, column: &[f64]) -> Column {
         let streams = 0..=self.shape.1 + self.fast.len();
         let parts = streams.map(|stream| (stream, column[self.range(stream)].to_vec()));

@@ -14,7 +14,8 @@ use crate::answer::gap::held_out;
 use crate::answer::second::{OnSecond, SecondChannel};
 
 impl Model<'_> {
-    /// Predicts a second recording, and compares what the arm carries in both: one model of both, of which the first is some runs.
+    /// Predicts a second recording, and compares what the arm carries in both by one model whose runs are those of
+    /// both recordings.
     pub(super) fn on_second(&self, second: &Recording) -> Result<OnSecond, DiagnosisError> {
         let first = &self.effects.along.recorded;
         let (device, log) = (first.context.device, first.context.recording);
@@ -46,7 +47,7 @@ impl Model<'_> {
             let answer = held_out(first.named(channel), &unseen, &unseen.after);
             seen.add(answer, &unseen, (kept, rest.len()), true);
         }
-        // one fit of both, as torques of a log are judged
+        // one fit of both is judged as the torques of a log are
         let found = &mut seen.second;
         if found.channels.iter().any(|channel| channel.has_gap) && has_same {
             let (is_explained, not_tested) = match &mut both {
@@ -95,7 +96,7 @@ impl Model<'_> {
         }))
     }
 
-    /// What this model, and its base model without effects, leave of the torques of another recording that both have.
+    /// What this model leaves of the torques that another recording has too, without effects and with them.
     pub(super) fn predicted(&self, along: &Along<'_>) -> Vec<Unseen> {
         let (recorded, first) = (&along.recorded, &self.effects.along);
         let mut alone = self.base.regression.clone();
@@ -111,7 +112,7 @@ impl Model<'_> {
                 after += recorded.signal_means(&signal);
             }
         }
-        // as the arm was at the end of the first recording
+        // the arm carries what it carried at the end of the first recording
         for payload in &self.carried.payloads {
             after += along.link_torques(&payload.inertia);
         }
@@ -145,7 +146,8 @@ fn warning(payload: &Payload) -> String {
     )
 }
 
-/// What the torques of one recording are examined by, without what the device's own effects add, where another one has it too.
+/// The part of a recording by which its torques are examined, where another recording has that too. The torques are
+/// without what the device's effects add.
 fn torques_alone(device: &Device, [recording, other]: [&Recording; 2]) -> Recording {
     let torque_of = |joint: usize| {
         other.torque_nm.get(joint)?.as_ref()?;

@@ -27,9 +27,9 @@ pub(super) struct Pick {
     /// Position in the catalogue.
     pub(super) effect: usize,
     pub(super) shape: f64,
-    /// The last is the derivative by the logarithm of a continuous shape.
+    /// The last is the derivative with respect to the logarithm of a continuous shape.
     pub(super) columns: Vec<Vec<f64>>,
-    /// The first of them among those of the model with all picks.
+    /// Place of the first of them in the model with all picks.
     pub(super) first: usize,
     /// Chi-square that it saves with the others kept.
     pub(super) score: f64,
@@ -59,7 +59,7 @@ pub(super) struct Selection {
     /// Slow energy per channel of the base model, and of the picks' model.
     pub(super) before: Vec<SlowEnergy>,
     pub(super) after: Vec<SlowEnergy>,
-    /// Block means that these leave.
+    /// Block means that these two models leave.
     pub(super) rest_before: Means,
     pub(super) rest_after: Means,
 }
@@ -140,7 +140,7 @@ impl Effects<'_> {
         left.score >= LEAST_LOOP * score.score
     }
 
-    /// Adds an effect to the model, its shape searched.
+    /// Adds an effect to the model after a search for its shape.
     pub(super) fn taken(&self, base: &mut Base, score: &Score) -> Pick {
         let (shape, columns) = self.refined(base, score);
         let first = base.regression.len();
@@ -188,7 +188,7 @@ impl Effects<'_> {
 #[derive(Debug, Clone)]
 struct Chosen {
     base: Base,
-    /// Harmonics of motors' angles in the place of cogging, which are no gap of the torques.
+    /// Harmonics of motors' angles that were taken instead of cogging. They are no gap of the torques.
     ripples: Vec<Pick>,
     selection: Selection,
     /// Score of the effect that was taken out.
@@ -196,7 +196,7 @@ struct Chosen {
 }
 
 impl Chosen {
-    /// What the model leaves now is what picks are to explain.
+    /// Takes what the model leaves now as what picks are to explain.
     fn begin(&mut self, effects: &Effects<'_>) {
         self.selection.rest_before = self.base.rest();
         self.selection.before = effects.energy(&self.base);

@@ -1,4 +1,4 @@
-//! Chosen effects as findings, with their numbers in their own units.
+//! Chosen effects as findings, with their numbers in the units of the effects.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::force::effects::is_scale;
 use crate::force::select::Pick;
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
-/// Coefficients of a model of the torques with their covariance, what is left counting as noise.
+/// Coefficients of a model of the torques, with their covariance; what the model leaves counts as noise.
 pub(in crate::force) struct Sizes<'m, 'a> {
     pub(in crate::force) model: &'m Model<'a>,
     solution: Vec<f64>,
@@ -74,7 +74,7 @@ impl<'m, 'a> Sizes<'m, 'a> {
         })
     }
 
-    /// Amplitudes of a pick with their covariance, its shape's left out.
+    /// Amplitudes of a pick with their covariance, without its shape.
     pub(in crate::force) fn amplitudes(&self, pick: &Pick) -> (&[f64], DMatrix<f64>) {
         let count = self.model.effects.effect(pick.effect).spec().amplitudes;
         let values = &self.solution[pick.first..pick.first + count];
@@ -93,7 +93,7 @@ impl<'m, 'a> Sizes<'m, 'a> {
         let (gain, gain_sd) = self.scale(pick);
         let spec = effect.spec();
         if is_scale(effect) {
-            // what of it is the drive's own scale is known to its stated deviation alone
+            // the part of it that is the drive's scale is known only to the stated deviation
             let joint = effect.joint().unwrap_or_default();
             let stated = context.device.joints[joint].torque_scale_sd * (1.0 + gain);
             return vec![(gain, gain_sd.hypot(stated))];
@@ -108,10 +108,10 @@ impl<'m, 'a> Sizes<'m, 'a> {
             if parameter.role != Role::Size {
                 return (value, sd);
             }
-            // a torque of the joint, read through a scale that is known as well as the fit says
+            // the size is a torque of the joint, read through a scale with the fit's uncertainty
             let (value, sd) = (value / (1.0 + gain), sd / (1.0 + gain));
             let of_law = value * gain_sd.hypot(spec.law_error.amplitude);
-            // how far apart terms that depend on the rate are follows Stribeck's rate, which is not fitted
+            // Stribeck's rate separates the terms that depend on the rate, and it is not fitted
             let apart = match is_rubbing && index > 0 {
                 true => value * LawError::of(Family::Loop).amplitude,
                 false => 0.0,

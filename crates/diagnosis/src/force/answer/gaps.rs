@@ -11,7 +11,7 @@ use crate::force::{Means, Model};
 use crate::noise::NoiseSource;
 
 impl Model<'_> {
-    /// What the base model leaves with whatever was carried still in the torques.
+    /// What the base model leaves of torques that still include the payloads.
     fn rest_before(&self) -> &Means {
         match self.carried.payloads.is_empty() {
             true => &self.selection.rest_before,
@@ -19,7 +19,8 @@ impl Model<'_> {
         }
     }
 
-    /// Gaps of every channel. `added`: mean squares of torques that the base model's freedom took, which were there before.
+    /// Gap of each channel. `added` are mean squares of torques that free numbers of the base model absorbed; the gap
+    /// before includes them.
     pub(super) fn gaps(&self, added: &[f64]) -> Vec<ChannelGap> {
         let along = &self.effects.along;
         let recorded = &along.recorded;
@@ -49,7 +50,7 @@ impl Model<'_> {
                 (torque_nm.clone(), fitted.as_slice().to_vec()),
             );
             let (after, fast) = within(&torque_nm, &fitted);
-            // what varies within blocks is noise but for what was named
+            // what varies within blocks is noise, except what was named
             let noise = after / (1.0 - 1.0 / size).max(1.0 / size);
             let [of_before, of_after] = [self.rest_before(), rest_after]
                 .map(|rest| rest.column(channel).norm_squared() / blocks.max(1) as f64);
@@ -72,8 +73,8 @@ impl Model<'_> {
         recorded.channels.iter().enumerate().map(gap).collect()
     }
 
-    /// A channel's torques without the effects that were chosen for it, row by row, and the block means
-    /// of what the model says of the rest.
+    /// A channel's torques row by row, and the model's block means, both without the effects that were chosen for the
+    /// channel.
     fn without_picks(
         &self,
         solution: &[f64],

@@ -174,7 +174,7 @@ impl Model<'_> {
         let recorded = &self.effects.along.recorded;
         let picks = &self.selection.picks;
         let energies = self.energies();
-        // the torques pull at the geometry, and the positions show a gap: it may be a falsified one
+        // the torques strain the geometry and the positions show a gap: the geometry may be wrong
         let is_falsified = self.base.strain() > STRAIN && positions_show_a_gap(recorded.context);
         let named = !picks.is_empty() && energies.is_adequate;
         let may_be_part = !picks.is_empty() && !named && recorded.moves_by_itself();
@@ -216,7 +216,7 @@ impl Model<'_> {
             answer.unexplained_share = found.as_ref().map_or(1.0, |(_, left)| *left);
             answer.findings.extend(found.map(|(cause, _)| cause));
         }
-        // where a gap shows anyhow it is that gap's
+        // a strained scale is a part of any other gap
         let strained = self
             .strained(gains)
             .filter(|_| !is_falsified && !answer.significant);
@@ -254,7 +254,7 @@ impl Model<'_> {
         Ok(answer)
     }
 
-    /// Numbers of the base model.
+    /// Counts the numbers of the base model.
     fn numbers(&self) -> usize {
         let links = &self.effects.along.inertia;
         let nothing = links.iter().filter(|column| column.amax() == 0.0);
@@ -272,13 +272,13 @@ impl Model<'_> {
         (findings.collect(), explained)
     }
 
-    /// The channel whose torque has another scale by a pick.
+    /// The channel whose torque scale a pick changes.
     fn scaled_by(&self, pick: &Pick) -> Option<usize> {
         let is_scale = is_scale(self.effects.effect(pick.effect));
         self.effects.channel(pick.effect).filter(|_| is_scale)
     }
 
-    /// With the payloads before the other findings, whose shares are of what the payloads leave.
+    /// Puts the payloads before the other findings. The shares of the others are of what the payloads leave.
     fn with_payloads(&self, mut answer: ForceAnswer, energies: &Energies) -> ForceAnswer {
         let rest = self.carried.rest_share(energies.before, energies.total);
         let mut findings = self.carried.findings(rest);
@@ -318,10 +318,11 @@ impl Model<'_> {
         grip::grip(&self.effects.along, whitener, rest, energies.before)
     }
 
-    /// A link whose weight is not the assumed one, with its torque, where weights can be judged.
+    /// A link whose weight is not the assumed one, with the torque of the difference; none where weights cannot be
+    /// judged.
     fn weights(&self, total: f64) -> Result<Option<(CauseAnswer, Means)>, DiagnosisError> {
         let recorded = &self.effects.along.recorded;
-        // a hand bears weights, and with moments that no force at the handle has
+        // a hand bears weights, with moments that no force at the handle has
         if recorded.is_held
             || self.base.strain() > WEIGHT_STRAIN
             || self.effects.is_left_out(UNBALANCED_GRAVITY.name)
@@ -334,8 +335,8 @@ impl Model<'_> {
         gravity::unbalanced(&self.effects.along, &self.base, (rest, may_be_payload))
     }
 
-    /// The channel whose torque scale the base model moved farthest, where that is far beyond what is stated of it and no finding
-    /// has it.
+    /// The channel whose torque scale the base model moved farthest; none unless that is far beyond its stated
+    /// deviation and no finding explains it.
     fn strained(&self, gains: &[f64]) -> Option<usize> {
         let recorded = &self.effects.along.recorded;
         let picks = &self.selection.picks;

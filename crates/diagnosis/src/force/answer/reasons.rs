@@ -7,7 +7,7 @@ use crate::force::Model;
 use crate::force::assumed::assumed;
 use crate::force::grip;
 
-/// Every effect on torques and forces, once, but for those that motors' currents show.
+/// Names of all effects on torques and forces, except those that need the motors' currents.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
     let is_on_drives = |name: &&str| {
         spec(name)
@@ -21,8 +21,8 @@ pub(super) const FALSIFIED: &str =
     "an effect on positions that is not in the model falsifies the geometry";
 
 impl Model<'_> {
-    /// Torques whose noise exceeds what the links alone ask of the drive: a disturbance that is as fast as the noise cannot
-    /// be distinguished from it.
+    /// Why a torque was not tested: its noise exceeds what the links alone ask of the drive. A disturbance as fast as
+    /// the noise cannot be distinguished from it.
     pub(super) fn drowned(&self) -> Option<String> {
         let recorded = &self.effects.along.recorded;
         let torques = self.base.torque_nm.column_iter();
@@ -40,7 +40,7 @@ impl Model<'_> {
         })
     }
 
-    /// Effects that need what this recording lacks, though others can be tested.
+    /// Effects that need what this recording lacks, each with the reason; others can be tested.
     pub(super) fn untestable(&self) -> Vec<(&'static str, String)> {
         let recorded = &self.effects.along.recorded;
         let context = recorded.context;

@@ -55,7 +55,7 @@ impl Pair {
         self.blocks.iter().map(|&block| block >= self.from)
     }
 
-    /// A column of all blocks, in the blocks compared; what both sides of a repeated trajectory share is gone.
+    /// A column of all blocks, at the blocks that are compared.
     pub(super) fn common(&self, column: &Means) -> Means {
         column.select_rows(&self.blocks)
     }
@@ -69,8 +69,8 @@ impl Pair {
         later
     }
 
-    /// What drives of other gains add from the change on: shares of the torques that they had, which of a repeated trajectory are
-    /// what was read, else the model's.
+    /// Torques that other gains of the drives scale from the change on: of a repeated trajectory those that were read
+    /// before, else the model's.
     pub(super) fn gained(&self, along: &Along<'_>, model_nm: &Means) -> Means {
         match &self.twin {
             Some(twin) => along.reading.select_rows(twin),
@@ -79,8 +79,8 @@ impl Pair {
     }
 }
 
-/// Later blocks, each with the one of the same place in the run before, where the postures are the same; none where
-/// the trajectories differ.
+/// Later blocks, each with the block at the same place of the run before, where the postures agree; none where the
+/// trajectories differ.
 fn twins(
     along: &Along<'_>,
     before: &Range<usize>,

@@ -12,13 +12,13 @@ use crate::thresholds::payload::{COMMON_DEGREE, SLOW};
 /// Columns of a comparison, by what they stand for.
 #[derive(Debug, Default)]
 pub(in crate::force) struct Columns {
-    /// Over the blocks compared.
+    /// The columns, at the blocks that are compared.
     pub(super) all: Vec<Means>,
     /// Standard deviation about zero that a number is known to have; infinite for none.
     pub(super) sd: Vec<f64>,
     /// What both sides share; empty where one repeats the other.
     pub(super) common: Range<usize>,
-    /// For each joint what its own torque may have changed by, of each kind: an offset, friction, a gain.
+    /// Columns by which each drive may have changed, kind by kind: an offset, friction, a gain.
     pub(super) drives: Vec<[Vec<usize>; 3]>,
     /// Where a mass may have been put: at the flange, and on each link.
     pub(super) places: Vec<Place>,
@@ -29,9 +29,10 @@ pub(in crate::force) struct Columns {
 pub(in crate::force) struct Place {
     /// The link; none at the flange.
     pub(super) link: Option<usize>,
-    /// Columns of another mass there, with their places among its ten numbers: of the flange about there.
+    /// Columns of another mass there, each with its place among the mass's ten numbers. Those of the flange are about
+    /// the flange.
     pub(super) numbers: Vec<(usize, usize)>,
-    /// Columns of the scales that the mass's torque is read with; none before there is a fit.
+    /// Columns of the scales through which the mass's torque is read; none before a fit.
     pub(super) scales: Vec<usize>,
 }
 
@@ -67,7 +68,7 @@ impl Columns {
         columns
     }
 
-    /// Of the rigid links with what is not exactly known of them.
+    /// Columns of the rigid links and of what is not exactly known of them.
     pub(in crate::force) fn of_links(along: &Along<'_>, base: &Base, pair: &Pair) -> Self {
         let mut columns = Self::default();
         for column in &along.inertia {
@@ -89,7 +90,7 @@ impl Columns {
         self.all.len() - 1
     }
 
-    /// The links, and free functions of each joint's own state.
+    /// Adds the links, and free functions of each joint's angle, rate and load.
     fn share(&mut self, along: &Along<'_>, base: &Base, pair: &Pair) {
         *self = Self::of_links(along, base, pair);
         let ranges = along.ranges();
@@ -133,7 +134,7 @@ impl Columns {
         }
     }
 
-    /// What another mass at the flange adds, and one on each link.
+    /// Adds the columns of another mass at the flange and on each link.
     fn carry(&mut self, along: &Along<'_>, pair: &Pair) {
         let mut links = vec![Vec::new(); along.joints()];
         for (number, column) in along.inertia.iter().enumerate() {
@@ -171,7 +172,8 @@ impl Columns {
     }
 }
 
-/// Dry and viscous friction of a joint: the side on which the first is, -1 to 1, turns over within a part of the joint's usual rate.
+/// Dry and viscous friction of a joint. The sign of the first, -1 to 1, changes within a fraction of the joint's
+/// usual rate.
 fn friction(along: &Along<'_>, joint: usize) -> [Vec<f64>; 2] {
     let rate = along.rate.column(joint);
     let turn = (SLOW * rate.norm() / (rate.len().max(1) as f64).sqrt()).max(1e-12);

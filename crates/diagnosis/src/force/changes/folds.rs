@@ -14,7 +14,7 @@ use crate::thresholds::payload::{FOLDS, RIDGE};
 /// The rows of a comparison in folds of blocks that follow each other.
 #[derive(Debug, Clone)]
 pub(in crate::force) struct Folds {
-    /// Products per fold, per channel.
+    /// Normal equations per fold, per channel.
     parts: Vec<Vec<NormalEquations>>,
     /// All channels weighted together: without each fold, then all.
     sums: Vec<NormalEquations>,
@@ -26,7 +26,8 @@ pub(in crate::force) struct Folds {
     rows: Vec<usize>,
 }
 
-/// A sum of columns, `(column, factor)` each, with what its number is known to, over one channel or over all.
+/// A sum of columns, `(column, factor)` each, with the standard deviation of its number. It covers one channel or
+/// all.
 pub(super) type Sum = (Vec<(usize, f64)>, f64, Option<usize>);
 
 /// A hypothesis fitted: its numbers, and what it leaves of unseen blocks.
@@ -50,7 +51,7 @@ impl Folds {
             let all = columns.all.iter().chain([&pair.reading]);
             let parts = all.map(|column| -> Option<Vec<f64>> {
                 let entries = rows[fold].iter().map(|&row| column[(row, channel)]);
-                // most columns of drives are nothing in the other channels
+                // most columns of drives are zero in the other channels
                 let is_here = entries.clone().any(|entry| entry != 0.0);
                 is_here.then(|| entries.collect())
             });
@@ -115,7 +116,7 @@ impl Folds {
         self.rows.iter().sum::<usize>() as f64
     }
 
-    /// Counts what two hypotheses leave of a channel of the blocks that they were not fitted to.
+    /// Counts what two hypotheses leave of a channel on blocks that they were not fitted to.
     pub(super) fn unseen(&self, channel: usize, [null, all]: [&Fitted; 2], unseen: &mut Unseen) {
         unseen.rows[..FOLDS].copy_from_slice(&self.rows);
         for fold in 0..FOLDS {
@@ -129,8 +130,8 @@ impl Folds {
         self.sums[FOLDS].product(column, column)
     }
 
-    /// Fits columns to all folds but one, or to all (`FOLDS`). What is known of a number beforehand counts; numbers of which only
-    /// sums show get the smallest solution.
+    /// Fits columns to all folds but one, or to all (`FOLDS`). What is known of a number beforehand counts. Where
+    /// only sums of numbers show, the smallest solution is taken.
     fn solve(&self, columns: &[usize], without: usize) -> NormalSolution {
         let known = |column: usize| RIDGE * self.square(column) + self.sd[column].powi(-2);
         self.sums[without].solve(columns, known)
@@ -171,7 +172,7 @@ impl Folds {
         }
     }
 
-    /// Adds sums of columns; their places.
+    /// Adds sums of columns and returns their places.
     pub(super) fn add_sums(&mut self, sums: &[Sum]) -> Vec<usize> {
         let first = self.sd.len();
         for parts in &mut self.parts {
@@ -198,8 +199,8 @@ impl Folds {
         self.sd[column] = sd;
     }
 
-    /// Share of the squares beyond noise of all channels that one hypothesis leaves and another does not; `variance`: of a block's reading
-    /// by noise alone, per channel.
+    /// Share of the squares beyond noise, over all channels, that the first hypothesis leaves and the second does
+    /// not. `variance` is that of a block's reading by noise alone, per channel.
     pub(in crate::force) fn closed(&self, [null, all]: [&Fitted; 2], variance: &[f64]) -> f64 {
         let variances = self.weight.iter().zip(variance);
         let noise = variances.map(|(weight, variance)| weight * variance * self.count());
@@ -241,7 +242,7 @@ impl Fitted {
         left.iter().sum()
     }
 
-    /// What `other` leaves more than this, of all channels or of one.
+    /// How much more `other` leaves than this, of all channels or of one.
     pub(in crate::force) fn gain_over(&self, other: &Self, of: Option<usize>) -> Gain {
         let [before, after] = [other, self]
             .map(|fitted| fitted.by_fold(|channel| of.is_none_or(|only| only == channel)));

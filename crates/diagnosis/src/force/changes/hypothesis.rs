@@ -23,7 +23,7 @@ impl Hypothesis {
     /// The place of a mass that does best on unseen blocks, beside the changes of drives that these blocks show with it.
     pub(super) fn found(along: &Along<'_>, columns: &Columns, folds: &mut Folds) -> Option<Self> {
         let common: Vec<usize> = columns.common.clone().collect();
-        // the place of a mass at the flange is known to some centimetres of it: its size first
+        // a mass at the flange is within some centimetres of it: the mass in kg is fitted first
         let flange = columns.places[0].columns();
         let with_mass = folds.fit(&[&*common, &flange[..1]].concat());
         let first_kg = with_mass.number(flange[0]).abs().max(1e-6);
@@ -31,7 +31,7 @@ impl Hypothesis {
             let reach = if number < 4 { 1 } else { 2 };
             folds.knowing(column, FLANGE_REACH_M.powi(reach) * first_kg);
         }
-        // the flange, and every link that a drive in front of others carries
+        // the flange, and every link but the first, which one drive alone carries
         let places = columns.places.iter().filter(|place| place.link != Some(0));
         let mut places: Vec<Place> = places.cloned().collect();
         let scale_sds = along.scale_sds();
@@ -62,7 +62,7 @@ impl Hypothesis {
     }
 }
 
-/// What drives changed by with a mass, one kind on all joints after the other.
+/// What the drives changed in addition to a mass, one kind on all joints after the other.
 struct Drives<'d> {
     /// Columns of the kinds that are still to be tried.
     kinds: Vec<Vec<usize>>,

@@ -27,7 +27,7 @@ pub(in crate::force) struct Payload {
     /// First run with it, from 0.
     pub(in crate::force) run: usize,
     pub(in crate::force) cause: CauseAnswer,
-    /// What its numbers rest on that the torques do not fix.
+    /// What its numbers depend on that the torques do not fix.
     pub(in crate::force) warning: Option<String>,
     /// What it changes of the links' inertial numbers.
     pub(in crate::force) inertia: Vec<f64>,
@@ -66,7 +66,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     if !is_more || !agree(&folds, place, &of_drives.columns, [fitted, &both]) {
         return None;
     }
-    // changes of one drive, or of one kind on all drives, that leave as little of these channels
+    // a change of one drive, or of one kind on all drives, may leave as little of these channels
     let of_kinds = (0..3).map(|kind| columns.every(kind));
     let mut rivals = of_kinds.chain(columns.drives.iter().map(|kinds| kinds.concat()));
     let left = fitted.left_on(&shown);
@@ -106,7 +106,7 @@ pub(super) fn payload(along: &Along<'_>, base: &Base, pair: &Pair, run: usize) -
     })
 }
 
-/// A payload as a cause; `link`: the one that carries it, and the first and the last one that could as well.
+/// A payload as a cause. `link` is the link that carries it, with the first and the last link that could as well.
 fn cause(
     size: &Size,
     run: usize,
@@ -145,8 +145,8 @@ fn is_large(along: &Along<'_>, torque_nm: &Means, from: usize) -> bool {
     channels.any(|(column, noise)| column.norm_squared() / later > LEAST_SIGNAL * noise.sd.powi(2))
 }
 
-/// Whether two fits of a mass at a place, without and with changes of all drives, give about the same torques: of the part that no
-/// change of a drive can take (Hausman 1978).
+/// Whether two fits of a mass at a place, without and with changes of all drives, give about the same torques. Only
+/// the part counts that no change of a drive can explain (Hausman 1978).
 fn agree(folds: &Folds, place: &Place, drives: &[usize], fits: [&Fitted; 2]) -> bool {
     let columns = place.columns();
     let apart = folds.apart(&columns, drives);

@@ -27,17 +27,17 @@ use crate::answer::CauseAnswer;
 use crate::select::excess;
 use crate::thresholds::payload::{LEAST_BLOCKS, MOST_RUNS};
 
-/// What the arm carries in some runs and not in others: off the readings from here on.
+/// What the arm carries in some runs and not in others. The model takes its torques off the readings.
 #[derive(Debug)]
 pub(super) struct Carried {
     /// Payloads that were put on or down, in the order of the runs.
     pub(super) payloads: Vec<Payload>,
     /// Why no payload was looked for, or not after some run.
     pub(super) not_tested: Option<String>,
-    /// What the base model says of the block means, no payload taken off, and what it leaves.
+    /// Block means by the base model with no payload taken off, and what it leaves of them.
     pub(super) fitted_before: Means,
     pub(super) rest_before: Means,
-    /// Structured energy of that.
+    /// Structured energy of what is left.
     energy: f64,
     /// Torque of all payloads together.
     pub(super) torque_nm: Means,
@@ -65,7 +65,7 @@ impl Carried {
         carried
     }
 
-    /// Every run against those before it, back to the last change; why some were not compared.
+    /// Compares every run with those before it, back to the last change. The error says why some were not compared.
     fn look(&mut self, along: &Along<'_>, base: &Base) -> Result<(), String> {
         let recorded = &along.recorded;
         if recorded.is_held {
@@ -102,8 +102,8 @@ impl Carried {
         }
     }
 
-    /// Share of the gap that the payloads leave for other effects: `left` is its structured energy, `total` the squares that
-    /// other effects are asked of.
+    /// Share of the gap that the payloads leave for other effects. `left` is its structured energy, `total` the
+    /// squares that other effects are to explain.
     pub(super) fn rest_share(&self, left: f64, total: f64) -> f64 {
         if self.payloads.is_empty() {
             return 1.0;
@@ -112,7 +112,7 @@ impl Carried {
         total / (total + closed).max(1e-300)
     }
 
-    /// Share of the squares beyond noise that the payloads close on unseen blocks: of the change that closes least.
+    /// Share of the squares beyond noise that a payload closes on unseen blocks, the least of all payloads.
     pub(super) fn closed_share(&self) -> Option<f64> {
         let shares = self.payloads.iter().map(|payload| payload.closed_share);
         shares.reduce(f64::min)

@@ -30,7 +30,7 @@ impl Size {
         self.deviations >= CERTAIN
     }
 
-    /// What the mass rests on that the torques do not fix.
+    /// What the mass depends on that the torques do not fix.
     pub(super) fn warning(&self, run: usize, link: Option<usize>) -> Option<String> {
         let ([least, most], link) = (self.lever_m?, link? + 1);
         Some(format!(
@@ -61,7 +61,7 @@ pub(super) fn size(
         let half = (FOLDS_HALF_WIDTH * sd).hypot(1.96 * PAYLOAD.law_error.amplitude * value);
         [value - half, value + half]
     };
-    // the number of a column as a mass, with its standard deviation
+    // takes the number of a column as a mass, with its standard deviation
     let by_column = |mass: usize| {
         let mass_kg = fitted.number(mass);
         let sd_kg = sd_of(&|number| number(mass), &[(mass, 1.0)]);
@@ -91,7 +91,7 @@ pub(super) fn size(
     let [low, high] = known(moment, moment_sd);
     let of_link = |size: Size| Size {
         moment_kg_m: Some((moment, [low.max(0.0), high])),
-        // of a link that the axes behind it leave free, no moment along them is seen
+        // the torques do not show a moment along the axes that carry the link: its mass may be more certain
         deviations: deviations.max(size.deviations),
         ..size
     };
@@ -103,13 +103,13 @@ pub(super) fn size(
     let (mass_kg, ci95_kg, lever_m) = match by_inertia {
         Some((mass_kg, ci95_kg)) => (mass_kg, ci95_kg, None),
         None => {
-            // the drives see the moment alone: of the mass no more than what fits between the axis and the end of the link
+            // the drives see the moment alone: the mass is anywhere between the axis and the end of the link
             let reach_m = longest_m(along);
             let [least, most] = LEVER.map(|share| share * reach_m);
             let ends = [low.max(0.0) / most, high / least];
             let mass_kg = moment / (least * most).sqrt();
             let lever_m = Some([least, most]);
-            // whether it was put on or down: its inertia is above or below zero
+            // the sign of its inertia says whether it was put on or down
             match (4..7).map(number).sum::<f64>() < 0.0 {
                 true => (-mass_kg, [-ends[1], -ends[0]], lever_m),
                 false => (mass_kg, ends, lever_m),

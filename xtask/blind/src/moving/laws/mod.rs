@@ -66,7 +66,7 @@ pub(crate) struct Drawn {
     pub(crate) friction: ChangeOfLevels,
     /// Adds torques on the joints.
     pub(crate) torque: AddedTorque,
-    /// How late the controller hears its command \[s\].
+    /// Delay of the controller's command \[s\].
     pub(crate) command_delay_s: f64,
     /// Factors of the controller's stiffness and damping, by time.
     pub(crate) gains: Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>,
@@ -79,7 +79,7 @@ pub(crate) struct Drawn {
 }
 
 impl Drawn {
-    /// Changes nothing but what `set` sets.
+    /// An effect that changes only what `set` sets.
     fn new(set: impl FnOnce(&mut Self)) -> Self {
         let mut drawn = Self {
             prepare: Box::new(|_| {}),
