@@ -9,8 +9,7 @@ use haptical_motion::{LoadSource, is_moving_arm};
 
 use crate::answer::assemble::answer;
 use crate::answer::corrected::{changed, not_in_file};
-use crate::answer::second::OnSecond;
-use crate::answer::second::judged;
+use crate::answer::second::{OnSecond, judged};
 use crate::answer::{Diagnosis, Verdict};
 use crate::current::without_currents;
 use crate::engine::Prepared;
@@ -151,7 +150,7 @@ fn diagnose_all(
     // the load between motor and link is that of the bodies that the torques show
     let carried = moving
         .as_ref()
-        .filter(|(torques, _)| carries_links_alone(&recording, torques));
+        .filter(|(torques, _)| carries_links_alone(&recording, || torques.is_explained()));
     let shown = carried.map(|(torques, _)| changed(model, &torques.changes).0);
     let loaded = |recording: &Recording| with_link_torques(shown.as_ref()?, recording);
     let second = validation.as_deref().and_then(loaded);

@@ -24,25 +24,29 @@ pub fn torque_nm_without_effects(
     Some(torque_nm)
 }
 
-/// The recording as a base model takes it: torques with nothing at the handle and without the effects that are shares of the readings
-/// themselves, and of what effects add those to torques that the base model has beside the bodies ([`crate::fit::own`]).
+/// The recording as a base model takes it: its torques have nothing at the handle and no effect that is a share of the reading. What
+/// other effects add to torques is kept for the base model ([`crate::fit::file_effects`]).
 fn for_base(device: &Device, recording: &Recording) -> Recording {
     let mut with = recording.clone();
     with.added.clear();
-    for own in &recording.added {
+    for added in &recording.added {
         let mut joints = device.joints.iter().zip(1..);
-        let joint = joints.position(|(joint, number)| joint.torque_column(number) == own.channel);
+        let joint = joints.position(|(joint, number)| joint.torque_column(number) == added.channel);
         let Some(Some(torque_nm)) = joint.map(|joint| &mut with.torque_nm[joint]) else {
             continue;
         };
-        // what was not measured has no share of anything; where an effect has no value the model has none
-        let is_share = own.by == AddedBy::Reading && varies(torque_nm);
-        let share = f64::from(u8::from(is_share));
-        for (torque, added) in torque_nm.iter_mut().zip(&own.readings) {
-            *torque -= share * added;
+        // a column of one value was not measured: no effect is a share of it
+        let is_share = added.by == AddedBy::Reading && varies(torque_nm);
+        for (torque, added) in torque_nm.iter_mut().zip(&added.readings) {
+            match is_share {
+                true => *torque -= added,
+                // the model has no value where an effect has none
+                false if added.is_nan() => *torque = f64::NAN,
+                false => {}
+            }
         }
-        if own.by != AddedBy::Reading {
-            with.added.push(own.clone());
+        if added.by != AddedBy::Reading {
+            with.added.push(added.clone());
         }
     }
     take_off_hand(device, &mut with);

@@ -72,21 +72,18 @@ impl Scale {
         let first = channel * rows;
         let torque = problem.states.torque(&problem.samples, joint, 0.0);
         let mut target = vec![0.0; problem.channel_rows()];
-        for (row, own) in torque.into_iter().enumerate() {
-            target[first + row] = own * problem.weight(first + row);
+        for (row, torque) in torque.into_iter().enumerate() {
+            target[first + row] = torque * problem.weight(first + row);
         }
         let solved = System::new(&columns, &vec![None; columns.len()]).solve(&target, &[]);
         let left = dot(&solved.rest, &solved.rest);
         let misfit = (left / rows as f64).max(1.0);
         let read = &target[first..][..rows];
         let mut asked = vec![0.0; target.len()];
-        let own = problem
-            .own
-            .columns(problem)
-            .into_iter()
-            .map(|own| own.column);
-        let own = own.filter(|own| own.parts().0 == first);
-        for column in columns.first().cloned().into_iter().chain(own) {
+        let friction = problem.file_effects.columns(problem).into_iter();
+        let friction = friction.map(|friction| friction.column);
+        let of_channel = friction.filter(|column| column.parts().0 == first);
+        for column in columns.first().cloned().into_iter().chain(of_channel) {
             column.add_to(&mut asked, 1.0);
         }
         let spread = |square: f64| (square / rows as f64).sqrt();

@@ -10,8 +10,7 @@ use haptical_motion::{
 
 use super::words::Words;
 use crate::answer::CauseAnswer;
-use crate::answer::second::OnSecond;
-use crate::answer::second::{Left, SecondChannel};
+use crate::answer::second::{Left, OnSecond, SecondChannel};
 use crate::force::answer::ForceAnswer;
 use crate::thresholds::moving::STIFFNESS_SD;
 use crate::thresholds::second::ALLOWED;

@@ -7,7 +7,7 @@ mod warnings;
 mod words;
 
 use haptical_effects::force::in_motion::SAMPLING;
-use haptical_effects::{Form, law};
+use haptical_effects::law;
 use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 
@@ -52,14 +52,17 @@ pub(crate) fn of_moving_arm(
 }
 
 /// Whether the drives of a moving arm carry what its links ask for: something sees the links behind the drives, and no hand that is
-/// not in the log pushes them. An encoder on a link is no sign of a hand; a gauge at the handle is one, unless the torques are explained
+/// not in the log pushes them. An encoder on a link is no sign of a hand. A gauge at the handle is one, unless the torques are explained
 /// without it.
-pub(crate) fn carries_links_alone(recording: &Recording, torques: &ForceAnswer) -> bool {
+pub(crate) fn carries_links_alone(
+    recording: &Recording,
+    are_torques_explained: impl FnOnce() -> bool,
+) -> bool {
     let sees_handle = recording.position_m.is_some()
         || recording.orientation_wxyz.is_some()
         || recording.contact.is_some()
         || recording.cable_m.iter().any(Option::is_some);
-    recording.output.iter().any(Option::is_some) || (sees_handle && torques.is_explained())
+    recording.output.iter().any(Option::is_some) || (sees_handle && are_torques_explained())
 }
 
 /// A moving arm's recording with the torques that its links ask for in the place of the drives': what is between motor and link carries
@@ -77,18 +80,21 @@ pub(crate) fn with_link_torques(device: &Device, recording: &Recording) -> Optio
 /// A moving arm's recording with the loads that a diagnosis takes for those of springs and plays between motor and link: what the bodies
 /// of the device ask for along the motion, in the place of the drives' torques, which have friction and the motors' inertia in them.
 /// A row that no piece without a gap reaches keeps its drive's torque. None for a device or a recording of another kind, and for a
-/// device without springs and plays.
+/// device in which nothing may follow a load between motor and link.
 pub fn with_carried_loads(device: &Device, recording: &Recording) -> Option<Recording> {
-    let yields = |effect: &DeviceEffect| {
-        law(&effect.name).is_some_and(|(_, form)| matches!(form, Form::Spring | Form::Play))
+    let is_between =
+        |effect: &DeviceEffect| law(&effect.name).is_none_or(|(hook, _)| !hook.is_on_drives());
+    let yields = |joint: usize| device.compliance_rad_per_nm(joint) != 0.0;
+    let follows_load =
+        (0..device.joints.len()).any(yields) || device.effects.iter().any(is_between);
+    let are_explained = || {
+        let torques = of_moving_arm(device, recording, None, &[]);
+        torques.is_some_and(|(torques, _)| torques.is_explained())
     };
-    let may_yield =
-        (0..device.joints.len()).any(|joint| device.compliance_rad_per_nm(joint) != 0.0);
-    if !may_yield && !device.effects.iter().any(yields) {
-        return None;
-    }
-    let (torques, _) = of_moving_arm(device, recording, None, &[])?;
-    if !carries_links_alone(recording, &torques) {
+    if !follows_load
+        || !is_moving_arm(device, recording)
+        || !carries_links_alone(recording, are_explained)
+    {
         return None;
     }
     let mut loaded = with_link_torques(device, recording)?;

@@ -26,7 +26,7 @@ pub(crate) enum Term {
     /// How it changes with the time by which it leads the motion.
     Lead,
     /// Share of a joint's friction as the device's file has it; its place among what effects add.
-    OwnFriction { joint: usize, effect: usize },
+    FileFriction { joint: usize, effect: usize },
     /// Armature of a joint; beyond the stated one, if one is stated.
     Armature { joint: usize },
     /// A body's deviation.
@@ -46,10 +46,10 @@ pub(crate) struct BaseColumn {
 }
 
 impl BaseColumn {
-    /// Between what its coefficient has to be, if anything: what is known of it, and a share between none and all. More friction than the
-    /// file has, of a law that the base model has not, is no friction of the file.
+    /// Limits of its coefficient, if there are any: those of what is known, and 0 and 1 of a share. Friction that the file does not have
+    /// is an effect.
     pub(crate) fn limits(&self) -> Option<[f64; 2]> {
-        let share = matches!(self.term, Term::OwnFriction { .. }).then_some([0.0, 1.0]);
+        let share = matches!(self.term, Term::FileFriction { .. }).then_some([0.0, 1.0]);
         let known = self.known_sd.map(|sd| plausible::LIMIT_SDS * sd);
         share.or(known.map(|limit| [-limit, limit]))
     }
@@ -99,7 +99,7 @@ impl Base {
     /// device's file comes last: what there is of it beside its own is no reason for another reversal.
     pub(crate) fn new(problem: &Problem, reversals: Option<&[Reversal]>) -> Self {
         let mut base = Self::bare(problem, reversals);
-        base.columns.extend(problem.own.columns(problem));
+        base.columns.extend(problem.file_effects.columns(problem));
         base
     }
 
@@ -196,7 +196,7 @@ impl Base {
             let (joint, signal) = match own.term {
                 Term::Viscous { joint } => (joint, motor.dq[joint].clone()),
                 Term::Coulomb { joint } => (joint, self.sign(problem, joint)),
-                Term::OwnFriction { joint, effect } => {
+                Term::FileFriction { joint, effect } => {
                     let states = &problem.states;
                     (joint, states.smoothed_added(&problem.samples, effect))
                 }

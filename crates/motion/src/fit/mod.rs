@@ -2,7 +2,7 @@
 
 pub(crate) mod base;
 pub(crate) mod column;
-pub(crate) mod own;
+pub(crate) mod file_effects;
 pub(crate) mod problem;
 pub(crate) mod system;
 pub(crate) mod trimmed;

@@ -8,7 +8,7 @@ use haptical_model::Recording;
 use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
 use crate::fit::column::Column;
-use crate::fit::own::Own;
+use crate::fit::file_effects::FileEffects;
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
@@ -55,7 +55,7 @@ pub(crate) struct Problem {
     /// What each joint carries at the fine steps, where that is settled ([`Problem::carry`]); else that of the nominal bodies counts.
     carried: Option<Vec<Vec<f64>>>,
     /// What effects of the device's file add to the torques.
-    pub(crate) own: Own,
+    pub(crate) file_effects: FileEffects,
     /// Weight of each row: one over the standard deviation of what is not known of it.
     weights: Vec<f64>,
 }
@@ -143,10 +143,10 @@ impl Problem {
             inertial: Vec::new(),
             rigid: Vec::new(),
             carried: None,
-            own: Own::default(),
+            file_effects: FileEffects::default(),
             weights: Vec::new(),
         };
-        problem.own = Own::new(&problem, recording);
+        problem.file_effects = FileEffects::new(&problem, recording);
         let rows = problem.states.rows();
         let sds = problem.row_sd.iter();
         problem.weights = sds
@@ -317,14 +317,14 @@ impl Problem {
     /// Torques of the nominal bodies with their armatures, and of effects of the device's file but friction, at the fine steps.
     pub(crate) fn nominal_torque(&self) -> Vec<Vec<f64>> {
         let mut torque = self.rigid.clone();
-        for (joint, own) in torque.iter_mut().enumerate() {
+        for (joint, column) in torque.iter_mut().enumerate() {
             if let Some(armature) = self.arm.armature[joint] {
                 let ddq = self.states.motor.ddq[joint].iter();
-                (own.iter_mut().zip(ddq)).for_each(|(own, ddq)| *own += armature * ddq);
+                (column.iter_mut().zip(ddq)).for_each(|(torque, ddq)| *torque += armature * ddq);
             }
         }
-        for (joint, added) in &self.own.known {
-            (torque[*joint].iter_mut().zip(added)).for_each(|(own, added)| *own += added);
+        for (joint, added) in &self.file_effects.known {
+            (torque[*joint].iter_mut().zip(added)).for_each(|(torque, added)| *torque += added);
         }
         torque
     }
@@ -445,13 +445,9 @@ fn noises(
     let positions: Vec<f64> = (channels.iter())
         .map(|&joint| {
             let link = states.link_noise[joint];
-            let on_motor = arm.likely_armature[joint]
-                + match link.is_apart {
-                    true => 0.0,
-                    false => inertia[joint],
-                };
-            let of_motor = on_motor * states.acceleration_sd[joint];
-            of_motor.hypot(inertia[joint] * link.acceleration_sd)
+            let bodies_by_motor = if link.is_apart { 0.0 } else { inertia[joint] };
+            let by_motor = arm.likely_armature[joint] + bodies_by_motor;
+            (by_motor * states.acceleration_sd[joint]).hypot(inertia[joint] * link.acceleration_sd)
         })
         .collect();
     // a torque that is computed and not measured has no noise at all: its rounding then

@@ -345,6 +345,9 @@ fn convolved(a: &[f64], b: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use haptical_model::Recording;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, StandardNormal};
 
     use super::*;
 
@@ -403,5 +406,54 @@ mod tests {
         let between = sharpest(0.005, 16.0, 1e-5).half;
         assert!(between > 3 && between < whole.half, "{between}");
         assert_eq!(sharpest(0.005, 16.0, 1e-3).half, whole.half);
+    }
+
+    /// The scatter that noise of the positions makes in rows of a link's acceleration, over what is said of it.
+    fn scatter(wave_rad: f64, [motor_sd, link_sd]: [f64; 2]) -> (bool, f64) {
+        let mut random = ChaCha8Rng::seed_from_u64(11);
+        let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+        let time_s: Vec<f64> = (0..8000).map(|k| 0.005 * f64::from(k)).collect();
+        let states = |motor: Vec<f64>, link: Vec<f64>| {
+            let log = Recording {
+                line: (2..).take(time_s.len()).collect(),
+                joint: vec![motor],
+                output: vec![Some(link)],
+                torque_nm: vec![Some(time_s.iter().map(|t| t.sin()).collect())],
+                time_s: Some(time_s.clone()),
+                ..Recording::default()
+            };
+            States::new(&Samples::new(&log, false).unwrap(), 8.0).unwrap()
+        };
+        let motor: Vec<f64> = time_s.iter().map(|t| t.sin()).collect();
+        let yields = |t: &f64| wave_rad * (std::f64::consts::TAU * 10.0 * t).sin();
+        let link: Vec<f64> = (motor.iter().zip(&time_s))
+            .map(|(motor, t)| motor - yields(t))
+            .collect();
+        let mut noisy = |exact: &[f64], sd: f64| -> Vec<f64> {
+            exact.iter().map(|value| value + sd * normal()).collect()
+        };
+        let read = states(noisy(&motor, motor_sd), noisy(&link, link_sd));
+        let exact = states(motor, link);
+        let rows = |states: &States| states.filtered(&states.link.ddq[0]);
+        let off = rows(&read).into_iter().zip(rows(&exact));
+        let squares: f64 = off.map(|(read, exact)| (read - exact).powi(2)).sum();
+        let noise = read.link_noise[0];
+        let of_motor = if noise.is_apart {
+            0.0
+        } else {
+            read.acceleration_sd[0]
+        };
+        let said = of_motor.hypot(noise.acceleration_sd);
+        (noise.is_apart, (squares / read.rows() as f64).sqrt() / said)
+    }
+
+    #[test]
+    fn noise_of_a_links_acceleration_is_what_its_rows_scatter_by() {
+        // as it reads, because the drive yields near the edge of the band
+        let (is_apart, share) = scatter(1e-3, [1e-6, 1e-4]);
+        assert!(is_apart && (share - 1.0).abs() < 0.15, "{share}");
+        // the smoothed difference on a motor that is as noisy behind the window
+        let (is_apart, share) = scatter(0.0, [2e-5, 1e-4]);
+        assert!(!is_apart && (share - 1.0).abs() < 0.15, "{share}");
     }
 }

@@ -1,7 +1,7 @@
 //! Whether anything was measured is asked of the torques as they were read, not of what is left without the device's effects.
 
 use haptical_model::{AddedBy, AddedReadings, Recording};
-use haptical_motion::{MotionError, examine, torque_nm_without_effects};
+use haptical_motion::{MotionError, examine, link_torques, torque_nm_without_effects};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -218,4 +218,40 @@ fn effects_of_the_file_are_part_of_the_model() {
     let (effect, joint, size_nm) = first(&gain(cogging(recording(grown, 1))));
     assert_eq!((effect, joint), ("motor-cogging", Some(0)));
     assert!((size_nm - 0.6).abs() < 0.03, "{size_nm}");
+}
+
+#[test]
+fn a_drive_carries_the_force_of_a_hand_that_is_in_the_log() {
+    let device = device();
+    let of = |push_n: f64| {
+        let truth = Truth {
+            push_n,
+            ..Truth::default()
+        };
+        recording(truth, 5)
+    };
+    let (mut pushed, free) = (of(60.0), of(0.0));
+    // along the base's x, in the frame of the handle
+    let times = pushed.time_s.as_ref().unwrap().iter();
+    let angles = pushed.joint[0].iter().zip(&pushed.joint[1]);
+    let axes = times.zip(angles).map(|(time, (q1, q2))| {
+        let force_n = if (8.0..9.5).contains(time) { 60.0 } else { 0.0 };
+        let (sine, cosine) = (q1 + q2).sin_cos();
+        [force_n * cosine, -force_n * sine]
+    });
+    let (along, across): (Vec<f64>, Vec<f64>) = axes.map(|[x, y]| (x, y)).unzip();
+    pushed.force_n = Some([along, across.clone(), vec![0.0; across.len()]]);
+    let [with, without] = [&pushed, &free].map(|log| link_torques(&device, log).unwrap());
+    for joint in 0..2 {
+        let read = |log: &Recording, row: usize| log.torque_nm[joint].as_ref().unwrap()[row];
+        let mut largest_nm = 0.0_f64;
+        for row in 1700..1800 {
+            let load_nm = with[joint][row] - without[joint][row];
+            // both logs have the same noise
+            let pushed_nm = read(&pushed, row) - read(&free, row);
+            assert!((load_nm - pushed_nm).abs() < 1e-2, "{load_nm} {pushed_nm}");
+            largest_nm = largest_nm.max(pushed_nm.abs());
+        }
+        assert!(largest_nm > 2.0, "{largest_nm}");
+    }
 }

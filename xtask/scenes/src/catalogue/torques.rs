@@ -22,6 +22,7 @@ pub(crate) const SCENES: &[Scene] = scenes! {
         with_friction(|own| own.late_s = 0.012);
     "moving-saturation" ["torque-saturation"] made(|own| own.end_nm = Some(4.0));
     "moving-cogging" ["motor-cogging"] made(|own| own.cogging_nm = 0.6);
+    "moving-gain" ["torque-gain"] made(|own| own.gain = -0.07);
     "moving-unknown" [] made(|own| own.dent_nm = 3.0);
     "link-elastic" ["capstan-compliance", "joint-compliance"]
         made(|own| own.yields_nm_per_rad = Some(3000.0));
@@ -44,6 +45,8 @@ pub(crate) struct Truth {
     end_nm: Option<f64>,
     /// Torque of 30 periods a turn of the first joint.
     cogging_nm: f64,
+    /// By which share of itself the first torque is logged too large.
+    gain: f64,
     /// Friction near an angle of the first joint, in no catalogue.
     dent_nm: f64,
     /// Stiffness of the first drive, where links have encoders or a tracker sees the arm.
@@ -220,7 +223,8 @@ fn log(truth: &Truth, seed: u64) -> Result<Table> {
         for joint in 0..2 {
             let count = TAU / 400_000.0;
             angles[joint].push(libm::round(logged[joint] / count) * count);
-            let reading = torques[joint] + noise.normal(TORQUE_SD_NM);
+            let factor = if joint == 0 { 1.0 + truth.gain } else { 1.0 };
+            let reading = factor * torques[joint] + noise.normal(TORQUE_SD_NM);
             let end = truth.end_nm.filter(|_| joint == 1);
             readings[joint].push(end.map_or(reading, |end| reading.clamp(-end, end)));
         }

@@ -1,4 +1,4 @@
-//! What effects of the device's file add to the torques, beside its bodies.
+//! What effects of the device's file add to the torques of its bodies.
 
 use std::rc::Rc;
 
@@ -7,31 +7,31 @@ use haptical_model::{AddedBy, Recording};
 use crate::fit::base::{BaseColumn, Term};
 use crate::fit::problem::Problem;
 
-/// Effects of the device's file, by what the base model takes of them. A reading that is logged late is late with them: none is taken off
-/// the readings.
+/// Effects of the device's file as the base model takes them. They are not taken off the readings, because late positions make them
+/// late too.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Own {
-    /// Friction: joint, and place among what effects add. There is any share of it, beside that of the base model.
+pub(crate) struct FileEffects {
+    /// Friction: joint, and place among what effects add. Its share is free, in addition to the friction of the base model.
     friction: Vec<(usize, usize)>,
     /// All others, at the sizes of the file: joint, and torque at the fine steps.
     pub(crate) known: Vec<(usize, Vec<f64>)>,
 }
 
-impl Own {
+impl FileEffects {
     /// Of the recording of a problem.
     pub(crate) fn new(problem: &Problem, recording: &Recording) -> Self {
         let mut found = Self::default();
-        for (effect, own) in recording.added.iter().enumerate() {
+        for (effect, added) in recording.added.iter().enumerate() {
             let mut columns = problem.arm.torque_columns.iter();
-            let joint = columns.position(|column| *column == own.channel);
+            let joint = columns.position(|column| *column == added.channel);
             let Some(joint) = joint.filter(|joint| problem.channel_of(*joint).is_some()) else {
                 continue;
             };
-            match own.by {
+            match added.by {
                 AddedBy::Friction => found.friction.push((joint, effect)),
                 AddedBy::Motion => {
-                    let added = problem.states.smoothed_added(&problem.samples, effect);
-                    found.known.push((joint, added));
+                    let torque_nm = problem.states.smoothed_added(&problem.samples, effect);
+                    found.known.push((joint, torque_nm));
                 }
                 // off the readings already
                 AddedBy::Reading => {}
@@ -44,7 +44,7 @@ impl Own {
     pub(crate) fn columns(&self, problem: &Problem) -> Vec<BaseColumn> {
         let column = |&(joint, effect): &(usize, usize)| {
             Some(BaseColumn {
-                term: Term::OwnFriction { joint, effect },
+                term: Term::FileFriction { joint, effect },
                 known_sd: None,
                 column: Rc::new(problem.of_added(joint, effect)?),
             })
