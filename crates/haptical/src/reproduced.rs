@@ -5,7 +5,7 @@ use crate::log::Log;
 use crate::replay::replay;
 use crate::units::Shown;
 
-/// Share of a channel's root mean square by which a replay may differ from the fit.
+/// Share of a channel's root mean square by which a replay may leave more than the fit.
 const SHARE: f64 = 0.01;
 /// The same of the channel's noise, where a fit leaves next to nothing: a computed log has no noise.
 const SHARE_OF_NOISE: f64 = 1e-3;
@@ -22,11 +22,12 @@ pub(crate) struct Left {
 }
 
 impl Left {
-    /// Whether a replay that leaves so much misses the fit.
+    /// Whether a replay that leaves so much misses the fit. It may leave less: a fit takes large effects to the first order along the
+    /// chain, and the device of a file as they are.
     pub(crate) fn is_missed_by(&self, rms: f64) -> bool {
-        let most = SHARE * self.rms + SHARE_OF_NOISE * self.noise_floor;
+        let most = (1.0 + SHARE) * self.rms + SHARE_OF_NOISE * self.noise_floor;
         // a replay without a number is no replay
-        rms.is_nan() || (rms - self.rms).abs() > most
+        rms.is_nan() || rms > most
     }
 }
 
@@ -54,7 +55,7 @@ pub(crate) fn comments(left: &[Left], not_in_file: &[String]) -> String {
 }
 
 /// What a device file leaves of each channel that is replayed, by the way of `haptical simulate --replay`, on all rows of a log. On
-/// those that the fit used, where `has` says so, it must be what the fit leaves. Nothing where the log has no such channel.
+/// those that the fit used, where `has` says so, it must be no more than the fit leaves. Nothing where the log has no such channel.
 ///
 /// # Errors
 /// Why the file does not hold its fit.
@@ -148,13 +149,13 @@ mod tests {
 
     #[test]
     fn a_file_holds_its_fit_within_one_percent_of_a_channel() {
-        for rms in [1e-3, 1.009e-3] {
+        for rms in [0.991e-3, 1e-3, 1.2e-3] {
             let found = replayed_with(0.0, rms, None).unwrap();
             assert!((found[0].1 / 1e-3 - 1.0).abs() < 1e-9, "{found:?}");
         }
-        let why = replayed_with(0.0, 1.02e-3, None).unwrap_err();
+        let why = replayed_with(0.0, 0.98e-3, None).unwrap_err();
         assert!(
-            why.ends_with("out1 is 1.000 mrad in place of 1.020 mrad"),
+            why.ends_with("out1 is 1.000 mrad in place of 0.9800 mrad"),
             "{why}"
         );
         let why = replayed_with(-1e-3, 1e-3, None).unwrap_err();

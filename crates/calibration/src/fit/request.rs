@@ -1,13 +1,12 @@
 //! One fit: prune what the data cannot fix, search, and judge again at the solution.
 
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 use haptical_identification::{
     Convergence, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
     ParameterInfo, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
 };
-use haptical_model::{Device, Parameter, ParameterId, Recording};
+use haptical_model::{Device, ParameterId, Recording};
 
 use crate::error::wrap;
 use crate::fit::considered::Considered;
@@ -150,7 +149,10 @@ impl FitRequest<'_> {
             let is_whole = self.unsupported.is_empty();
             enough(what, problem, &free, &nominal_identifiability, is_whole)?;
             let mut fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
-            without_whole_turns(&mut fit.parameters, &start, parameters);
+            let searched_values = fit.parameters.iter_mut().zip(parameters).zip(&start);
+            for ((value, parameter), start) in searched_values {
+                *value = parameter.in_nearest_turn(*value, *start);
+            }
             iterations += fit.iterations;
             let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
             let judged = judge(&reduction, &free).map_err(wrap)?;
@@ -280,17 +282,6 @@ impl FitRequest<'_> {
             described.map_or(0.0, |joint| (joint.torque_scale_sd * value).powi(2))
         };
         fitted.iter().map(of_parameter).collect()
-    }
-}
-
-/// Brings angles of links to within half a turn of those that they are counted from: a search may end whole turns away, and the device
-/// is the same there.
-fn without_whole_turns(values: &mut [f64], from: &[f64], parameters: &[ParameterId]) {
-    for ((value, from), parameter) in values.iter_mut().zip(from).zip(parameters) {
-        let angles = [Parameter::Alpha, Parameter::Beta, Parameter::Theta];
-        if matches!(parameter, ParameterId::Link { parameter, .. } if angles.contains(parameter)) {
-            *value -= TAU * ((*value - from) / TAU).round();
-        }
     }
 }
 

@@ -3,6 +3,8 @@
 pub(crate) mod surrounding;
 pub(crate) mod unknown;
 
+use std::f64::consts::TAU;
+
 use haptical_kinematics::Parameter;
 use haptical_transmission::CapstanError;
 
@@ -70,6 +72,24 @@ const PLAUSIBLE_COMPLIANCE: f64 = 1e-3;
 const PLAUSIBLE_RATIO_SHARE: f64 = 0.05;
 
 impl ParameterId {
+    /// A value as the angle \[rad\] of a link that is at most half a turn away from another one, where a search may end whole turns away
+    /// from its start and the device is the same there. Values of other parameters are returned as they are.
+    ///
+    /// ```
+    /// use haptical_model::{Parameter, ParameterId};
+    /// let [theta, length] = [Parameter::Theta, Parameter::A].map(|parameter| ParameterId::Link { row: 1, parameter });
+    /// assert!((theta.in_nearest_turn(6.3, 0.02) - 0.0168).abs() < 1e-4);
+    /// assert_eq!(length.in_nearest_turn(6.3, 0.02), 6.3);
+    /// ```
+    pub fn in_nearest_turn(self, value: f64, from: f64) -> f64 {
+        match self {
+            Self::Link { parameter, .. } if !is_length(parameter) => {
+                value - TAU * ((value - from) / TAU).round()
+            }
+            _ => value,
+        }
+    }
+
     /// Unit.
     pub fn unit(self, device: &Device) -> &'static str {
         match self {

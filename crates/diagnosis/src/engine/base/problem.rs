@@ -131,7 +131,8 @@ impl<'a> BaseProblem<'a> {
     pub(crate) fn device_with(&self, values: &[f64]) -> Device {
         let mut device = self.base.device.clone();
         for (parameter, value) in self.base.parameters.iter().zip(values) {
-            parameter.set(&mut device, *value);
+            let start = parameter.value(&device);
+            parameter.set(&mut device, parameter.in_nearest_turn(*value, start));
         }
         device
     }
