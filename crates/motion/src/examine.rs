@@ -101,7 +101,7 @@ fn examined_each(
     let again = examine_with(device, logs, without, with_memory)?;
     let mut noises = first.channels.iter().zip(&again.channels);
     let is_noise = noises.all(|(white, own)| own.noise < MOST_OF_MEMORY * white.noise);
-    if is_noise && !again.has_gap() || again.has_gap() && again.is_adequate() {
+    if is_noise && (!again.has_gap() || again.is_adequate()) {
         return Ok(again);
     }
     // a spring between motor and link is known to first order alone, well below its resonance

@@ -128,6 +128,11 @@ impl Finding {
         self.effect == contact::EFFECT.name
     }
 
+    /// Whether a log does not tell it from another effect.
+    pub fn has_near_rival(&self) -> bool {
+        self.rivals.iter().any(NearRival::is_near)
+    }
+
     /// Whether it is a spring between motor and link, which is known to first order alone.
     pub(crate) fn is_joint_spring(&self) -> bool {
         self.effect == joint_compliance::EFFECT.name
@@ -186,11 +191,17 @@ impl Examined {
                 .iter()
                 .any(|own| self.is_where_the_gap_is(own))
             && (self.findings.iter())
-                .all(|own| own.is_told || own.rivals.iter().any(NearRival::is_near))
+                .all(|own| own.is_told || own.has_near_rival() || self.is_small(own))
             && (is_quiet || is_explained)
             && !self.findings.iter().any(|own| self.is_undoing(own))
             && !self.is_of_another_law()
             && !self.is_contradicted()
+    }
+
+    /// Whether a finding explains so little that the gap may keep it.
+    fn is_small(&self, found: &Finding) -> bool {
+        let all: f64 = self.findings.iter().map(|own| own.nats.max(0.0)).sum();
+        found.nats < PART_OF_GAP * all
     }
 
     /// Whether what was found is an answer.
@@ -356,6 +367,24 @@ mod tests {
         // there were 51 nats, and 22 of chance, to explain
         assert!(with(250.0).is_adequate());
         assert!(!with(350.0).is_adequate());
+    }
+
+    #[test]
+    fn an_effect_that_is_not_told_spoils_a_name_unless_it_is_small() {
+        let with = |nats: f64, is_told: bool| {
+            let mut found = left("payload", 0.2, 600.0);
+            let armature = Finding {
+                effect: "armature",
+                nats,
+                is_told,
+                ..found.findings[0].clone()
+            };
+            found.findings.push(armature);
+            found.is_adequate()
+        };
+        assert!(with(900.0, false));
+        assert!(!with(1100.0, false));
+        assert!(with(1100.0, true));
     }
 
     #[test]

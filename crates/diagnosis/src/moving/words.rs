@@ -142,6 +142,11 @@ impl<'e> Words<'e> {
     pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
         let near = found.rivals.iter().filter(|own| own.is_near());
         let among_rivals = probability(found.rivals.iter().map(|own| own.behind_nats));
+        // what is not told from the freedom of the base model is as likely that
+        let among_rivals = match found.is_told || found.has_near_rival() {
+            true => among_rivals,
+            false => 0.5 * among_rivals,
+        };
         let name = |effect: &str, joint: Option<usize>| match joint {
             Some(joint) if Some(joint) != found.joint => format!("{effect} at joint {}", joint + 1),
             _ => effect.to_owned(),
