@@ -6,6 +6,12 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use serde::de::DeserializeOwned;
 
+/// The repository.
+pub fn root() -> PathBuf {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+    manifest.ancestors().nth(2).unwrap_or(manifest).to_owned()
+}
+
 /// Builds the command `haptical` beside the program that runs; returns where it is.
 pub fn built_command(root: &Path) -> Result<PathBuf> {
     let words = "build --profile jobs --quiet -p haptical-cli";
@@ -21,10 +27,7 @@ pub fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
 
-/// Runs a program; returns its standard output.
-///
-/// # Errors
-/// With its words and all that it said, where it fails or cannot be started.
+/// Runs a program; returns its standard output, or an error with its words and all that it said.
 pub fn said(command: &mut Command) -> Result<String> {
     let done = command.output();
     let words = std::iter::once(command.get_program()).chain(command.get_args());

@@ -12,7 +12,7 @@ mod page;
 mod progress;
 
 pub use cells::Shown;
-pub use command::{built_command, cargo, read_json, read_text, said};
+pub use command::{built_command, cargo, read_json, read_text, root, said};
 pub use haptical_report::Cell;
 pub use output::{Layout, Output, or_none};
 pub use page::put_between;

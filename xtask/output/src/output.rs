@@ -137,14 +137,10 @@ impl Output {
 
     /// A figure under a file name without extension.
     pub fn figure(&mut self, file: &str, caption: &str, figure: &Figure) -> Result<()> {
-        let wide = figure
-            .categories
-            .as_ref()
-            .is_some_and(|names| names.len() > 8);
-        let svg = figure
-            .to_svg(if wide { 1100 } else { 860 }, 460)
-            .context(file.to_owned())?;
-        self.svg(file, caption, svg);
+        let names = figure.categories.as_ref();
+        let is_wide = names.is_some_and(|names| names.len() > 8);
+        let svg = figure.to_svg(if is_wide { 1100 } else { 860 }, 460);
+        self.svg(file, caption, svg.context(file.to_owned())?);
         Ok(())
     }
 

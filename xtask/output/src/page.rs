@@ -8,9 +8,6 @@ use anyhow::{Context, Result};
 use crate::command::read_text;
 
 /// Puts a table between two lines of a page.
-///
-/// # Errors
-/// A page that cannot be read or written, or without one of the lines.
 pub fn put_between(path: &Path, [begin, end]: [&str; 2], table: &str) -> Result<()> {
     let text = read_text(path)?;
     let (before, rest) = text

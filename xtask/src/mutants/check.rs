@@ -78,7 +78,6 @@ impl Bench {
             .with_context(|| format!("cargo {} makes no program", words.join(" ")))
     }
 
-    /// Runs tests.
     fn tests(&self, command: &mut Command) -> Result<Option<String>> {
         // that a property fails is enough; its smallest case is not asked for
         command.env("PROPTEST_MAX_SHRINK_ITERS", "0");
@@ -104,7 +103,6 @@ impl Bench {
         }))
     }
 
-    /// Compares a golden scene.
     fn scene(&self, command: &mut Command) -> Result<Option<String>> {
         let words = match self.printed(command)? {
             None => NO_END,

@@ -16,7 +16,6 @@ struct Faults {
     fault: Vec<Fault>,
 }
 
-/// A fault of the maths.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Fault {
@@ -49,10 +48,8 @@ pub(super) enum Check {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Target {
-    /// `tests/it`.
     #[default]
     It,
-    /// Unit tests.
     Lib,
 }
 
@@ -76,7 +73,6 @@ impl fmt::Display for Check {
     }
 }
 
-/// Reads the table.
 pub(super) fn read(root: &Path) -> Result<Vec<Fault>> {
     let path = root.join(FOLDER).join("faults.toml");
     let faults: Faults =
@@ -84,7 +80,6 @@ pub(super) fn read(root: &Path) -> Result<Vec<Fault>> {
     Ok(faults.fault)
 }
 
-/// The diff of a fault.
 pub(super) fn diff_of(root: &Path, name: &str) -> PathBuf {
     root.join(FOLDER).join(format!("{name}.diff"))
 }

@@ -4,10 +4,10 @@ mod check;
 mod fault;
 mod tree;
 
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Result, bail, ensure};
+use xtask_output::root;
 
 use check::Bench;
 use fault::{Fault, diff_of};
@@ -23,12 +23,6 @@ pub(crate) struct Arguments {
     /// Lists the faults and plants none.
     #[arg(long)]
     list: bool,
-}
-
-/// The checkout.
-fn root() -> PathBuf {
-    let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
-    manifest.parent().unwrap_or(manifest).to_owned()
 }
 
 /// Runs the job.

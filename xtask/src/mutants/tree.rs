@@ -7,7 +7,6 @@ use std::process::Command;
 use anyhow::{Context as _, Result, ensure};
 use xtask_output::said;
 
-/// The copy.
 pub(super) struct Tree {
     checkout: PathBuf,
     copy: PathBuf,
@@ -39,7 +38,6 @@ impl Tree {
         Ok(tree)
     }
 
-    /// Where the copy is.
     pub(super) fn path(&self) -> &Path {
         &self.copy
     }

@@ -19,7 +19,6 @@ pub(super) const END: &str = "<!-- end of table, dynamics -->\n";
 const HEAD: &str = "| recording | band | not fitted: `haptical`, joint by joint | all | delay, 95 % interval | seconds | reference, and its band | published |\n\
      | --- | --- | --- | --- | --- | --- | --- | --- |\n";
 
-/// All recordings.
 #[derive(Debug, Deserialize)]
 struct Recordings {
     recording: Vec<Motion>,

@@ -12,7 +12,6 @@ use xtask_output::{built_command, put_between};
 
 use sets::{HERE, Sets};
 
-/// The page with the table.
 const PAGE: &str = "docs/real-arms.md";
 /// Lines between which the table is.
 const BEGIN: &str = "<!-- table: cargo xtask real-arms -->\n";

@@ -10,7 +10,6 @@ const SCALES: [(f64, &str); 3] = [(1.0, ""), (1e-3, "m"), (1e-6, "µ")];
 pub(super) const HEAD: &str = "| set | known | identify: held out before → after | verdict | causes | identify --with gap.json: held out | gap closed on unseen data | seconds: identify, diagnose |\n\
      | --- | --- | --- | --- | --- | --- | --- | --- |\n";
 
-/// A line for an absent set.
 pub(super) fn absent(set: &Set) -> String {
     format!(
         "| {} | {} | not run: its data are not here | | | | | |\n",
@@ -18,7 +17,6 @@ pub(super) fn absent(set: &Set) -> String {
     )
 }
 
-/// A line of the table.
 pub(super) fn line(set: &Set, answers: &Answers) -> String {
     let (gap, diagnosed_s) = &answers.gap;
     let identified = answers.identified.as_ref();

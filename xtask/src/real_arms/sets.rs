@@ -11,13 +11,11 @@ use xtask_output::{read_json, read_text, said};
 
 use super::Arguments;
 
-/// All sets.
 #[derive(Debug, Deserialize)]
 pub(super) struct Sets {
     pub(super) set: Vec<Set>,
 }
 
-/// One measured set.
 #[derive(Debug, Deserialize)]
 pub(super) struct Set {
     pub(super) name: String,
@@ -33,7 +31,6 @@ pub(super) struct Set {
     /// Whether nothing but `diagnose` applies: a log of torques alone.
     #[serde(default)]
     diagnose_only: bool,
-    /// Where it comes from.
     pub(super) source: String,
     /// What others found of it.
     pub(super) known: String,
