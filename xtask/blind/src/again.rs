@@ -39,9 +39,6 @@ pub struct Led<'m> {
 impl Again {
     /// A recording along a motion that is given. The hand is off by a quarter of a usual force; noise, temperature and events
     /// are drawn.
-    ///
-    /// # Errors
-    /// Where a transmission has no value.
     pub fn led(&self, led: &Led<'_>, seed: u64) -> Result<Recording> {
         let rows = led.angle_rad.first().map_or(0, Vec::len);
         let plan = MotionPlan {
@@ -71,9 +68,6 @@ impl Again {
     }
 
     /// A recording like that of the trial, of so many rows.
-    ///
-    /// # Errors
-    /// As [`Again::led`].
     pub fn drawn(&self, rows: usize, seed: u64) -> Result<Recording> {
         let plan = MotionPlan {
             rows,

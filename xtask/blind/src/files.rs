@@ -7,16 +7,14 @@ use haptical_data::{LogShape, write_log};
 
 use crate::trial::Trial;
 
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<()> {
+    std::fs::write(path, text).with_context(|| format!("{} cannot be written", path.display()))
+}
+
 /// Writes `device.toml`, `log.csv.gz`, `log2.csv.gz` where there is a second recording, for an ablation `model.toml`, and with
 /// `with_truth` `truth.json` into a folder, which is made if it is not there.
-///
-/// # Errors
-/// A file or a log that cannot be written.
 pub fn write_trial(trial: &Trial, folder: &Path, with_truth: bool) -> Result<()> {
-    let write = |name: &str, text: &str| {
-        let path = folder.join(name);
-        std::fs::write(&path, text).with_context(|| format!("{} cannot be written", path.display()))
-    };
+    let write = |name: &str, text: &str| write_text(&folder.join(name), text);
     std::fs::create_dir_all(folder)
         .with_context(|| format!("{} cannot be written", folder.display()))?;
     write("device.toml", &trial.device_toml)?;

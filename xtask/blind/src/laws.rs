@@ -7,6 +7,28 @@ pub(crate) struct SlipElement {
     pub(crate) width: f64,
 }
 
+impl SlipElement {
+    /// Three around a width of 1, their weights in these proportions.
+    pub(crate) fn three(weights: [f64; 3], spread: f64) -> Vec<Self> {
+        let sum: f64 = weights.iter().sum();
+        let elements = weights.iter().zip([1.0 / spread, 1.0, spread]);
+        let elements = elements.map(|(weight, width)| Self {
+            weight: weight / sum,
+            width,
+        });
+        elements.collect()
+    }
+
+    /// The same elements, so many times as wide.
+    pub(crate) fn widened(elements: &[Self], factor: f64) -> Vec<Self> {
+        let elements = elements.iter().map(|element| Self {
+            width: element.width * factor,
+            ..*element
+        });
+        elements.collect()
+    }
+}
+
 /// Differences of successive entries; the first is 0.
 fn steps(input: &[f64]) -> impl Iterator<Item = f64> {
     let before = input.iter().take(1).chain(input);

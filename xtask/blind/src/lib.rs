@@ -1,6 +1,10 @@
 //! Blind trials of a diagnosis: recordings with a hidden effect, sealed truths, scores.
 //!
 #![doc = include_str!("../README.md")]
+#![allow(
+    clippy::missing_errors_doc,
+    reason = "the errors are texts for a person"
+)]
 
 /// An array of structs, a row each.
 ///

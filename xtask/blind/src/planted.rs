@@ -47,7 +47,6 @@ impl Default for Planted {
 /// What one trial is about.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Story {
-    /// Label of the truth.
     pub(crate) label: String,
     /// Nominal device.
     pub(crate) device: String,
@@ -56,7 +55,6 @@ pub(crate) struct Story {
     pub(crate) without: Vec<&'static str>,
     /// Columns that an effect in no catalogue depends on.
     pub(crate) depends_on: Vec<String>,
-    /// Whether the effect is in no catalogue.
     pub(crate) is_unknown: bool,
 }
 
@@ -74,25 +72,17 @@ impl Story {
             .iter()
             .filter(|planted| !planted.right.is_empty())
             .partition(|planted| is_withheld(planted));
-        let mut acceptable: Vec<String> = self
-            .planted
-            .iter()
-            .flat_map(|planted| owned(&planted.acceptable))
-            .collect();
+        let acceptable = self.planted.iter();
+        let acceptable = acceptable.flat_map(|planted| owned(&planted.acceptable));
+        let mut acceptable: Vec<String> = acceptable.collect();
         let mut right: Vec<Vec<String>> =
             left.iter().map(|planted| owned(&planted.right)).collect();
-        let mut joints: Vec<Option<usize>> = left
-            .iter()
-            .map(|planted| planted.joint.map(|joint| joint + 1))
-            .collect();
+        let number = |planted: &&Planted| planted.joint.map(|joint| joint + 1);
+        let mut joints: Vec<Option<usize>> = left.iter().map(number).collect();
         if self.is_unknown || !withheld.is_empty() {
             acceptable.extend(right.into_iter().flatten());
             right = vec![vec!["unknown".to_owned()]];
-            joints = withheld
-                .first()
-                .map(|planted| planted.joint.map(|joint| joint + 1))
-                .into_iter()
-                .collect();
+            joints = withheld.first().map(number).into_iter().collect();
         }
         let effects = self.planted.into_iter().map(|planted| EffectTruth {
             effect: planted.name.to_owned(),

@@ -22,9 +22,6 @@ pub struct Sealed {
 }
 
 /// Seals a truth with a salt drawn from `random`.
-///
-/// # Errors
-/// A truth without a JSON form.
 pub fn seal(truth: &Truth, random: &mut Random) -> Result<Sealed> {
     let salt = format!("{:016x}{:016x}", random.seed(), random.seed());
     // the map of a `Value` is ordered by key
@@ -38,9 +35,6 @@ pub fn seal(truth: &Truth, random: &mut Random) -> Result<Sealed> {
 
 impl Sealed {
     /// The truth, if it belongs to the commitment published before.
-    ///
-    /// # Errors
-    /// If it does not, or is no truth.
     pub fn open(&self, published: &str) -> Result<Truth> {
         ensure!(
             commitment(&self.salt, &self.truth_json) == published,

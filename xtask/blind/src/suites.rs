@@ -19,11 +19,11 @@ type Draws = fn(TrialId, &mut Random) -> Result<Trial>;
 /// One row per suite: its name, the number of its streams, its place among the salts, its trials in a scored batch and in a
 /// quick one, what it holds. A suite keeps its numbers when others are added.
 macro_rules! suites {
-    ($($(#[$doc:meta])* $variant:ident $name:literal $stream:literal $salt:literal $scored:literal $quick:literal $about:literal;)*) => {
+    ($($variant:ident $name:literal $stream:literal $salt:literal $scored:literal $quick:literal $about:literal;)*) => {
         /// A suite.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub enum Suite {
-            $($(#[$doc])* $variant,)*
+            $(#[doc = concat!("`", $name, "`: ", $about)] $variant,)*
         }
 
         impl Suite {
@@ -41,59 +41,32 @@ macro_rules! suites {
 }
 
 suites! {
-    /// S0: clean, with white, coloured, unequal noise, outliers, rounding.
     Clean "s0" 1 0 300 6 "clean";
-    /// S1: one strong effect.
     Singles "s1" 2 1 300 11 "one strong effect";
-    /// S1n: one effect a tenth as strong.
     NearSingles "s1n" 3 2 150 1 "one effect, a tenth as strong";
-    /// S2: one strong effect whose names are withheld from the catalogue.
     Withheld "s2" 4 3 150 2 "one strong effect, withheld from the catalogue";
-    /// S3: effects that are in no catalogue.
     Unknown "s3" 5 4 100 2 "an effect in no catalogue";
-    /// S4: two effects.
     Pairs "s4" 6 5 100 1 "two effects";
-    /// S5: one effect at seven sizes from a hundredth to strong.
     Ladder "s5" 7 6 70 1 "one effect, 1/100 to strong";
-    /// S6: effects with structural twins.
     Twins "s6" 8 7 40 1 "an effect with structural twins";
-    /// S7: pathologies of the noise.
     Noise "s7" 9 8 60 1 "a pathology of the noise";
-    /// S8: the model has the kinematics alone.
     Ablation "s8" 10 9 20 1 "ablation: kinematics only";
-    /// S10: effects a hundred times beyond their physical bound.
     Wrong "s10" 11 13 30 1 "100 times beyond the physical bound";
-    /// SF: effects on the force and torque channels.
     Force "sf" 12 10 40 1 "an effect on force or torque";
-    /// SFW: the same with their names withheld from the catalogue.
     ForceWithheld "sfw" 13 11 45 1 "the same, withheld from the catalogue";
-    /// SFU: force and torque effects that are in no catalogue.
     ForceUnknown "sfu" 14 12 36 2 "an effect on force or torque in no catalogue";
-    /// SP: torques alone, another payload from a run on.
     Payload "sp" 31 14 120 1 "torques alone, another payload from a run on";
-    /// SPW: the same with its name withheld from the catalogue.
     PayloadWithheld "spw" 32 15 40 1 "the same, withheld from the catalogue";
-    /// SPC: torques alone, the same payload in all runs.
     PayloadSame "spc" 33 16 100 1 "torques alone, nothing changed between runs";
-    /// SE: arms of which several joints yield to their weight, posture by posture.
     Elastic "se" 15 17 100 1 "an arm that yields to its weight";
-    /// SR: postures that are recorded several times each.
     Repeats "sr" 16 18 80 1 "postures with repeats";
-    /// SM: runs between which a tracker was set up anew, or was not.
     Moved "sm" 17 19 80 1 "runs with a moved tracker";
-    /// SC: noise with a memory, with an effect or without.
     Coloured "sc" 18 20 80 1 "noise with a memory";
-    /// SW: wrists with play and coupling in several cables.
     Wrist "sw" 19 21 100 1 "a wrist of several cables";
-    /// SL: one strong effect, and a second recording that the corrected device must predict.
     Loop "sl" 20 22 96 1 "one strong effect, corrected and predicted";
-    /// SLP: the same with two effects.
     LoopPairs "slp" 21 23 50 1 "two effects, corrected and predicted";
-    /// SLA: clean, and an effect that is not there is asked for.
     Absent "sla" 22 24 100 1 "clean, and an effect asked for";
-    /// Arms that a controller moves: clean, with effects of all kinds, with torques of something else.
     Moving "moving" 23 25 400 1 "arms that a controller moves";
-    /// The same arms, clean, with torque noise that remembers a little.
     MovingMemory "moving-memory" 24 26 40 1 "the same, clean, noise with a memory";
 }
 
@@ -127,12 +100,10 @@ impl Suite {
         matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)
     }
 
-    /// The random numbers of a trial.
     pub(crate) fn random(self, index: u64, batch_seed: u64) -> Random {
         Random::new(batch_seed, SUITE_STREAM * self.numbers()[0] + index)
     }
 
-    /// Which trial it is.
     pub(crate) const fn id(self, index: u64, seed: u64) -> TrialId {
         TrialId {
             suite: self.name(),
@@ -142,9 +113,6 @@ impl Suite {
     }
 
     /// The suite of that name.
-    ///
-    /// # Errors
-    /// There is none.
     pub fn named(name: &str) -> Result<Self> {
         let found = Self::ALL.into_iter().find(|suite| suite.name() == name);
         found.with_context(|| {
@@ -154,9 +122,6 @@ impl Suite {
     }
 
     /// The trial at an index of the batch with a seed: the same for the same numbers, on any machine.
-    ///
-    /// # Errors
-    /// Where a device cannot be evaluated.
     pub fn draw(self, index: u64, batch_seed: u64) -> Result<Trial> {
         let (id, mut random) = (self.id(index, batch_seed), self.random(index, batch_seed));
         match self.draws() {
@@ -181,9 +146,6 @@ impl Suite {
 
     /// The same trial with its device, for further recordings; none for suites that are not drawn as a device with effects
     /// and a motion of a hand.
-    ///
-    /// # Errors
-    /// As [`Suite::draw`].
     pub fn draw_again(self, index: u64, batch_seed: u64) -> Result<Option<(Trial, Again)>> {
         if self.draws().is_some() {
             return Ok(None);
@@ -266,7 +228,6 @@ const FAMILIES: [&[&str]; 6] = [
     &["backlash", "hysteresis", "windup"],
 ];
 
-/// Whether two kinds belong to one family.
 fn are_related(first: &str, second: &str) -> bool {
     let is_in = |family: &[&str], name: &str| family.iter().any(|part| name.contains(part));
     first == second
@@ -275,7 +236,6 @@ fn are_related(first: &str, second: &str) -> bool {
             .any(|family| is_in(family, first) && is_in(family, second))
 }
 
-/// Effects with structural twins.
 const TWINS: [&str; 9] = [
     "backlash",
     "hysteresis",
@@ -367,7 +327,6 @@ pub(crate) fn one_of(
     bail!("`{}` has no place on device `any`", kind.name)
 }
 
-/// One strong effect of a group.
 fn strong(group: Group, index: u64, random: &mut Random) -> Result<Order> {
     one_of(&of_group(group), index, 1.0, Joints::All, random)
 }
@@ -391,12 +350,8 @@ pub(crate) fn clean(index: u64, random: &mut Random) -> Result<Order> {
     let (mut order, _) = of_device(random)?;
     let kind = index % 6;
     let labels = ["white", "white", "ar", "unequal", "outliers", "rounded"];
-    for channel in order
-        .noise
-        .output
-        .iter_mut()
-        .chain([&mut order.noise.cable])
-    {
+    let outputs = order.noise.output.iter_mut();
+    for channel in outputs.chain([&mut order.noise.cable]) {
         match kind {
             2 => channel.autoregression = 0.5,
             3 => channel.factor = random.uniform(1.3, 2.5),

@@ -94,7 +94,6 @@ pub(crate) struct Order {
     pub(crate) implausible: bool,
     /// The model has the true links and nominal transmissions: names alone count, at any joint.
     pub(crate) is_ablation: bool,
-    /// The log has joints and torques alone.
     pub(crate) has_torques_alone: bool,
 }
 
@@ -121,7 +120,6 @@ impl Order {
         self
     }
 
-    /// Where no gap is as right as a name.
     pub(crate) fn or_no_gap(mut self) -> Self {
         self.no_gap_is_right = true;
         self
@@ -162,10 +160,8 @@ impl Order {
         let first = record(random)?;
         let second = record(random)?;
         let model = self.is_ablation.then(|| kinematics_only(&device));
-        let model_toml = model
-            .as_ref()
-            .map(|model| model.to_toml(self.nominal.toml, self.nominal.name))
-            .transpose()?;
+        let model_toml = model.as_ref();
+        let model_toml = model_toml.map(|own| own.to_toml(self.nominal.toml, self.nominal.name));
         let gap = true_gap(model.as_ref().unwrap_or(&device), &first)?;
         let mut truth = self.story(&effects, &facts).truth(id, gap);
         truth.no_gap_is_right = self.no_gap_is_right;
@@ -178,7 +174,7 @@ impl Order {
         let trial = Trial {
             device: nominal,
             device_toml: self.nominal.toml.to_owned(),
-            model_toml,
+            model_toml: model_toml.transpose()?,
             log: first.log,
             log2: second.log,
             clean2: second.clean,
@@ -232,7 +228,6 @@ impl Order {
     }
 }
 
-/// Joints, times and torques of a recording.
 fn torques_alone(recorded: Recorded) -> Recorded {
     let Recording {
         line,
@@ -294,14 +289,8 @@ fn base_errors(device: &Device) -> Vec<EffectTruth> {
         let [x_m, y_m] = capstan.output_drum_xy_m;
         let output_drum = [("output_drum_x_m", x_m), ("output_drum_y_m", y_m)];
         add("drum-eccentricity", &output_drum);
-        if let Some([ab_m, bc_m, ce_m, ea_m]) = bars_m {
-            let bars = [
-                ("ab_m", *ab_m),
-                ("bc_m", *bc_m),
-                ("ce_m", *ce_m),
-                ("ea_m", *ea_m),
-            ];
-            add("parallelogram-error", &bars);
+        if let Some(&[ab_m, bc_m, ce_m, ea_m]) = bars_m {
+            add("parallelogram-error", &named!(ab_m, bc_m, ce_m, ea_m));
         }
     }
     effects

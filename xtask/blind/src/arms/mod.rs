@@ -10,6 +10,7 @@ mod yielding;
 use anyhow::Result;
 use haptical_model::{Device, Recording};
 
+use crate::effects::theta;
 use crate::planted::{Planted, Story};
 use crate::random::Random;
 use crate::rig::geometry::Chain;
@@ -34,7 +35,6 @@ const SPRINGS: [&str; 4] = [
 /// Names of what yields at or across the foot of an arm.
 const OF_BASE: [&str; 2] = ["base-compliance", "lateral-compliance"];
 
-/// What is wrong with an arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wrong {
     Nothing,
@@ -217,14 +217,13 @@ impl Plan {
             (true, true) => vec!["tracker-moved"],
             (true, false) => SPRINGS.to_vec(),
         };
-        let stem = |joint: usize| format!("theta{}", joint + 1);
         Story {
             label: self.label.to_owned(),
             device: arm.nominal.name.clone(),
             planted,
             without,
             depends_on: match deviating.product {
-                Some((on, by, _)) => vec![stem(on), stem(by)],
+                Some((on, by, _)) => vec![theta(on), theta(by)],
                 None => Vec::new(),
             },
             is_unknown: self.wrong == Wrong::Product,

@@ -9,7 +9,6 @@ use crate::random::Random;
 pub(crate) struct Postures {
     /// Angles from home \[rad\], posture by posture.
     pub(crate) angle_rad: Vec<Vec<f64>>,
-    /// Posture of each row.
     pub(crate) of_row: Vec<usize>,
     /// Run of each row, from 0.
     pub(crate) run: Vec<usize>,
@@ -64,7 +63,6 @@ impl Postures {
         self
     }
 
-    /// Rows.
     pub(crate) fn len(&self) -> usize {
         self.of_row.len()
     }

@@ -41,23 +41,19 @@ fn turned(angle_rad: f64, random: &mut Random) -> Matrix3<f64> {
     *Rotation3::from_scaled_axis(direction(random) * angle_rad).matrix()
 }
 
-/// A tracker.
 #[derive(Debug, Clone)]
 pub(crate) struct Tracker {
-    /// Its place in each run.
     pub(crate) places: Vec<Place>,
     /// The marker in the handle's frame \[m\], and its axes there.
     pub(crate) tool_m: Vector3<f64>,
     pub(crate) tool_turn: Matrix3<f64>,
     /// Whether it reads orientations too.
     pub(crate) sees_orientation: bool,
-    /// Deviations of its readings.
     pub(crate) position_sd_m: f64,
     pub(crate) rotation_sd_rad: f64,
 }
 
 impl Tracker {
-    /// A tracker at one place.
     pub(crate) fn draw(scale_m: f64, random: &mut Random) -> Self {
         Self {
             places: vec![Place::anywhere(random)],

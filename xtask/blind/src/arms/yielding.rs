@@ -75,14 +75,12 @@ fn loads(device: &Device, angle_rad: &[f64]) -> Vec<Load> {
         }
         moment
     };
-    joints
-        .into_iter()
-        .enumerate()
-        .map(|(joint, (before, about_m))| Load {
-            before,
-            moment_nm: beyond(joint, &about_m),
-        })
-        .collect()
+    let joints = joints.into_iter().enumerate();
+    let load = |(joint, (before, about_m))| Load {
+        before,
+        moment_nm: beyond(joint, &about_m),
+    };
+    joints.map(load).collect()
 }
 
 impl Yielding {
@@ -112,7 +110,6 @@ impl Yielding {
         self
     }
 
-    /// With a base that tilts.
     pub(crate) fn and_base(mut self, device: &Device, random: &mut Random) -> Self {
         let typical = typical_loads_nm(device, random);
         self.base_rad_per_nm = random.around(1.0, 2.0) / typical.first().copied().unwrap_or(1.0);
@@ -124,9 +121,9 @@ impl Yielding {
         for gear in self.gears.iter_mut().flatten() {
             gear.compliance_rad_per_nm *= factor;
         }
-        self.across_rad_per_nm
-            .iter_mut()
-            .for_each(|value| *value *= factor);
+        for across in &mut self.across_rad_per_nm {
+            *across *= factor;
+        }
         self.base_rad_per_nm *= factor;
         self
     }
@@ -188,11 +185,9 @@ impl Yielding {
 fn typical_loads_nm(device: &Device, random: &mut Random) -> Vec<f64> {
     let mut largest = vec![1e-3_f64; device.joints.len()];
     for _ in 0..20 {
-        let posture: Vec<f64> = device
-            .joints
-            .iter()
-            .map(|joint| random.uniform(joint.lower_rad, joint.upper_rad))
-            .collect();
+        let joints = device.joints.iter();
+        let posture = joints.map(|joint| random.uniform(joint.lower_rad, joint.upper_rad));
+        let posture: Vec<f64> = posture.collect();
         for (most, load) in largest.iter_mut().zip(loads(device, &posture)) {
             *most = most.max(load.moment_nm.norm());
         }

@@ -31,7 +31,12 @@ fn read(
             *reading += size * value;
         }
     };
-    Effect::of_columns(info, stage, Facts::of_law(law).law("size", size), act)
+    Effect::of_columns(
+        info,
+        stage,
+        Facts::default().laws(law.iter().copied()).law("size", size),
+        act,
+    )
 }
 
 fn of_torque(
@@ -81,7 +86,6 @@ pub(crate) fn torque_bump(draw: &mut Draw<'_>) -> Effect {
     })
 }
 
-/// A random walk of a torque's zero.
 pub(crate) fn torque_walk(draw: &mut Draw<'_>) -> Effect {
     let tag = draw.tag;
     of_torque(draw, "torque-walk", on_time(), &[], move |scene| {
@@ -95,7 +99,6 @@ pub(crate) fn torque_walk(draw: &mut Draw<'_>) -> Effect {
     })
 }
 
-/// A step of a torque's zero that stays.
 pub(crate) fn torque_step(draw: &mut Draw<'_>) -> Effect {
     let tag = draw.tag;
     of_torque(draw, "torque-step", on_time(), &[], move |scene| {
@@ -106,7 +109,6 @@ pub(crate) fn torque_step(draw: &mut Draw<'_>) -> Effect {
     })
 }
 
-/// A torque that follows the product of two angles.
 pub(crate) fn torque_product(draw: &mut Draw<'_>) -> Effect {
     let (first, second) = (draw.joint, (draw.joint + 1) % draw.device.joints.len());
     let both = vec![theta(first), theta(second)];

@@ -29,11 +29,7 @@ fn looped(
     let law = move |_: &Scene<'_>, signal: &[f64]| {
         let mut values = match &shape {
             Shape::MaxwellSlip(elements) => {
-                let scaled = elements.iter().map(|element| SlipElement {
-                    width: element.width * width,
-                    ..*element
-                });
-                maxwell_slip(signal, &scaled.collect::<Vec<_>>())
+                maxwell_slip(signal, &SlipElement::widened(elements, width))
             }
             Shape::Dahl => dahl(signal, width),
             Shape::BoucWen(exponent, share) => bouc_wen(signal, width, *exponent, *share),
@@ -50,14 +46,8 @@ fn looped(
 /// Weights and relative widths of three slip elements around 1.
 fn three_elements(draw: &mut Draw<'_>) -> Shape {
     let weights = [(); 3].map(|()| draw.random.uniform(0.5, 1.5));
-    let sum: f64 = weights.iter().sum();
     let spread = draw.random.uniform(1.5, 2.5);
-    let elements = weights.iter().zip([1.0 / spread, 1.0, spread]);
-    let elements = elements.map(|(weight, width)| SlipElement {
-        weight: weight / sum,
-        width,
-    });
-    Shape::MaxwellSlip(elements.collect())
+    Shape::MaxwellSlip(SlipElement::three(weights, spread))
 }
 
 /// Play of a total width: the contact is soft, so that the crossing takes a little longer on some

@@ -1,6 +1,5 @@
 //! Effects as they act: where each enters a recording, by which law, and which names are right for it.
 
-pub(crate) mod added;
 mod base;
 mod cable;
 mod drums;
@@ -63,22 +62,12 @@ impl Facts {
         self
     }
 
-    /// Numbers of the law alone.
-    pub(crate) fn of_law(law: &[(&'static str, f64)]) -> Self {
-        Self {
-            law: law.iter().copied().collect(),
-            ..Self::default()
-        }
-    }
-
-    /// With numbers of the law.
     #[must_use]
-    pub(crate) fn laws<const N: usize>(mut self, numbers: [(&'static str, f64); N]) -> Self {
+    pub(crate) fn laws(mut self, numbers: impl IntoIterator<Item = (&'static str, f64)>) -> Self {
         self.law.extend(numbers);
         self
     }
 
-    /// With a number of the law.
     #[must_use]
     pub(crate) fn law(mut self, name: &'static str, value: f64) -> Self {
         self.law.insert(name, value);
@@ -122,12 +111,10 @@ type Change<T> = Box<dyn Fn(&Scene<'_>, &mut T) + Send + Sync>;
 /// Makes lengths of the first cable from its straight path.
 type OtherPath = Box<dyn Fn(&Scene<'_>, &CablePath, &mut [f64]) + Send + Sync>;
 
-/// What an effect does.
 pub(crate) enum Act {
     /// Changes the true device (effects that the base model knows).
     Device(Box<dyn Fn(&mut Device) + Send + Sync>),
     Columns(Stage, Change<[Vec<f64>]>),
-    /// Flexes the structure.
     Flex(Change<Flex>),
     /// Replaces the straight path of the first cable \[m\].
     Path(OtherPath),
@@ -174,6 +161,27 @@ impl Effect {
         Self::new(info, fixed(facts), Act::Columns(stage, Box::new(act)))
     }
 
+    /// Adds what `law` says, sample by sample, to the signal of the effect's joint, or to the cable's reading, in the signal's
+    /// unit. Upstream the law is given the output angle, and a positive deviation lets the motor lead.
+    pub(crate) fn added(
+        info: Info,
+        stage: Stage,
+        facts: impl Fn(&Scene<'_>) -> Facts + Send + Sync + 'static,
+        law: impl Fn(&Scene<'_>, &[f64]) -> Vec<f64> + Send + Sync + 'static,
+    ) -> Self {
+        let column = info.joint.unwrap_or(0);
+        let add = move |scene: &Scene<'_>, columns: &mut [Vec<f64>]| {
+            let deviation = match stage {
+                Stage::Upstream => law(scene, &scene.motion.angle_rad[column]),
+                _ => law(scene, &columns[column]),
+            };
+            for (value, extra) in columns[column].iter_mut().zip(deviation) {
+                *value += extra;
+            }
+        };
+        Self::new(info, facts, Act::Columns(stage, Box::new(add)))
+    }
+
     /// Numbers of this recording.
     pub fn facts(&self, scene: &Scene<'_>) -> Facts {
         (self.facts)(scene)
@@ -186,7 +194,6 @@ impl Effect {
         }
     }
 
-    /// Changes the columns of a stage.
     pub(crate) fn columns(&self, stage: Stage, scene: &Scene<'_>, columns: &mut [Vec<f64>]) {
         if let Act::Columns(of, act) = &self.act
             && *of == stage
@@ -195,7 +202,6 @@ impl Effect {
         }
     }
 
-    /// Flexes the structure.
     pub(crate) fn flex(&self, scene: &Scene<'_>, flex: &mut Flex) {
         if let Act::Flex(act) = &self.act {
             act(scene, flex);
@@ -209,7 +215,6 @@ impl Effect {
         }
     }
 
-    /// Changes the noise.
     pub(crate) fn noise(&self, scene: &Scene<'_>, plan: &mut NoisePlan) {
         if let Act::Noise(act) = &self.act {
             act(scene, plan);
@@ -252,7 +257,6 @@ impl Draw<'_> {
         self.random.around(middle, 3.0) * self.size
     }
 
-    /// Info of an effect at the joint.
     pub(crate) fn at_joint(&self, name: &'static str, right: &[&'static str]) -> Info {
         Info {
             joint: Some(self.joint),
@@ -278,12 +282,10 @@ impl Draw<'_> {
         if self.has_external() { 1.0 } else { 4.0 }
     }
 
-    /// Whether the joint has an external encoder.
     pub(crate) fn has_external(&self) -> bool {
         self.device.joints[self.joint].output_sd_rad().is_some()
     }
 
-    /// Another joint than this one.
     pub(crate) fn other_joint(&mut self) -> usize {
         let joints = 0..self.device.joints.len();
         let others: Vec<usize> = joints.filter(|joint| *joint != self.joint).collect();

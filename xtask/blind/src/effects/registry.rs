@@ -48,17 +48,13 @@ enum Sites {
     External,
     /// The same with drums and a capstan alone: a polynomial takes up what depends on the angle.
     ExternalCapstan,
-    /// Any joint.
     Any,
-    /// Joints with drums.
     Drums,
     /// Joints with drums that carry weight: all but the first, whose axis is vertical.
     LoadedDrums,
     /// Joints with an external encoder but the first: its axis is the chain's own freedom.
     ExternalNotFirst,
-    /// Joints with a parallelogram.
     Parallelogram,
-    /// The device as a whole, in two runs.
     TwoRuns,
 }
 

@@ -29,21 +29,18 @@ fn latency(draw: &Draw<'_>, name: &'static str, other: &'static str) -> Info {
     }
 }
 
-/// The cable's reading is late.
 pub(crate) fn cable_latency(draw: &mut Draw<'_>) -> Effect {
     let delay_s = draw.amplitude(4e-3);
     let info = latency(draw, "cable-latency", "encoder-latency");
     late(info, Stage::Cable, delay_s)
 }
 
-/// One external encoder is late.
 pub(crate) fn external_latency(draw: &mut Draw<'_>) -> Effect {
     let delay_s = draw.amplitude(4e-3);
     let info = draw.at_joint("external-encoder-latency", &["external-encoder-latency"]);
     late(info, Stage::External, delay_s)
 }
 
-/// All motor-side encoders are late.
 pub(crate) fn encoder_latency(draw: &mut Draw<'_>) -> Effect {
     let delay_s = draw.amplitude(4e-3);
     let info = Info {
@@ -115,7 +112,6 @@ pub(crate) fn joint_drift(draw: &mut Draw<'_>) -> Effect {
     Effect::added(info, Stage::Upstream, fixed(facts), law)
 }
 
-/// The external encoder's zero moves.
 pub(crate) fn external_drift(draw: &mut Draw<'_>) -> Effect {
     let info = draw.at_joint("external-encoder-drift", &["external-encoder-drift"]);
     let exponent = draw.random.uniform(0.95, 1.1);
@@ -123,7 +119,6 @@ pub(crate) fn external_drift(draw: &mut Draw<'_>) -> Effect {
     drift(exponent, info, Stage::External, size, "rad_per_s")
 }
 
-/// The cable encoder's zero moves.
 pub(crate) fn cable_drift(draw: &mut Draw<'_>) -> Effect {
     let info = draw.anywhere("cable-drift", &["cable-drift"]);
     let exponent = draw.random.uniform(0.95, 1.1);
@@ -186,14 +181,12 @@ pub(crate) fn encoder_count_loss(draw: &mut Draw<'_>) -> Effect {
     count_loss(draw, 60.0, info, Stage::Motor)
 }
 
-/// The external encoder loses counts.
 pub(crate) fn external_count_loss(draw: &mut Draw<'_>) -> Effect {
     let name = "external-encoder-count-loss";
     let info = draw.at_joint(name, &[name]);
     count_loss(draw, 8.0, info, Stage::External)
 }
 
-/// The cable's encoder loses counts.
 pub(crate) fn cable_count_loss(draw: &mut Draw<'_>) -> Effect {
     let info = draw.anywhere("cable-count-loss", &["cable-count-loss"]);
     count_loss(draw, 60.0, info, Stage::Cable)

@@ -11,7 +11,6 @@ use crate::rig::scene::Scene;
 enum Size {
     /// Its height.
     Peak(f64),
-    /// Its root mean square.
     Rms(f64),
 }
 
@@ -36,7 +35,8 @@ fn strange(
         None => Stage::Cable,
     };
     let (Size::Peak(number) | Size::Rms(number)) = size;
-    let facts = Facts::of_law(law).law("size", number);
+    let facts = Facts::default().laws(law.iter().copied());
+    let facts = facts.law("size", number);
     Effect::added(info, stage, fixed(facts), scaled)
 }
 
@@ -131,7 +131,6 @@ fn walk(info: Info, tag: u64, size: f64) -> Effect {
     })
 }
 
-/// A dent in the drum.
 pub(crate) fn drum_dent(draw: &mut Draw<'_>) -> Effect {
     let centre = draw.inner_angle_rad();
     let width = draw.random.uniform(0.04, 0.12);
@@ -139,7 +138,6 @@ pub(crate) fn drum_dent(draw: &mut Draw<'_>) -> Effect {
     bump(info, centre, width, draw.signed(2.5e-3))
 }
 
-/// The product of two other joints' angles.
 pub(crate) fn angle_product(draw: &mut Draw<'_>) -> Effect {
     let (first, second) = (draw.other_joint(), draw.other_joint());
     let info = draw.strange("angle-product", &[theta(first), theta(second)]);
@@ -156,7 +154,6 @@ pub(crate) fn random_walk(draw: &mut Draw<'_>) -> Effect {
     walk(info, draw.tag, draw.signed(2e-3))
 }
 
-/// The ratio changes as the device warms.
 pub(crate) fn warm_ratio(draw: &mut Draw<'_>) -> Effect {
     let joint = draw.joint;
     let info = draw.strange("warm-ratio", &["temp".to_owned(), theta(joint)]);
@@ -166,7 +163,6 @@ pub(crate) fn warm_ratio(draw: &mut Draw<'_>) -> Effect {
     })
 }
 
-/// A vibration with a rising frequency.
 pub(crate) fn chirp(draw: &mut Draw<'_>) -> Effect {
     let start_hz = draw.random.uniform(0.3, 3.0);
     let end_hz = start_hz + draw.random.uniform(4.0, 12.0);
@@ -269,7 +265,6 @@ pub(crate) fn foreign_sense(draw: &mut Draw<'_>) -> Effect {
     })
 }
 
-/// A knot in the measuring cable.
 pub(crate) fn cable_knot(draw: &mut Draw<'_>) -> Effect {
     let centre = draw.random.uniform(0.2, 0.4);
     let width = draw.random.uniform(0.008, 0.03);
@@ -285,7 +280,6 @@ pub(crate) fn cable_chirp(draw: &mut Draw<'_>) -> Effect {
     chirping(info, start_hz, end_hz, draw.signed(120e-6))
 }
 
-/// The measuring cable's zero walks.
 pub(crate) fn cable_walk(draw: &mut Draw<'_>) -> Effect {
     let info = Info {
         acceptable: vec!["cable-drift"],

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::json;
 
-use crate::files::write_trial;
+use crate::files::{write_text, write_trial};
 use crate::moving::arms::urdf;
 use crate::moving::motion::control::Kind;
 use crate::moving::plan::plan;
@@ -14,9 +14,6 @@ use crate::suites::Suite;
 
 /// Writes the trial at an index of the suite `moving`: `device.toml`, `log.csv.gz`, `log2.csv.gz`, `arm.urdf`, `arm.json` and
 /// `truth.json` into a folder of its own below `folder`.
-///
-/// # Errors
-/// Where it cannot be drawn or written.
 pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<()> {
     let mut random = Suite::Moving.random(index, seed);
     let plan = plan(index, &mut random);
@@ -57,15 +54,10 @@ pub fn write_moving(index: u64, seed: u64, folder: &Path) -> Result<()> {
         "second_encoders": moving.sensors.has_outputs,
         "seed": seed,
     });
-    let write = |file: &str, text: String| {
-        let path = own.join(file);
-        std::fs::write(&path, text).with_context(|| format!("{} cannot be written", path.display()))
-    };
-    let text = |value: &serde_json::Value| format!("{value:#}\n");
-    write("truth.json", text(&truth_json))?;
-    write("arm.json", text(&described(&moving)))?;
-    write("arm.urdf", urdf(moving.arm))?;
-    Ok(())
+    write_text(&own.join("truth.json"), &format!("{truth_json:#}\n"))?;
+    let arm_json = described(&moving);
+    write_text(&own.join("arm.json"), &format!("{arm_json:#}\n"))?;
+    write_text(&own.join("arm.urdf"), &urdf(moving.arm))
 }
 
 /// What stands in no device file.

@@ -10,7 +10,6 @@ use crate::moving::laws::{Draw, Drawn, contact, drives, friction, masses, sensin
 pub(crate) enum Site {
     /// The arm as a whole, its controller or its log.
     Whole,
-    /// Any joint.
     Any,
     /// A joint that turns and whose drive needs a quarter of its range at least.
     Loaded,
@@ -31,10 +30,8 @@ pub(crate) enum Need {
     NoOutputs,
 }
 
-/// A kind of effect.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kind {
-    /// Label of its trials.
     pub(crate) label: &'static str,
     /// Names of which one must be answered; none for an effect in no catalogue.
     pub(crate) right: &'static [&'static str],

@@ -18,12 +18,10 @@ pub(crate) enum Sloppy {
 }
 
 impl Sloppy {
-    /// One after the other.
     pub(crate) fn of(number: u64) -> Self {
         [Self::OtherRun, Self::OtherJoints, Self::Nothing][(number % 3) as usize]
     }
 
-    /// Label of its trials.
     pub(crate) fn label(self) -> &'static str {
         match self {
             Self::OtherRun => "torques-of-another-run",

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result};
 
+use crate::effects::theta;
 use crate::moving::arms::{Arm, device_toml};
 use crate::moving::change::{Change, Changes};
 use crate::moving::kinds::Kind;
@@ -32,7 +33,6 @@ pub(crate) struct Moving {
     pub(crate) arm: &'static Arm,
     pub(crate) design: Design,
     pub(crate) sensors: Sensors,
-    /// What its effects change.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests look at it"))]
     pub(crate) change: Changes,
 }
@@ -53,7 +53,6 @@ pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial> {
     Ok(make(&plan, memory, id, random)?.trial)
 }
 
-/// Makes a trial.
 pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -> Result<Moving> {
     let (scene, joints) = placed(plan, memory, random)?;
     let mut size = plan.stratum.size();
@@ -122,11 +121,9 @@ fn story(
     let planted = |(kind, effect): (&&'static Kind, &Drawn)| {
         let mut law = effect.numbers.clone();
         law.insert("size".to_owned(), size);
-        let heard = scene
-            .sensors
-            .has_command
-            .then_some(("controller", found.controller));
-        for (side, change) in [("arm", found.arm)].into_iter().chain(heard) {
+        let sides = [("arm", found.arm), ("controller", found.controller)];
+        let heard = 1 + usize::from(scene.sensors.has_command);
+        for (side, change) in sides.into_iter().take(heard) {
             law.insert(format!("change_{side}_over_noise"), change.over_noise);
             law.insert(format!("change_{side}_of_range"), change.of_range);
         }
@@ -147,25 +144,17 @@ fn story(
         (Stratum::Clean, _) => "clean".to_owned(),
         _ => labels.join("+") + plan.stratum.suffix(),
     };
-    let without = match plan.stratum {
-        Stratum::Withheld => plan
-            .kinds
-            .iter()
-            .flat_map(|kind| kind.right.to_vec())
-            .collect(),
-        _ => Vec::new(),
-    };
+    let names = plan.kinds.iter().flat_map(|kind| kind.right.to_vec());
+    let without = names.filter(|_| plan.stratum == Stratum::Withheld);
     let is_foreign = plan.stratum == Stratum::Foreign;
-    let stems = effects
-        .iter()
-        .filter(|_| is_foreign)
-        .filter_map(|effect| effect.joint);
+    let stems = effects.iter().filter_map(|effect| effect.joint);
+    let stems = stems.filter(|_| is_foreign).map(theta);
     Story {
         label,
         device: scene.arm.name.to_owned(),
         planted: plan.kinds.iter().zip(effects).map(planted).collect(),
-        without,
-        depends_on: stems.map(|joint| format!("theta{}", joint + 1)).collect(),
+        without: without.collect(),
+        depends_on: stems.collect(),
         is_unknown: is_foreign || sloppy.is_some(),
     }
 }

@@ -26,9 +26,6 @@ pub const NOMINALS: [Nominal; 3] = rows! {
 
 impl Nominal {
     /// The device.
-    ///
-    /// # Errors
-    /// A file that does not parse.
     pub fn device(&self) -> Result<Device> {
         Ok(Device::from_toml(self.toml, self.name)?.device)
     }

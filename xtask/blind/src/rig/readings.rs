@@ -10,9 +10,7 @@ use haptical_model::Recording;
 
 /// Standard deviation of a torque reading \[N m\].
 const TORQUE_SD_NM: f64 = 4e-3;
-/// Standard deviation of a force reading \[N\].
 const FORCE_SD_N: f64 = 0.01;
-/// Standard deviation of a temperature reading \[K\].
 const TEMPERATURE_SD_K: f64 = 0.03;
 
 impl Scene<'_> {
@@ -73,12 +71,8 @@ impl Scene<'_> {
             .map(|(column, scale)| Some(read(column, *scale, TORQUE_SD_NM, 1e4)))
             .collect();
         log.force_n = Some(force_n.map(|column| read(column, 1.0, FORCE_SD_N, 1e4)));
-        log.temperature_degc = Some(read(
-            self.temperature_degc.clone(),
-            1.0,
-            TEMPERATURE_SD_K,
-            1e3,
-        ));
+        let degc = self.temperature_degc.clone();
+        log.temperature_degc = Some(read(degc, 1.0, TEMPERATURE_SD_K, 1e3));
     }
 }
 

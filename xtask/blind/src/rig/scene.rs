@@ -84,9 +84,6 @@ pub struct CablePath {
 
 impl<'d> Scene<'d> {
     /// Draws motion, hand force and temperature, and works out the torques.
-    ///
-    /// # Errors
-    /// A device without links or joints.
     pub fn draw(device: &'d Device, plan: &MotionPlan, seed: u64) -> Result<Self> {
         let (name, has_joints) = (&device.name, !device.joints.is_empty());
         ensure!(
@@ -182,9 +179,6 @@ impl<'d> Scene<'d> {
     }
 
     /// What the sensors read.
-    ///
-    /// # Errors
-    /// Where a transmission has no value.
     pub fn record(
         &self,
         effects: &[Effect],
@@ -297,12 +291,9 @@ impl<'d> Scene<'d> {
                 .map(|handle| (handle.position_m - anchor_m).norm())
                 .collect()
         };
-        let mut lengths: Vec<Vec<f64>> = self
-            .device
-            .cables
-            .iter()
-            .map(|cable| straight(Vector3::from(cable.anchor_m)))
-            .collect();
+        let cables = self.device.cables.iter();
+        let lengths = cables.map(|cable| straight(Vector3::from(cable.anchor_m)));
+        let mut lengths: Vec<Vec<f64>> = lengths.collect();
         if let Some(first) = lengths.first_mut() {
             for effect in effects {
                 effect.path(self, path, first);

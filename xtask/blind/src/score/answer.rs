@@ -123,9 +123,6 @@ pub struct HeldOut {
 
 impl Answer {
     /// Reads gap.json.
-    ///
-    /// # Errors
-    /// A text that is none.
     pub fn from_json(text: &str) -> Result<Self> {
         serde_json::from_str(text).context("an answer cannot be turned into JSON or back")
     }

@@ -266,11 +266,8 @@ fn shrink(
     let channel = held_out.channel.as_deref()?;
     let true_percent = reductions.get(channel)?.percent?;
     // after several causes only the channel's own entry is comparable with the predictions
-    let of_channel = answer
-        .gap
-        .channels
-        .iter()
-        .find(|one| one.channel == channel);
+    let mut channels = answer.gap.channels.iter();
+    let of_channel = channels.find(|one| one.channel == channel);
     let (stated_percent, interval) = match (causes.len(), of_channel) {
         (2.., Some(all)) => (all.reduction_percent, all.reduction_ci95),
         _ => (held_out.reduction_percent, held_out.reduction_ci95),

@@ -61,16 +61,9 @@ impl Wrist {
         for cable in &mut self.cables[first..] {
             let spread = random.uniform(1.2, 2.2);
             let weights = [(); 3].map(|()| random.uniform(0.5, 1.5));
-            let sum: f64 = weights.iter().sum();
-            let elements = weights.iter().zip([1.0 / spread, 1.0, spread]);
             *cable = Some(Cable {
                 half_width_rad: 0.5 * random.around(size.typical(), 4.0),
-                elements: elements
-                    .map(|(weight, width)| SlipElement {
-                        weight: weight / sum,
-                        width,
-                    })
-                    .collect(),
+                elements: SlipElement::three(weights, spread),
                 rubbing_per_rad: random.uniform(0.0, 0.25),
                 bias: random.uniform(-0.3, 0.3),
             });
@@ -130,14 +123,7 @@ impl Wrist {
     fn lost_rad(&self, cable: usize, motor_rad: &[Vec<f64>], runs: &[usize]) -> Option<Vec<f64>> {
         let found = self.cables[cable].as_ref()?;
         let half_rad = found.half_width_rad;
-        let widths: Vec<SlipElement> = found
-            .elements
-            .iter()
-            .map(|element| SlipElement {
-                width: element.width * half_rad,
-                ..*element
-            })
-            .collect();
+        let widths = SlipElement::widened(&found.elements, half_rad);
         let bend = motor_rad
             .get(cable + 1)
             .or(motor_rad.get(cable.wrapping_sub(1)));
@@ -148,16 +134,10 @@ impl Wrist {
             let mut input = vec![rows.first().copied().unwrap_or(0.0) - found.bias * half_rad];
             input.extend_from_slice(rows);
             let taken_up = maxwell_slip(&input, &widths);
-            lost.extend(
-                taken_up
-                    .into_iter()
-                    .skip(1)
-                    .zip(ends[0]..)
-                    .map(|(value, row)| {
-                        let bent = bend.map_or(0.0, |bend| bend[row].abs());
-                        value * half_rad * (1.0 + found.rubbing_per_rad * bent)
-                    }),
-            );
+            for (value, row) in taken_up.into_iter().skip(1).zip(ends[0]..) {
+                let bent = bend.map_or(0.0, |bend| bend[row].abs());
+                lost.push(value * half_rad * (1.0 + found.rubbing_per_rad * bent));
+            }
         }
         Some(lost)
     }

@@ -55,7 +55,6 @@ pub(crate) fn device_toml(arm: &Arm, has_second_encoders: bool) -> String {
     text
 }
 
-/// The URDF of the arm as described.
 pub(crate) fn urdf(arm: &Arm) -> String {
     let words = |numbers: [f64; 3]| numbers.map(|number| format!("{number}")).join(" ");
     let mut text = format!(

@@ -37,7 +37,6 @@ pub(crate) struct Axis {
     pub(crate) speed: f64,
 }
 
-/// An arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Arm {
     pub(crate) name: &'static str,
@@ -56,7 +55,6 @@ impl Arm {
         self.axes.len()
     }
 
-    /// Its bodies as described.
     pub(crate) fn chain(&self) -> Chain {
         let link = |axis: &Axis| Link {
             slides: axis.slides,

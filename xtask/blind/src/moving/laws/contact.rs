@@ -24,11 +24,8 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
     let normal = Vector3::new(cosine, sine, down).normalize();
     let from_s = draw.duration_s * draw.random.uniform(0.1, 0.3);
     let until_s = draw.duration_s * draw.random.uniform(0.7, 0.95);
-    let mut along: Vec<f64> = draw
-        .flange_m
-        .iter()
-        .map(|place| normal.dot(place))
-        .collect();
+    let along = draw.flange_m.iter().map(|place| normal.dot(place));
+    let mut along: Vec<f64> = along.collect();
     along.sort_by(f64::total_cmp);
     let share = draw.random.uniform(0.12, 0.25);
     let last = along.len() - 1;
@@ -48,10 +45,8 @@ pub(crate) fn wall(draw: &mut Draw<'_>) -> Drawn {
             instant.at.add_at_flange(&force, torque);
         }
     };
+    let [normal_x, normal_y, normal_z]: [f64; 3] = normal.into();
     Drawn::new(|drawn| drawn.torque = Box::new(press))
-        .with_all(named!(force_n, place_m))
-        .with("normal_x", normal.x)
-        .with("normal_y", normal.y)
-        .with("normal_z", normal.z)
+        .with_all(named!(force_n, place_m, normal_x, normal_y, normal_z))
         .with_all(named!(from_s, until_s))
 }

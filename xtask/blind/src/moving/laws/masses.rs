@@ -36,15 +36,11 @@ pub(crate) fn payload(draw: &mut Draw<'_>) -> Drawn {
     let off = |draw: &mut Draw<'_>| draw.random.uniform(-0.04, 0.04);
     let reach = draw.random.uniform(0.03, 0.1);
     let offset = Vector3::new(off(draw), off(draw), reach);
-    let (last, place_m) = (
-        draw.arm.count() - 1,
-        Vector3::from(draw.arm.flange_m) + offset,
-    );
+    let last = draw.arm.count() - 1;
+    let place_m = Vector3::from(draw.arm.flange_m) + offset;
+    let [x_m, y_m, z_m]: [f64; 3] = offset.into();
     built(move |specimen| bolt(&mut specimen.chain.links[last], mass_kg, place_m, 0.04))
-        .with("mass_kg", mass_kg)
-        .with("x_m", offset.x)
-        .with("y_m", offset.y)
-        .with("z_m", offset.z)
+        .with_all(named!(mass_kg, x_m, y_m, z_m))
 }
 
 /// A box on a link that the file does not know, a twentieth of the arm's mass.

@@ -39,7 +39,6 @@ pub(crate) struct Levels {
     pub(crate) viscous: f64,
 }
 
-/// An instant of the motion.
 #[derive(Debug)]
 pub(crate) struct Instant<'a> {
     pub(crate) time_s: f64,
@@ -62,11 +61,8 @@ pub(crate) struct Drawn {
     pub(crate) prepare: Change<Specimen>,
     /// Changes the arm before it moves.
     pub(crate) build: Change<Specimen>,
-    /// Changes levels of the friction of a drive.
     pub(crate) friction: ChangeOfLevels,
-    /// Adds torques on the joints.
     pub(crate) torque: AddedTorque,
-    /// Delay of the controller's command \[s\].
     pub(crate) command_delay_s: f64,
     /// Factors of the controller's stiffness and damping, by time.
     pub(crate) gains: Box<dyn Fn(f64) -> [f64; 2] + Send + Sync>,

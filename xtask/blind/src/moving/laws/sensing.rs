@@ -55,7 +55,6 @@ pub(crate) fn encoder_latency(draw: &mut Draw<'_>) -> Drawn {
     Drawn::new(|drawn| drawn.readings = Box::new(late)).with("delay_s", delay_s)
 }
 
-/// The controller hears its command late.
 pub(crate) fn command_latency(draw: &mut Draw<'_>) -> Drawn {
     let delay_s = draw.size * draw.random.uniform(0.004, 0.012);
     Drawn::new(|drawn| drawn.command_delay_s = delay_s).with("delay_s", delay_s)

@@ -73,7 +73,6 @@ pub(crate) fn bundle(draw: &mut Draw<'_>) -> Drawn {
 
 /// Torques from outside with a spectrum of their own: many tones whose power falls with the square of their frequency.
 pub(crate) fn coloured(draw: &mut Draw<'_>) -> Drawn {
-    /// Tones.
     const COUNT: usize = 16;
     let joint = draw.joint;
     let rms = draw.of_range(0.03, 0.05);

@@ -4,10 +4,8 @@ use crate::moving::arms::Arm;
 use crate::moving::motion::rigid::{At, Chain};
 use crate::random::Random;
 
-/// Ticks of the controller per second.
 pub(crate) const TICKS_PER_S: f64 = 1000.0;
 
-/// Which law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// `kp (c - q) + kd (c' - q') + g(q)`.
@@ -30,7 +28,6 @@ pub(crate) struct Design {
     armature: Vec<f64>,
 }
 
-/// What is asked of the arm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Asked {
     pub(crate) angle: Vec<f64>,
@@ -52,7 +49,7 @@ impl Design {
         chain.at(about, &vec![0.0; arm.count()], &mut at);
         let per_s = random.uniform(28.0, 42.0);
         let ratio = random.uniform(0.8, 1.1);
-        let mut inertias = (0..arm.count()).map(|joint| match kind {
+        let inertias = (0..arm.count()).map(|joint| match kind {
             Kind::Gravity => armature[joint] + at.mass[joint * arm.count() + joint],
             Kind::Computed => 1.0,
         });
@@ -61,15 +58,11 @@ impl Design {
             let digits = libm::pow(10.0, 1.0 - libm::floor(libm::log10(value)));
             libm::round(value * digits) / digits
         };
-        let (stiffness, damping) = inertias
-            .by_ref()
-            .map(|inertia| {
-                (
-                    round(inertia * per_s * per_s),
-                    round(2.0 * ratio * per_s * inertia),
-                )
-            })
-            .unzip();
+        let gains = inertias.map(|inertia| {
+            let stiffness = round(inertia * per_s * per_s);
+            (stiffness, round(2.0 * ratio * per_s * inertia))
+        });
+        let (stiffness, damping) = gains.unzip();
         Self {
             kind,
             stiffness,
@@ -82,7 +75,6 @@ impl Design {
     }
 }
 
-/// A controller at work.
 #[derive(Debug, Clone)]
 pub(crate) struct Controller<'d> {
     design: &'d Design,

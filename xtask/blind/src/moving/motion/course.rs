@@ -12,7 +12,6 @@ const EASE_S: f64 = 1.5;
 /// Share of the range of a drive that the rigid bodies may need on the way.
 const LOAD_SHARE: f64 = 0.7;
 
-/// A course of all joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Course {
     pub(crate) duration_s: f64,
@@ -94,7 +93,6 @@ impl Course {
         .within_torques(arm)
     }
 
-    /// What is asked at a time.
     pub(crate) fn at(&self, time_s: f64) -> Asked {
         let mut asked = Asked::default();
         match &self.way {

@@ -51,7 +51,6 @@ impl Ticks {
         }
     }
 
-    /// What was asked at a tick.
     pub(crate) fn asked(&self, tick: usize) -> Asked {
         let of = |columns: &[Vec<f64>]| columns.iter().map(|column| column[tick]).collect();
         Asked {

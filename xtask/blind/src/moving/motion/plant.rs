@@ -11,7 +11,6 @@ pub(crate) struct State {
     pub(crate) rate: Vec<f64>,
 }
 
-/// An arm with its effects.
 pub(crate) struct Plant<'a> {
     pub(crate) specimen: &'a Specimen,
     pub(crate) effects: &'a [Drawn],
@@ -21,7 +20,6 @@ pub(crate) struct Plant<'a> {
     work: Work,
 }
 
-/// Buffers.
 #[derive(Debug, Clone, Default)]
 struct Work {
     at: At,

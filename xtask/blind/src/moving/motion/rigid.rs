@@ -205,7 +205,6 @@ impl At {
         (own.origin_m + arm, own.velocity + own.spin.cross(&arm))
     }
 
-    /// Adds to `torque` what a force on the flange exerts on the joints.
     pub(crate) fn add_at_flange(&self, force_n: &Vector3<f64>, torque: &mut [f64]) {
         let (place_m, _) = self.flange();
         for joint in 0..=self.flange {

@@ -11,7 +11,6 @@ use crate::moving::motion::specimen::Specimen;
 /// Time at rest before the first row \[s\].
 const BEFORE_S: f64 = 0.4;
 
-/// What moves.
 pub(crate) struct Rig<'a> {
     pub(crate) arm: &'a Arm,
     pub(crate) specimen: &'a Specimen,
@@ -33,11 +32,8 @@ impl Rig<'_> {
         let joints = self.arm.count();
         let mut plant = Plant::new(self.specimen, self.effects, &course.about);
         let mut controller = Controller::new(self.design);
-        let delay_s: f64 = self
-            .effects
-            .iter()
-            .map(|effect| effect.command_delay_s)
-            .sum();
+        let delays_s = self.effects.iter().map(|effect| effect.command_delay_s);
+        let delay_s: f64 = delays_s.sum();
         let mut ticks = Ticks::new(joints);
         let (mut held, mut torque) = (vec![0.0; joints], vec![0.0; joints]);
         let mut read = vec![0.0; joints];

@@ -53,7 +53,6 @@ impl Sense {
     }
 }
 
-/// Friction of one drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Friction {
     /// Level that does not depend on speed \[N m\] (\[N\]).
@@ -66,7 +65,6 @@ pub(crate) struct Friction {
 }
 
 impl Friction {
-    /// The viscous part.
     pub(crate) fn drag(viscous: f64, power: f64, speed: f64) -> f64 {
         if power == 1.0 {
             viscous * speed
@@ -86,7 +84,6 @@ pub(crate) struct Soft {
     pub(crate) hardens_rad: f64,
     /// \[N m s/rad\].
     pub(crate) damping: f64,
-    /// Width of its play \[rad\].
     pub(crate) play_rad: f64,
 }
 
@@ -115,7 +112,6 @@ pub(crate) struct Specimen {
 }
 
 impl Specimen {
-    /// Builds one of a make.
     pub(crate) fn draw(arm: &Arm, random: &mut Random) -> Self {
         let mut chain = arm.chain();
         for link in &mut chain.links {
