@@ -48,16 +48,12 @@ impl FarFromHome {
         let share = |values: &[f64], limit: f64| {
             values.iter().filter(|value| **value > limit).count() as f64 / values.len() as f64
         };
-        let far: Vec<f64> = errors
-            .position_before_m
-            .iter()
-            .zip(driven)
-            .filter(|(error, _)| **error > 8e-3)
-            .map(|(_, from)| {
-                let nearer = driven.iter().filter(|other| *other < from);
-                nearer.count() as f64 / driven.len() as f64
-            })
-            .collect();
+        let far = errors.position_before_m.iter().zip(driven);
+        let far = far.filter(|(error, _)| **error > 8e-3).map(|(_, from)| {
+            let nearer = driven.iter().filter(|other| *other < from);
+            nearer.count() as f64 / driven.len() as f64
+        });
+        let far: Vec<f64> = far.collect();
         let correlations = |values: &[f64]| -> Result<[f64; 2]> {
             Ok([spearman(all, values)?, spearman(driven, values)?])
         };
@@ -89,14 +85,11 @@ impl PoseSummary {
         let of = |values: [&Vec<f64>; 3]| -> Result<[f64; 3]> {
             Ok([rms(values[0])?, rms(values[1])?, rms(values[2])?])
         };
+        let places = [&e.position_before_m, &e.position_after_m];
         let turns = [&e.orientation_before_rad, &e.orientation_after_rad];
         Ok(Self {
             distance_m: [rms(&e.distance_before_m)?, rms(&e.distance_after_m)?],
-            position_m: of([
-                &e.position_before_m,
-                &e.position_after_m,
-                &e.position_observable_m,
-            ])?,
+            position_m: of([places[0], places[1], &e.position_observable_m])?,
             orientation_rad: of([turns[0], turns[1], &e.orientation_observable_rad])?,
         })
     }
@@ -107,7 +100,6 @@ pub(crate) fn gain(errors: &[f64], after: usize) -> f64 {
     100.0 * (1.0 - errors[after] / errors[0])
 }
 
-/// All runs of one scenario.
 #[derive(Debug)]
 pub(crate) struct MonteCarlo {
     pub(crate) samples: Vec<Sample>,
@@ -147,15 +139,16 @@ impl Spread {
 impl MonteCarlo {
     /// Runs the seeds `seed`, `seed` + 1, ...
     pub(crate) fn new(
+        name: &str,
         scenario: &Scenario,
         assigned: &[(String, f64)],
         seed: u64,
         runs: usize,
-        progress: &Progress,
     ) -> Result<Self> {
         let of_seed = |index| Sample::new(scenario, assigned, seed.wrapping_add(index));
         let (mut samples, mut failures) = (Vec::new(), Vec::new());
-        for (index, outcome) in (0..).zip(progress.over(runs, of_seed)) {
+        let outcomes = Progress::new(name, runs).over(runs, of_seed);
+        for (index, outcome) in (0..).zip(outcomes) {
             let seed = seed.wrapping_add(index);
             match outcome {
                 Ok(sample) => samples.push(sample),
@@ -172,8 +165,13 @@ impl MonteCarlo {
     }
 
     /// One figure of every run.
+    pub(crate) fn each(&self, figure: impl Fn(&Sample) -> f64) -> Vec<f64> {
+        self.samples.iter().map(figure).collect()
+    }
+
+    /// Its median and interval.
     pub(crate) fn spread(&self, figure: impl Fn(&Sample) -> f64) -> Result<Spread> {
-        Spread::new(&self.samples.iter().map(figure).collect::<Vec<f64>>())
+        Spread::new(&self.each(figure))
     }
 }
 
@@ -185,16 +183,13 @@ impl Sample {
         let mut errors_known_angles = Vec::new();
         let mut bounds = Vec::new();
         for (name, value) in assigned {
-            let (Some((found, _)), Some(position)) = (
+            let mut estimates = known.estimates.iter();
+            let (Some((found, _)), Some(estimate)) = (
                 outcome.deviation(&scenario.nominal, name),
-                known
-                    .estimates
-                    .iter()
-                    .position(|estimate| estimate.name == *name),
+                estimates.find(|estimate| estimate.name == *name),
             ) else {
                 bail!("seed {seed}: {name} was not identified");
             };
-            let estimate = &known.estimates[position];
             let (Some(absolute), Some(sd)) = (estimate.value, estimate.standard_deviation) else {
                 bail!("seed {seed}: {name} was not identified at known angles");
             };
@@ -204,8 +199,7 @@ impl Sample {
             bounds.push(sd);
         }
         let readings = evaluation_readings(scenario, seed)?;
-        let known_pose =
-            PoseErrors::new(&scenario.truth, &scenario.nominal, &known.device, &readings)?;
+        let known_pose = scenario.pose_errors(&known.device, &readings)?;
         let capstans = (0..3).filter_map(|joint| outcome.capstan(joint)).collect();
         Ok(Self {
             errors,
@@ -239,16 +233,12 @@ fn information(
     fit: &haptical_calibration::ParameterFit,
     assigned: &[(String, f64)],
 ) -> Result<Reduction> {
-    let positions: Vec<usize> = assigned
-        .iter()
-        .filter_map(|(name, _)| {
-            let index = fit
-                .estimates
-                .iter()
-                .position(|estimate| estimate.name == *name)?;
-            fit.fitted.iter().position(|&fitted| fitted == index)
-        })
-        .collect();
+    let position = |(name, _): &(String, f64)| {
+        let mut estimates = fit.estimates.iter();
+        let index = estimates.position(|estimate| estimate.name == *name)?;
+        fit.fitted.iter().position(|&fitted| fitted == index)
+    };
+    let positions: Vec<usize> = assigned.iter().filter_map(position).collect();
     let size = positions.len();
     let covariance = nalgebra::DMatrix::from_fn(size, size, |i, j| {
         fit.uncertainty.covariance[(positions[i], positions[j])]

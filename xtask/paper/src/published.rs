@@ -60,7 +60,6 @@ struct Corrected {
     table4_k10: f64,
 }
 
-/// Table 4, as printed.
 #[derive(Debug, Clone, Deserialize)]
 pub(crate) struct Table4 {
     #[serde(rename = "Re")]
@@ -72,7 +71,6 @@ pub(crate) struct Table4 {
     pub(crate) k0_to_k10: [f64; 11],
 }
 
-/// Table 5, as printed.
 #[derive(Debug, Clone, Deserialize)]
 struct Table5 {
     alpha1_6_mrad: [f64; 6],

@@ -12,7 +12,6 @@ use xtask_blind::Random;
 use crate::pose_error::PoseErrors;
 use crate::scenario::Scenario;
 
-/// What one run found.
 #[derive(Debug, Clone)]
 pub(crate) struct Run {
     pub(crate) transmissions: Vec<TransmissionFit>,
@@ -121,7 +120,6 @@ pub(crate) fn rough_options(scenario: &Scenario) -> Options {
     }
 }
 
-/// Random rows of a recording.
 pub(crate) fn sample(recording: &Recording, count: usize, random: &mut Random) -> Recording {
     let rows: Vec<usize> = (0..count).map(|_| random.index(recording.len())).collect();
     recording.select(&rows)
@@ -172,16 +170,10 @@ impl Run {
     /// Fitted deviation of a kinematic parameter from its nominal value, and its standard deviation;
     /// none where it was not identified.
     pub(crate) fn deviation(&self, nominal: &Device, name: &str) -> Option<(f64, f64)> {
-        let estimate = self
-            .kinematics
-            .estimates
-            .iter()
-            .find(|estimate| estimate.name == name)?;
-        let parameter = nominal.parameter(name).ok()?;
-        Some((
-            estimate.value? - parameter.value(nominal),
-            estimate.standard_deviation?,
-        ))
+        let mut estimates = self.kinematics.estimates.iter();
+        let estimate = estimates.find(|estimate| estimate.name == name)?;
+        let nominal = nominal.parameter(name).ok()?.value(nominal);
+        Some((estimate.value? - nominal, estimate.standard_deviation?))
     }
 
     /// The estimate of capstan `joint` (0 to 2) in polar form.

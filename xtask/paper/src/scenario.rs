@@ -50,11 +50,9 @@ pub fn nominal_device(path: Option<&std::path::Path>) -> Result<Device> {
     );
     let kinds = device.joints.iter().take(4).map(|joint| joint.transmission);
     let kinds: Vec<TransmissionKind> = kinds.collect();
+    let [capstan, fourth] = [TransmissionKind::Capstan, TransmissionKind::Parallelogram];
     ensure!(
-        kinds[..3]
-            .iter()
-            .all(|kind| *kind == TransmissionKind::Capstan)
-            && kinds[3] == TransmissionKind::Parallelogram,
+        kinds == [capstan, capstan, capstan, fourth],
         "joints 1 to 3 must be capstans and joint 4 a parallelogram, as in the paper"
     );
     Ok(device)
@@ -120,17 +118,13 @@ impl Scenario {
 
 /// The nominal device with Table 2's transmission errors and `scale` times Table 3's deviations.
 pub fn true_device(nominal: &Device, paper: &Paper, scale: f64) -> Result<Device> {
-    let deviations: Vec<(&str, f64)> = paper
-        .table3
-        .iter()
-        .map(|row| (row.name.as_str(), scale * row.assigned))
-        .chain(
-            paper
-                .unidentified
-                .iter()
-                .map(|(name, value)| (name.as_str(), scale * value)),
-        )
-        .collect();
+    let deviations = paper.table3.iter();
+    let deviations = deviations.map(|row| (row.name.as_str(), row.assigned));
+    let others = paper.unidentified.iter();
+    let others = others.map(|(name, value)| (name.as_str(), *value));
+    let deviations = deviations.chain(others);
+    let deviations = deviations.map(|(name, assigned)| (name, scale * assigned));
+    let deviations: Vec<(&str, f64)> = deviations.collect();
     let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 3")?;
     let table = &paper.table2;
     let (radii, angles) = (

@@ -7,12 +7,10 @@ use haptical_model::Recording;
 use haptical_simulator::Effects;
 use xtask_blind::{Random, rows};
 
-/// One kind with its size.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Kind {
     /// Joint from 1, where it has one.
     pub(crate) joint: Option<usize>,
-    /// Name.
     pub(crate) name: &'static str,
     /// Parameter of the catalogue that is varied; none of noise, which is no effect.
     pub(crate) parameter: &'static str,
@@ -30,7 +28,6 @@ impl Kind {
         label(self.name, self.joint)
     }
 
-    /// Whether it is noise and no effect.
     pub(crate) fn is_noise(&self) -> bool {
         self.parameter.is_empty()
     }
@@ -104,7 +101,6 @@ pub(crate) const KINDS: [Kind; 20] = rows! {
     None, "noise of the cable", "", MM, [1e-9, 0.02], "";
 };
 
-/// White noise of the cable.
 pub(crate) const CABLE_NOISE: Kind = KINDS[KINDS.len() - 1];
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use haptical_diagnosis::{Diagnosis, plausible_range};
 use haptical_model::Device;
 use haptical_report::{Cell, Figure, FigureGrid, Table};
-use xtask_output::{Output, Progress, or_none};
+use xtask_output::{Output, cells, or_none};
 
 use super::gap_kinds::{CABLE_NOISE, KINDS, Kind, label};
 use super::own_gap::{Errors, Explained, Found, explain};
@@ -29,8 +29,7 @@ pub(crate) fn gap_section(
     let percent = paper.text.improvement_full_percent;
     let step = if every_kind { 1 } else { FEW };
     let kinds: Vec<Kind> = KINDS.iter().copied().step_by(step).collect();
-    let progress = Progress::new("the paper's gap", kinds.len());
-    let (clean, all) = explain(scenario, &kinds, percent, seed, &progress)?;
+    let (clean, all) = explain(scenario, &kinds, percent, seed)?;
     output.section("The paper's own gap");
     output.words(format!(
         "Without unmodelled effects the full calibration takes away {:.2} % of the distance's error on this motion \
@@ -50,10 +49,8 @@ pub(crate) fn gap_section(
         .iter()
         .filter_map(|one| Some((&one.kind, one.found.as_ref()?)))
         .collect();
-    let right = answered
-        .iter()
-        .filter(|(kind, found)| matches!(said(kind, found), Said::Right | Said::Class));
-    let right = right.count();
+    let is_right = |(kind, found): &&(&Kind, &Found)| names_it(kind, found);
+    let right = answered.iter().filter(is_right).count();
     let text = format!(
         "the diagnosis names {right} of the {} effects that can give {percent} %, from the log alone",
         answered.len()
@@ -65,32 +62,17 @@ pub(crate) fn gap_section(
     output.grid("own_gap", caption, &figure(&all)?)
 }
 
-/// How an answer compares with what was simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Said {
-    /// Named, at its place.
-    Right,
-    /// Among the names that the log cannot tell apart.
-    Class,
-    Wrong,
-}
-
-fn said(kind: &Kind, found: &Found) -> Said {
-    let Ok(answer) = &found.answer else {
-        return Said::Wrong;
-    };
-    let Some(cause) = answer.causes.first() else {
-        return Said::Wrong;
-    };
-    let named = answer.verdict.has_causes();
-    if named && cause.effect == kind.name && cause.joint == kind.joint {
-        return Said::Right;
-    }
-    let twins = &cause.confusable_with;
-    if named && (twins.contains(&kind.label()) || twins.iter().any(|twin| twin == kind.name)) {
-        return Said::Class;
-    }
-    Said::Wrong
+/// Whether what was simulated is named at its place, or among the names that the log cannot tell apart.
+fn names_it(kind: &Kind, found: &Found) -> bool {
+    let named = found.answer.as_ref().ok();
+    let named = named.filter(|answer| answer.verdict.has_causes());
+    named
+        .and_then(|answer| answer.causes.first())
+        .is_some_and(|cause| {
+            let is_itself = cause.effect == kind.name && cause.joint == kind.joint;
+            let mut twins = cause.confusable_with.iter();
+            is_itself || twins.any(|twin| *twin == kind.label() || twin == kind.name)
+        })
 }
 
 /// "usual", "hardly", "no".
@@ -113,30 +95,28 @@ fn table(clean: &Found, all: &[Explained], nominal: &Device) -> Result<Table> {
         "effect | size that gives it | plausible | at rest before, after [mm] | RMS [mm] | peak [mm] | \
                   with the cable's speed [%] | diagnosis | its size, 95 %",
     );
-    let mut row: Vec<Cell> = vec!["none".into(), "".into(), "".into()];
+    let mut row = cells! { "none", "", "" };
     row.extend(effect_on_figure10(clean)?);
-    row.extend([answer(&CABLE_NOISE, clean).0.into(), "".into()]);
+    row.extend(cells! { answer(&CABLE_NOISE, clean).0, "" });
     table.push(row)?;
     for one in all {
         let (unit, scale) = one.kind.unit;
-        let mut row: Vec<Cell> = vec![one.kind.label().into()];
         let Some(found) = &one.found else {
             let largest = scale * one.kind.sizes[1];
             let at = match &one.at_largest_percent {
                 Ok(percent) => format!("{percent:.2} %"),
                 Err(error) => error.clone(),
             };
-            row.push(format!("none up to {largest:.4} {unit} ({at})").into());
-            row.extend(["", "", "", "", "", "", ""].map(Cell::from));
-            table.push(row)?;
+            let none = format!("none up to {largest:.4} {unit} ({at})");
+            table.push(cells! { one.kind.label(), none, "", "", "", "", "", "", "" })?;
             continue;
         };
-        row.push(format!("{} {unit}", short(scale * found.size)).into());
-        row.push(plausible(&one.kind, found.size, nominal).into());
+        let size = format!("{} {unit}", short(scale * found.size));
+        let is_usual = plausible(&one.kind, found.size, nominal);
+        let mut row = cells! { one.kind.label(), size, is_usual };
         row.extend(effect_on_figure10(found)?);
         let (words, size) = answer(&one.kind, found);
-        row.push(words.into());
-        row.push(size.into());
+        row.extend(cells! { words, size });
         table.push(row)?;
     }
     Ok(table)
@@ -175,16 +155,13 @@ fn answer(kind: &Kind, found: &Found) -> (String, String) {
         }
     }
     let (unit, scale) = kind.unit;
-    let size = answer
-        .causes
-        .first()
-        .filter(|cause| cause.effect == kind.name);
-    let size = size
-        .and_then(|cause| cause.parameters.get(kind.parameter))
-        .map(|size| {
-            let [low, high] = size.ci95.map(|end| short(scale * end));
-            format!("{} [{low}, {high}] {unit}", short(scale * size.value))
-        });
+    let cause = answer.causes.first();
+    let cause = cause.filter(|cause| cause.effect == kind.name);
+    let size = cause.and_then(|cause| cause.parameters.get(kind.parameter));
+    let size = size.map(|size| {
+        let [low, high] = size.ci95.map(|end| short(scale * end));
+        format!("{} [{low}, {high}] {unit}", short(scale * size.value))
+    });
     (words, size.unwrap_or_default())
 }
 
@@ -267,15 +244,11 @@ fn figure(all: &[Explained]) -> Result<FigureGrid> {
             continue;
         };
         let time_s = found.errors.recording.time_s.as_ref().context("no time")?;
-        let points = time_s
-            .iter()
-            .zip(&found.errors.after_m)
-            .step_by(5)
-            .map(|(time_s, error)| (*time_s, 1e3 * error))
-            .collect();
+        let points = time_s.iter().zip(&found.errors.after_m).step_by(5);
+        let points = points.map(|(time_s, error)| (*time_s, 1e3 * error));
         let mut panel = Figure::new(one.kind.label(), "time [s]", "error [mm]");
         panel.legend = false;
-        panel.line("after", 0, points);
+        panel.line("after", 0, points.collect());
         panels.push(panel);
     }
     let title = "Error of the distance after full calibration";

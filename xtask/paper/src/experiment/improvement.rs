@@ -42,12 +42,8 @@ pub(crate) fn improvement(scenario: &Scenario, seed: u64) -> Result<Improvement>
         Ok(sign * printed.percent_as_printed)
     };
     let without = with_transmissions_of(&full, &scenario.nominal);
-    Ok([
-        percent(&full)?,
-        percent(&alone)?,
-        percent(&without)?,
-        percent(&compensated)?,
-    ])
+    let [full, alone, without, compensated] = [&full, &alone, &without, &compensated].map(percent);
+    Ok([full?, alone?, without?, compensated?])
 }
 
 /// Distance by a device less the measured one, row by row \[m\]; a polynomial beyond its range counts as it
@@ -63,7 +59,6 @@ pub(crate) fn distance_errors_m(device: &Device, recording: &Recording) -> Resul
     Ok(found.pop().map(|cable| cable.residuals).unwrap_or_default())
 }
 
-/// A geometry, by what is changed.
 struct Geometry {
     name: &'static str,
     change: fn(&mut Device),
@@ -89,9 +84,6 @@ const GEOMETRIES: [Geometry; 7] = rows! {
     };
 };
 
-/// Geometries and motions that are tried.
-pub(crate) const CASES: usize = 2 * GEOMETRIES.len();
-
 /// Improvements of one geometry and motion.
 #[derive(Debug)]
 pub(crate) struct Case {
@@ -109,8 +101,8 @@ pub(crate) fn cases(
     paper: &Paper,
     first_seed: u64,
     seeds: usize,
-    progress: &Progress,
 ) -> Result<Vec<Case>> {
+    let progress = Progress::new("improvement", 2 * GEOMETRIES.len());
     let mut all = Vec::new();
     for Geometry {
         name: geometry,
@@ -157,8 +149,7 @@ pub(crate) fn section(
     seed: u64,
     seeds: usize,
 ) -> Result<()> {
-    let progress = Progress::new("improvement", CASES);
-    let cases = cases(nominal, paper, seed, seeds, &progress)?;
+    let cases = cases(nominal, paper, seed, seeds)?;
     output.section("Improvement of the distance");
     let table = table(&cases, paper)?;
     output.terminal_table(&table, &[0, 1, 2, 4, 6, 8]);
@@ -210,7 +201,6 @@ fn verdicts(output: &mut Output, cases: &[Case], paper: &Paper) -> Result<()> {
     Ok(())
 }
 
-/// The table of all cases.
 pub(crate) fn table(cases: &[Case], paper: &Paper) -> Result<Table> {
     let mut columns = vec![Column::new("geometry", ""), Column::new("motion", "")];
     for reading in READINGS {
@@ -228,12 +218,11 @@ pub(crate) fn table(cases: &[Case], paper: &Paper) -> Result<Table> {
         row.push(Cell::number(case.failed as f64, 0));
         table.push(row)?;
     }
-    table.notes.push(format!(
+    Ok(table.with_note(format!(
         "The paper prints {} % for the full calibration and {} % \"without transmission errors\", and does not \
          define the latter.",
         paper.text.improvement_full_percent, paper.text.improvement_kinematics_only_percent
-    ));
-    Ok(table)
+    )))
 }
 
 pub(crate) fn motion(sampling: Sampling) -> &'static str {

@@ -100,7 +100,6 @@ impl Extent {
     };
 }
 
-/// All sections of the experiment.
 pub(crate) fn sections(
     output: &mut Output,
     nominal: Device,
@@ -116,7 +115,6 @@ pub(crate) fn sections(
     force::force_section(output, &nominal, paper, seed, extent.seeds)
 }
 
-/// One recorded motion, as in the paper.
 fn recorded_section(output: &mut Output, nominal: &Device, paper: &Paper, seed: u64) -> Result<()> {
     let scenario = truth::recorded(nominal, paper)?;
     let recorded = recorded::Recorded::new(&scenario, seed)?;

@@ -91,8 +91,8 @@ pub(crate) fn explain(
     kinds: &[Kind],
     percent: f64,
     seed: u64,
-    progress: &Progress,
 ) -> Result<(Found, Vec<Explained>)> {
+    let progress = Progress::new("the paper's gap", kinds.len());
     let [nothing, _] = CABLE_NOISE.sizes;
     let clean = outcome(scenario, &CABLE_NOISE, nothing, seed)?;
     let floor = clean.errors.ratio()?;

@@ -24,11 +24,9 @@ pub(crate) fn nominal(mut device: Device) -> Device {
 
 /// The nominal device with the errors of Tables 4 and 5; alpha0, alpha7, theta0 and d0 have none.
 pub(crate) fn true_device(nominal: &Device, paper: &Paper) -> Result<Device> {
-    let deviations: Vec<(&str, f64)> = paper
-        .table5
-        .iter()
-        .map(|(name, value)| (name.as_str(), *value))
-        .collect();
+    let deviations = paper.table5.iter();
+    let deviations = deviations.map(|(name, value)| (name.as_str(), *value));
+    let deviations: Vec<(&str, f64)> = deviations.collect();
     let mut truth = apply_deviations(nominal, &deviations).context("assigning Table 5")?;
     let table = &paper.table4;
     for joint in 0..3 {

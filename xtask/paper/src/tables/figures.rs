@@ -20,16 +20,11 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
     let output = data.output[joint]
         .as_ref()
         .context("joint 4 has no output")?;
-    let measured: Vec<(f64, f64)> = data.joint[joint]
-        .iter()
-        .zip(output)
-        .map(|(reading, out)| (reading.to_degrees(), (out - reading) * 1e3))
-        .collect();
-    let fit = run.transmissions[joint]
-        .fit
-        .as_ref()
-        .context("joint 4 was not fitted")?;
-    let [low, high] = run.transmissions[joint].range_rad;
+    let point = |(reading, out): (&f64, &f64)| (reading.to_degrees(), (out - reading) * 1e3);
+    let measured = data.joint[joint].iter().zip(output).map(point).collect();
+    let fourth = &run.transmissions[joint];
+    let fit = fourth.fit.as_ref().context("joint 4 was not fitted")?;
+    let [low, high] = fourth.range_rad;
     let grid: Vec<f64> = (0..=180)
         .map(|step| low + (high - low) * f64::from(step) / 180.0)
         .collect();
@@ -42,12 +37,9 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
     let truth = curve(&|theta| Ok(scenario.truth.joints[joint].error_rad(theta)?))?;
     let published = curve(&|theta| Ok(power_series(&paper.table2.k0_to_k10, theta)))?;
     let inner = |points: &[(f64, f64)], others: &[(f64, f64)]| -> Result<(f64, f64)> {
-        let errors: Vec<f64> = points
-            .iter()
-            .zip(others)
-            .filter(|(point, _)| point.0.abs() <= 40.0)
-            .map(|(point, other)| point.1 - other.1)
-            .collect();
+        let pairs = points.iter().zip(others);
+        let inner = pairs.filter(|(point, _)| point.0.abs() <= 40.0);
+        let errors: Vec<f64> = inner.map(|(point, other)| point.1 - other.1).collect();
         Ok((rms(&errors)?, largest_size(&errors)))
     };
     let mut table = Table::with_heads(
@@ -84,13 +76,8 @@ pub(crate) fn figure7(scenario: &Scenario, paper: &Paper, run: &Run) -> Result<(
 /// Figure 8: position and orientation errors at 200 other poses, before and after.
 pub(crate) fn figure8(run: &Run) -> FigureGrid {
     let panel = |title: &str, unit: &str, [before, after, rest]: [&[f64]; 3]| {
-        let points = |values: &[f64]| -> Vec<(f64, f64)> {
-            values
-                .iter()
-                .enumerate()
-                .map(|(index, value)| (index as f64 + 1.0, (value * 1e3).max(1e-6)))
-                .collect()
-        };
+        let point = |(index, value): (usize, &f64)| (index as f64 + 1.0, (value * 1e3).max(1e-6));
+        let points = |values: &[f64]| values.iter().enumerate().map(point).collect();
         let mut figure = Figure::new(title, "pose [-]", format!("error [{unit}]"));
         figure.y_log = true;
         figure.points("before", 1, points(before));
@@ -119,12 +106,9 @@ pub(crate) fn figure8(run: &Run) -> FigureGrid {
 /// Error before calibration against the distance from home.
 pub(crate) fn far_from_home(run: &Run) -> Figure {
     let pose = &run.pose;
-    let points = |values: &[f64]| -> Vec<(f64, f64)> {
-        pose.from_home_rad
-            .iter()
-            .zip(values)
-            .map(|(from, error)| (*from, error * 1e3))
-            .collect()
+    let points = |values: &[f64]| {
+        let pairs = pose.from_home_rad.iter().zip(values);
+        pairs.map(|(from, error)| (*from, error * 1e3)).collect()
     };
     let mut figure = Figure::new(
         "Position error against the distance from home",
@@ -168,13 +152,11 @@ pub(crate) fn pose_table(run: &Run, runs: &MonteCarlo) -> Result<Table> {
             middle(after)?.median * 1e3 => 4, spread.median => 2, [spread.low, spread.high] => 2,
         })?;
     }
-    table.notes.push(
+    Ok(table.with_note(
         "No distance shows alpha0, alpha7 or theta0: the part of the pose error that a rotation about \
          frame (-1)'s origin and a constant alpha7 explain stays, whatever the calibration; the \
-         paper's Figure 8 includes it."
-            .to_owned(),
-    );
-    Ok(table)
+         paper's Figure 8 includes it.",
+    ))
 }
 
 /// Whether errors before calibration grow with the distance from home: rank correlations over the
@@ -209,32 +191,20 @@ pub(crate) fn far_from_home_table(runs: &MonteCarlo) -> Result<(Table, bool, f64
             })?;
         }
     }
-    table.notes.push(
+    let table = table.with_note(
         "Distance from home: norm of the joint readings. The paper's text speaks of errors over 8 mm \
-         and 0.03 rad at the farthest poses; no pose of ours reaches 0.03 rad with these lengths."
-            .to_owned(),
+         and 0.03 rad at the farthest poses; no pose of ours reaches 0.03 rad with these lengths.",
     );
-    let ranks: Vec<f64> = runs
-        .samples
-        .iter()
-        .filter_map(|sample| sample.from_home.rank_beyond_8_mm)
-        .collect();
-    let rank = if ranks.is_empty() {
-        0.5
-    } else {
-        haptical_metrics::median(&ranks)?
-    };
+    let ranks = runs.samples.iter();
+    let ranks = ranks.filter_map(|sample| sample.from_home.rank_beyond_8_mm);
+    let rank = haptical_metrics::median(&ranks.collect::<Vec<f64>>()).unwrap_or(0.5);
     let share = runs.spread(|sample| sample.from_home.beyond_8_mm)?.median;
     Ok((table, positive, 100.0 * share, 100.0 * rank))
 }
 
 /// Distribution of the RMS improvement of distances over the runs.
 pub(crate) fn improvement_histogram(runs: &MonteCarlo) -> Figure {
-    let values: Vec<f64> = runs
-        .samples
-        .iter()
-        .map(|sample| gain(&sample.pose.distance_m, AFTER))
-        .collect();
+    let values = runs.each(|sample| gain(&sample.pose.distance_m, AFTER));
     let mut figure = Figure::new(
         "Improvement of the distance over all runs",
         "improvement of the RMS [%]",

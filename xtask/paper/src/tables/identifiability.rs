@@ -27,9 +27,7 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
     hooked_on_axis.links[7].a_m = 0.0;
     let without_offset = identifiability_on(&hooked_on_axis, &recording)?;
     let mut locked = recording.clone();
-    locked.joint[2]
-        .iter_mut()
-        .for_each(|reading| *reading = 0.0);
+    locked.joint[2].fill(0.0);
     let six_joints = identifiability_on(&scenario.nominal, &locked)?;
     let mut cases = Table::with_heads(
         "What distances can show",
@@ -57,12 +55,9 @@ pub(crate) fn judge(scenario: &Scenario, solution: &Device, seed: u64) -> Result
 fn identifiability_on(device: &Device, recording: &Recording) -> Result<Identifiability> {
     let channels = [Channel::Cable { index: 0 }];
     let weights = Weights::stated(device, &channels);
-    let is_beta = |id: &ParameterId| {
-        let ParameterId::Link { parameter, .. } = id else {
-            return false;
-        };
-        *parameter == Parameter::Beta
-    };
+    let beta = Parameter::Beta;
+    let is_beta =
+        |id: &ParameterId| matches!(id, ParameterId::Link { parameter, .. } if *parameter == beta);
     let mut free = candidate_parameters(device);
     free.retain(|id| !is_beta(id));
     let rules = IdentifiabilityRules::default();
@@ -93,14 +88,11 @@ fn list(judged: &Identifiability) -> Result<Table> {
 }
 
 fn singular_values(nominal: &Identifiability, six_joints: &Identifiability) -> Figure {
-    let points = |judged: &Identifiability| -> Vec<(f64, f64)> {
-        judged
-            .singular_values
-            .iter()
-            .enumerate()
-            // below rounding there is nothing to see, and zero has no logarithm
-            .map(|(index, value)| (index as f64 + 1.0, value.max(1e-17)))
-            .collect()
+    let points = |judged: &Identifiability| {
+        let values = judged.singular_values.iter().enumerate();
+        // below rounding there is nothing to see, and zero has no logarithm
+        let point = |(index, value): (usize, &f64)| (index as f64 + 1.0, value.max(1e-17));
+        values.map(point).collect()
     };
     let mut figure = Figure::new(
         "Singular values of the visible columns, scaled to unit norm",

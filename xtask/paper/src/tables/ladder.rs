@@ -14,11 +14,8 @@ use crate::run::{evaluation_readings, step_one, step_two};
 use crate::scenario::Scenario;
 
 /// What each kind of calibration buys, offsets alone (the vendors' way) included.
-pub(crate) fn ladder(
-    scenario: &Scenario,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<(Table, Figure)> {
+pub(crate) fn ladder(scenario: &Scenario, seeds: Seeds) -> Result<(Table, Figure)> {
+    let progress = Progress::new("what each correction buys", KINDS.len());
     let mut table = Table::with_heads(
         "What each correction buys, on 200 other poses",
         "calibration | distance [mm rms] | improvement [%] | 95 % of runs [%] | position [mm rms] | \

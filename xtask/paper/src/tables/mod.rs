@@ -15,7 +15,7 @@ mod verdict;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
-use xtask_output::{Layout, Output, Progress};
+use xtask_output::{Layout, Output};
 
 use crate::monte_carlo::MonteCarlo;
 use crate::published::Paper;
@@ -75,20 +75,17 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
     let nominal = nominal_device(arguments.device.as_deref())?;
     let scenario = Scenario::paper(nominal.clone(), &paper, arguments.paper_preset)?;
     let preset = Scenario::paper(nominal.clone(), &paper, true)?;
-    let assigned: Vec<(String, f64)> = paper
-        .table3
-        .iter()
-        .map(|row| (row.name.clone(), row.assigned))
-        .collect();
-    let monte_carlo = |name: &str, scenario: &Scenario, runs: usize| {
-        let progress = Progress::new(name, runs);
-        MonteCarlo::new(scenario, &assigned, arguments.seed, runs, &progress)
+    let assigned = paper.table3.iter();
+    let assigned = assigned.map(|row| (row.name.clone(), row.assigned));
+    let assigned: Vec<(String, f64)> = assigned.collect();
+    let monte_carlo = |name: &str, scenario: &Scenario| {
+        MonteCarlo::new(name, scenario, &assigned, arguments.seed, runs)
     };
     let results = Results {
         run: crate::run::run(&scenario, arguments.seed)?,
-        runs: monte_carlo("both steps, eq. (1) as printed", &scenario, runs)?,
+        runs: monte_carlo("both steps, eq. (1) as printed", &scenario)?,
         preset_run: crate::run::run(&preset, arguments.seed)?,
-        preset_runs: monte_carlo("both steps, --paper-preset", &preset, runs)?,
+        preset_runs: monte_carlo("both steps, --paper-preset", &preset)?,
         seeds: Seeds {
             first: arguments.seed,
             count: sweep_seeds,
@@ -111,16 +108,11 @@ pub fn reproduce(arguments: &Arguments) -> Result<()> {
         Extent::IN_TABLES
     };
     experiment::sections(&mut output, nominal, &results.paper, arguments.seed, extent)?;
-    let command = format!(
-        "cargo xtask reproduce-tables --seed {} --runs {runs}{}{}",
-        arguments.seed,
-        if arguments.quick { " --quick" } else { "" },
-        if arguments.paper_preset {
-            " --paper-preset"
-        } else {
-            ""
-        },
-    );
+    let quick = arguments.quick.then_some(" --quick");
+    let preset = arguments.paper_preset.then_some(" --paper-preset");
+    let flags = [quick, preset].map(Option::unwrap_or_default).concat();
+    let seed = arguments.seed;
+    let command = format!("cargo xtask reproduce-tables --seed {seed} --runs {runs}{flags}");
     let lead = format!(
         "Simulated calibration of the paper's 7-DOF device ({} runs; made by `{command}`, version {}). \
          The paper's figures are next to ours, as printed. Lengths, home pose, ratios and drum \

@@ -5,7 +5,7 @@ use haptical_metrics::chi_square_p_value;
 use haptical_model::Device;
 use haptical_report::Table;
 use serde_json::json;
-use xtask_output::{Output, Progress, cells};
+use xtask_output::{Output, cells};
 
 use super::{Results, figures, identifiability, ladder, sensitivity, sweeps, table2, table3};
 use crate::monte_carlo::{AFTER, OBSERVABLE, gain};
@@ -21,11 +21,8 @@ pub(crate) fn summary(output: &mut Output, results: &Results) -> Result<()> {
     output.section("Summary");
     let runs = &results.runs;
     let distance = runs.spread(|s| gain(&s.pose.distance_m, AFTER))?;
-    let above = runs
-        .samples
-        .iter()
-        .filter(|s| gain(&s.pose.distance_m, AFTER) > 99.0)
-        .count();
+    let gains = runs.each(|s| gain(&s.pose.distance_m, AFTER));
+    let above = gains.iter().filter(|gain| **gain > 99.0).count();
     let text = format!(
         "distance RMS at 200 other poses improves by {:.2} % (median; 95 % of runs {:.2} to \
          {:.2} %; over 99 % in {above} of {} runs)",
@@ -97,12 +94,9 @@ pub(crate) fn table1(output: &mut Output, results: &Results) -> Result<()> {
             link.d_m * 1e3 => 1, home.to_degrees() => 1,
         })?;
     }
-    table.notes.push(
-        "The paper prints the twists and which lengths are zero; the six lengths and the home pose \
-         are ours (docs/assumptions.md), inferred from its Tables 2 and 3."
-            .to_owned(),
-    );
-    output.table("table1", table)?;
+    let note = "The paper prints the twists and which lengths are zero; the six lengths and the home pose \
+                are ours (docs/assumptions.md), inferred from its Tables 2 and 3.";
+    output.table("table1", table.with_note(note))?;
     output.verdict(agree, "the twists are those of the paper's Table 1");
     Ok(())
 }
@@ -159,12 +153,9 @@ pub(crate) fn table2(output: &mut Output, results: &Results) -> Result<()> {
         (preset, &results.preset_run, &results.preset_runs),
     ] {
         let made = table2::table2(&results.paper, run, runs, title)?;
-        let chi: Vec<String> = made
-            .chi_squares
-            .iter()
-            .enumerate()
-            .map(|(joint, statistic)| format!("capstan {} {statistic:.2}", joint + 1))
-            .collect();
+        let chi = (1..).zip(&made.chi_squares);
+        let chi = chi.map(|(joint, statistic)| format!("capstan {joint} {statistic:.2}"));
+        let chi: Vec<String> = chi.collect();
         let sum: f64 = made.chi_squares.iter().sum();
         let larger = chi_square_p_value(sum, 15.0)?;
         output.terminal_table(&made.table, &[0, 1, 2, 3, 4, 7, 8, 11, 12]);
@@ -316,19 +307,15 @@ pub(crate) fn figures(output: &mut Output, results: &Results) -> Result<()> {
 pub(crate) fn choices(output: &mut Output, results: &Results) -> Result<()> {
     let (scenario, paper, seeds) = (&results.scenario, &results.paper, results.seeds);
     output.section("What the authors chose without showing");
-    let (table, figure) =
-        sweeps::degrees(scenario, seeds, &Progress::new("polynomial degrees", 11))?;
+    let (table, figure) = sweeps::degrees(scenario, seeds)?;
     output.table("degrees", table)?;
     let caption = "Degree of the polynomial, medians over seeds.";
     output.figure("degrees", caption, &figure)?;
-    let (table, figure) =
-        sweeps::poses(scenario, paper, seeds, &Progress::new("number of poses", 6))?;
+    let (table, figure) = sweeps::poses(scenario, paper, seeds)?;
     output.table("poses", table)?;
     output.figure("poses", "Number of poses, medians over seeds.", &figure)?;
-    let table = sweeps::methods(scenario, paper, seeds, &Progress::new("search methods", 5))?;
-    output.table("methods", table)?;
-    let progress = Progress::new("what each correction buys", 6);
-    let (table, figure) = ladder::ladder(scenario, seeds, &progress)?;
+    output.table("methods", sweeps::methods(scenario, paper, seeds)?)?;
+    let (table, figure) = ladder::ladder(scenario, seeds)?;
     output.terminal_table(&table, &[0, 1, 2, 4, 5, 6, 7]);
     output.table("ladder", table)?;
     let caption = "Offsets alone are what the vendors' software calibrates.";
@@ -337,8 +324,7 @@ pub(crate) fn choices(output: &mut Output, results: &Results) -> Result<()> {
 
 pub(crate) fn sensitivity(output: &mut Output, results: &Results, nominal: &Device) -> Result<()> {
     output.section("Sensitivity");
-    let progress = Progress::new("sensitivity", sensitivity::COUNT);
-    let table = sensitivity::table(nominal, &results.paper, results.seeds, &progress)?;
+    let table = sensitivity::table(nominal, &results.paper, results.seeds)?;
     output.words(
         "Each number that the paper does not print, changed by about its uncertainty, one at a time \
          (docs/assumptions.md has the sources).",

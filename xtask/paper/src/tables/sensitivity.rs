@@ -11,7 +11,6 @@ use super::sweeps::{Seeds, summarise};
 use crate::published::Paper;
 use crate::scenario::{PRESET_DENOMINATORS_M, Scenario, true_device};
 
-/// An assumption, changed.
 struct Variation {
     name: &'static str,
     change: fn(&mut Scenario),
@@ -66,15 +65,8 @@ const VARIATIONS: [Variation; 15] = rows! {
     };
 };
 
-/// Number of variations, for a progress bar.
-pub(crate) const COUNT: usize = VARIATIONS.len();
-
-pub(crate) fn table(
-    nominal: &Device,
-    paper: &Paper,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<Table> {
+pub(crate) fn table(nominal: &Device, paper: &Paper, seeds: Seeds) -> Result<Table> {
+    let progress = Progress::new("sensitivity", VARIATIONS.len());
     let mut table = Table::with_heads(
         "Sensitivity: one assumption at a time",
         "assumption changed | distance improvement [%] | position before [mm rms] | after [mm rms] | \

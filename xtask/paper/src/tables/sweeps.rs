@@ -34,11 +34,8 @@ impl Seeds {
 }
 
 /// Polynomial degrees 4 to 14: error of the identified curve against the true one.
-pub(crate) fn degrees(
-    scenario: &Scenario,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<(Table, Figure)> {
+pub(crate) fn degrees(scenario: &Scenario, seeds: Seeds) -> Result<(Table, Figure)> {
+    let progress = Progress::new("polynomial degrees", 11);
     let mut table = Table::with_heads(
         "Degree of the parallelogram's polynomial",
         "degree | median curve error within +-40 deg [urad rms] | median curve error within +-45 deg \
@@ -130,12 +127,8 @@ fn curve_errors(scenario: &Scenario, seed: u64) -> Result<[f64; 3]> {
 }
 
 /// 50 to 1000 poses for step 2.
-pub(crate) fn poses(
-    scenario: &Scenario,
-    paper: &Paper,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<(Table, Figure)> {
+pub(crate) fn poses(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Result<(Table, Figure)> {
+    let progress = Progress::new("number of poses", 6);
     let mut table = Table::with_heads(
         "Number of poses for step 2",
         "poses | distance improvement [%] | position after [mm rms] | lowest median I [%] | of parameter \
@@ -219,12 +212,8 @@ pub(crate) fn summarise(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Res
 }
 
 /// Gauss-Newton against Levenberg-Marquardt from deviations up to ten times the assigned ones.
-pub(crate) fn methods(
-    scenario: &Scenario,
-    paper: &Paper,
-    seeds: Seeds,
-    progress: &Progress,
-) -> Result<Table> {
+pub(crate) fn methods(scenario: &Scenario, paper: &Paper, seeds: Seeds) -> Result<Table> {
+    let progress = Progress::new("search methods", 5);
     let mut table = Table::with_heads(
         "Search method against the size of the deviations",
         "deviations [times Table 3] | Gauss-Newton: reached the minimum [% of seeds] | steps, median | \
@@ -245,30 +234,19 @@ pub(crate) fn methods(
             };
             let outcomes = seeds.map(|seed| search_outcome(&scenario, seed))?;
             let steps: Vec<f64> = outcomes.iter().filter_map(|(steps, _)| *steps).collect();
-            largest = outcomes
-                .iter()
-                .map(|(_, error)| *error)
-                .fold(largest, f64::max);
-            cells.push(Cell::number(
-                100.0 * steps.len() as f64 / outcomes.len() as f64,
-                0,
-            ));
-            cells.push(if steps.is_empty() {
-                Cell::Missing
-            } else {
-                Cell::number(median(&steps)?, 0)
-            });
+            let errors = outcomes.iter().map(|(_, error)| *error);
+            largest = errors.fold(largest, f64::max);
+            let share = 100.0 * steps.len() as f64 / outcomes.len() as f64;
+            cells.extend(cells! { share => 0, median(&steps).ok() => 0 });
         }
         progress.step();
         cells.push(Cell::number(largest * 1e3, 1));
         table.push(cells)?;
     }
-    table.notes.push(
+    Ok(table.with_note(
         "Reached the minimum: the search says that it converged and the residual is within 25 % of \
-         the cable's noise. Joint angles known."
-            .to_owned(),
-    );
-    Ok(table)
+         the cable's noise. Joint angles known.",
+    ))
 }
 
 /// Steps taken to the right minimum, or none; and the largest distance error before.

@@ -10,7 +10,7 @@ use xtask_output::cells;
 use super::verdict::Verdict;
 use crate::monte_carlo::{MonteCarlo, Spread};
 use crate::published::Paper;
-use crate::run::Run;
+use crate::run::{CapstanEstimate, Run};
 
 /// One printed row: which figure, in which printed unit, to which half digit.
 struct Row<'p> {
@@ -58,32 +58,22 @@ pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -
             let one = run
                 .capstan(joint)
                 .context("the capstan was not fitted in full")?;
-            let wrap = |error: f64| {
-                if row.unit == "deg" {
-                    turn(error)
-                } else {
-                    error
-                }
+            let wrap = |error: f64| match row.unit {
+                "deg" => turn(error),
+                _ => error,
             };
-            let errors: Vec<f64> = runs
-                .samples
+            let error = |found: &CapstanEstimate| wrap(found.values[index] * row.per_si - assigned);
+            let errors = runs.each(|sample| error(&sample.capstans[joint]));
+            let improvements = errors
                 .iter()
-                .map(|sample| wrap(sample.capstans[joint].values[index] * row.per_si - assigned))
-                .collect();
-            let improvements: Vec<f64> = errors
-                .iter()
-                .map(|error| 100.0 * (1.0 - (error / assigned).abs()))
-                .collect();
-            let spread = Spread::new(&improvements)?;
-            let found = assigned + wrap(one.values[index] * row.per_si - assigned);
+                .map(|error| 100.0 * (1.0 - (error / assigned).abs()));
+            let spread = Spread::new(&improvements.collect::<Vec<f64>>())?;
+            let found = assigned + error(&one);
             let verdict = Verdict::new(published - assigned, row.half_digit, &errors)?;
             possible += usize::from(verdict.possible);
             let decimals = if row.unit == "deg" { 3 } else { 6 };
-            let sds: Vec<f64> = runs
-                .samples
-                .iter()
-                .map(|sample| sample.capstans[joint].standard_deviations[index] * row.per_si)
-                .collect();
+            let sd = |found: &CapstanEstimate| found.standard_deviations[index] * row.per_si;
+            let sds = runs.each(|sample| sd(&sample.capstans[joint]));
             let name = format!("{} {}", row.symbol, joint + 1);
             let position = categories.len() as f64;
             ours.push((position, spread.low.max(FLOOR), spread.median, spread.high));
@@ -99,28 +89,21 @@ pub(crate) fn table2(paper: &Paper, run: &Run, runs: &MonteCarlo, title: &str) -
             })?;
         }
     }
-    table.notes.push(
-        "\"possible here?\" judges each published error alone; whether all of them together can be this \
-         small is the joint verdict below."
-            .to_owned(),
-    );
+    let note = "\"possible here?\" judges each published error alone; whether all of them together can be this \
+                small is the joint verdict below.";
+    let cut = "ours: median and 95 % of runs (cut at the axis)";
     let mut figure = Figure::new(title, "parameter", "improvement I [%]");
     figure.categories = Some(categories);
     figure.y_range = Some((FLOOR, 101.0));
     figure.series = vec![
-        Series::intervals(
-            "ours: median and 95 % of runs (cut at the axis)",
-            0,
-            &clipped(&ours),
-        ),
+        Series::intervals(cut, 0, &clipped(&ours)),
         Series::new("paper", Mark::Points, 1, theirs),
     ];
-    let rows = rows(paper).len() * 3;
     Ok(Table2 {
-        table,
+        table: table.with_note(note),
         figure,
         possible,
-        rows,
+        rows: rows(paper).len() * 3,
         chi_squares: chi_squares(paper, runs)?,
     })
 }

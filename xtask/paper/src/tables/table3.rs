@@ -51,11 +51,7 @@ impl Ours {
             .deviation(nominal, &row.name)
             .with_context(|| format!("{} was not identified", row.name))?;
         let gain = |error: f64| 100.0 * (1.0 - (error / row.assigned).abs());
-        let errors: Vec<f64> = runs
-            .samples
-            .iter()
-            .map(|sample| sample.errors_known_angles[index])
-            .collect();
+        let errors = runs.each(|sample| sample.errors_known_angles[index]);
         Ok(Self {
             found,
             two_steps: runs.spread(|sample| gain(sample.errors[index]))?,
@@ -92,32 +88,23 @@ pub(crate) fn table3(
     run: &Run,
     runs: &MonteCarlo,
 ) -> Result<Table3> {
-    let rows: Vec<Ours> = paper
-        .table3
-        .iter()
-        .enumerate()
-        .map(|(index, row)| Ours::new(row, index, nominal, run, runs))
-        .collect::<Result<_>>()?;
+    let rows = paper.table3.iter().enumerate();
+    let rows = rows.map(|(index, row)| Ours::new(row, index, nominal, run, runs));
+    let rows: Vec<Ours> = rows.collect::<Result<_>>()?;
     let mut table = Table::with_heads("Table 3: kinematic parameters", HEADS);
     for (row, ours) in paper.table3.iter().zip(&rows) {
         table.push(ours.cells(row)?)?;
     }
-    table.notes.push(
-        "z: published error over the standard deviation of our runs at known joint angles; \
-         \"recomputed\": eq. (8) from the printed values, which for a0, a3, a5, a7, d1 and d6 differs \
-         from the printed percentage."
-            .to_owned(),
-    );
+    let note = "z: published error over the standard deviation of our runs at known joint angles; \
+                \"recomputed\": eq. (8) from the printed values, which for a0, a3, a5, a7, d1 and d6 differs \
+                from the printed percentage.";
     let errors = paper.table3.iter().map(|row| row.identified - row.assigned);
     let errors: Vec<f64> = errors.collect();
-    let values: Vec<f64> = runs
-        .samples
-        .iter()
-        .map(|sample| chi_square(&sample.information, &errors))
-        .collect::<Result<_>>()?;
-    let chi_square = Spread::new(&values)?;
+    let values = runs.samples.iter();
+    let values = values.map(|sample| chi_square(&sample.information, &errors));
+    let chi_square = Spread::new(&values.collect::<Result<Vec<f64>>>()?)?;
     Ok(Table3 {
-        table,
+        table: table.with_note(note),
         figure: figure(paper, &rows),
         possible: rows.iter().filter(|ours| ours.verdict.possible).count(),
         p_value: chi_square_p_value(chi_square.median, errors.len() as f64)?,
@@ -142,12 +129,8 @@ fn figure(paper: &Paper, rows: &[Ours]) -> Figure {
             })
             .collect()
     };
-    let published = paper
-        .table3
-        .iter()
-        .enumerate()
-        .map(|(index, row)| (index as f64, row.improvement_percent))
-        .collect();
+    let published = (0..).zip(&paper.table3);
+    let published = published.map(|(index, row)| (f64::from(index), row.improvement_percent));
     let known = intervals(-0.15, |ours| ours.known);
     let two_steps = intervals(0.15, |ours| ours.two_steps);
     let cut = "ours, two steps: median, 95 % of runs (cut at 40)";
@@ -157,7 +140,7 @@ fn figure(paper: &Paper, rows: &[Ours]) -> Figure {
     figure.series = vec![
         Series::intervals("ours, joint angles known: median, 95 % of runs", 2, &known),
         Series::intervals(cut, 0, &two_steps),
-        Series::new("paper", Mark::Points, 1, published),
+        Series::new("paper", Mark::Points, 1, published.collect()),
     ];
     figure
 }

@@ -1,7 +1,6 @@
 //! The reproduction on a few seeds: enough to see a wrong sign, a wrong unit or a lost parameter.
 
 use haptical_metrics::median;
-use xtask_output::Progress;
 
 use crate::monte_carlo::MonteCarlo;
 use crate::published::Paper;
@@ -17,8 +16,7 @@ fn runs() -> (Paper, MonteCarlo) {
         .iter()
         .map(|row| (row.name.clone(), row.assigned))
         .collect();
-    let runs =
-        MonteCarlo::new(&scenario, &assigned, 1, RUNS, &Progress::new("test", RUNS)).unwrap();
+    let runs = MonteCarlo::new("test", &scenario, &assigned, 1, RUNS).unwrap();
     (paper, runs)
 }
 

@@ -21,7 +21,6 @@ pub(crate) const DAMPING: f64 = 0.2;
 /// tau = Jhat^T [F_d + G e + k_i int e dt + k_d de/dt] with e = F_d - F.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Law {
-    /// G.
     pub(crate) gain: f64,
     /// k_i \[1/s\]: rectangles of one sample.
     pub(crate) integral_per_s: f64,
@@ -39,7 +38,6 @@ impl Law {
         }
     }
 
-    /// The same with an integral.
     pub(crate) fn with_integral(self, integral_per_s: f64) -> Self {
         Self {
             integral_per_s,
@@ -47,7 +45,6 @@ impl Law {
         }
     }
 
-    /// The same with a derivative.
     pub(crate) fn with_derivative(self, derivative_s: f64) -> Self {
         Self {
             derivative_s,
@@ -135,7 +132,6 @@ impl Axis {
 pub(crate) struct Wrenches {
     /// What the sensor would show without noise.
     pub(crate) measured: Vec<Vector6<f64>>,
-    /// What the law commands.
     pub(crate) commanded: Vec<Vector6<f64>>,
 }
 

@@ -18,7 +18,6 @@ const WALL_N_PER_M: f64 = 100.0;
 pub(crate) const DEPTH_M: f64 = 0.02;
 /// The handle is held this long in the wall, then let go \[s\].
 pub(crate) const HELD_S: f64 = 0.4;
-/// End of the course \[s\].
 const END_S: f64 = 0.8;
 /// Steps of the integration within a sample.
 const SUBSTEPS: usize = 50;
@@ -99,7 +98,6 @@ pub(crate) fn wall_energy_j() -> f64 {
     0.5 * WALL_N_PER_M * DEPTH_M * DEPTH_M
 }
 
-/// The figures of a course.
 pub(crate) fn outcome(course: &[Instant]) -> Option<Outcome> {
     let held = course.iter().rev().find(|at| at.time_s < HELD_S)?;
     let left = course

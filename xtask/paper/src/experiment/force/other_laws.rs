@@ -125,7 +125,6 @@ fn integral_words(
     Ok([proportional, integral])
 }
 
-/// What a derivative does.
 fn derivative_words(output: &mut Output, case: &Case<'_>, limit_s: f64) -> Result<()> {
     let axis = &case.axis;
     let stiff_n_per_m = figures::FIXTURES_N_PER_M[2];

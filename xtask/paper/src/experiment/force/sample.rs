@@ -26,7 +26,6 @@ pub(crate) const POSES: usize = 100;
 /// The joint whose transmission is a polynomial, which knows nothing beyond the readings it was fitted to.
 pub(crate) const POLYNOMIAL: usize = 3;
 
-/// Controllers that are compared.
 pub(crate) const CONTROLLERS: [&str; 3] = ["nominal", "kinematics alone", "full calibration"];
 
 /// One seed's two calibrations.
@@ -50,11 +49,9 @@ pub(crate) struct Sample {
     pub(crate) transverse_n: [Vec<f64>; 3],
     /// Whether the pose's reading lies beyond those that the polynomial was fitted to.
     pub(crate) outside: Vec<bool>,
-    /// Poses left out.
     pub(crate) left_out: usize,
     /// Rows of step 2 beyond the readings that the polynomial was fitted to.
     pub(crate) rows_outside: usize,
-    /// Parameters that were fitted.
     pub(crate) fitted: usize,
 }
 
@@ -83,7 +80,6 @@ pub(crate) fn poses(scenario: &Scenario, seed: u64) -> Result<Recording> {
     Ok(recording)
 }
 
-/// Joint readings of one pose.
 pub(crate) fn readings(recording: &Recording, row: usize) -> Vec<f64> {
     recording.joint.iter().map(|column| column[row]).collect()
 }
@@ -269,7 +265,6 @@ pub(crate) struct Kind {
 }
 
 impl Kind {
-    /// The forces of every seed.
     pub(crate) fn new(
         name: &str,
         scenario: &Scenario,
@@ -283,7 +278,6 @@ impl Kind {
         })
     }
 
-    /// One ratio of each seed.
     pub(crate) fn ratios(&self, ratio: impl Fn(&Sample) -> Result<f64>) -> Result<Vec<f64>> {
         self.samples.iter().map(ratio).collect()
     }

@@ -127,12 +127,9 @@ fn no_rest(output: &mut Output, kind: &Kind, restless: &[[Vec<bool>; 2]]) -> Res
         let poses = restless.iter().flat_map(|seed| &seed[controller]);
         poses.filter(|restless| **restless).count()
     };
-    let ratios: Vec<f64> = kind
-        .samples
-        .iter()
-        .zip(restless)
-        .map(|(sample, restless)| sample.ratio_without(2, &restless[0]))
-        .collect::<Result<_>>()?;
+    let ratios = kind.samples.iter().zip(restless);
+    let ratios = ratios.map(|(sample, restless)| sample.ratio_without(2, &restless[0]));
+    let ratios: Vec<f64> = ratios.collect::<Result<_>>()?;
     output.words(format!(
         "The forces are those at rest. The model's error multiplies the gain (by the eigenvalues of J^-T Jhat^T), so \
          the limits above hold for a device that is known: in the loop of {} there is no rest in {} of {} poses with \
@@ -154,9 +151,9 @@ fn worst_seed(output: &mut Output, drawn: &Kind, swept: &Kind, seeds: usize) -> 
     let most = samples.iter().map(|sample| sample.fitted).max();
     let held = samples.iter().filter(|s| Some(s.fitted) != most).count();
     let poses_beyond = |s: &&Sample| s.outside.contains(&true);
-    let neither: Vec<f64> = samples
-        .iter()
-        .filter(|s| !poses_beyond(s) && s.rows_outside == 0)
+    let neither = samples.iter();
+    let neither = neither.filter(|s| !poses_beyond(s) && s.rows_outside == 0);
+    let neither: Vec<f64> = neither
         .map(|sample| sample.ratio(2))
         .collect::<Result<_>>()?;
     let missed = |ratios: &[f64]| ratios.iter().filter(|ratio| **ratio > TARGET).count();
@@ -167,14 +164,10 @@ fn worst_seed(output: &mut Output, drawn: &Kind, swept: &Kind, seeds: usize) -> 
     let over_the_range = swept.ratios(|sample| sample.ratio(2))?;
     let swept_within = swept.ratios(|sample| sample.ratio_without(2, &sample.outside))?;
     let percent = |ratios: &[f64]| format!("{:.2} %", 100.0 * largest(ratios));
-    let without = if neither.is_empty() {
-        "no seed has neither".to_owned()
-    } else {
-        let count = neither.len();
-        format!(
-            "of the {count} seeds with neither, the worst comes to {}",
-            percent(&neither)
-        )
+    let worst = percent(&neither);
+    let without = match neither.len() {
+        0 => "no seed has neither".to_owned(),
+        count => format!("of the {count} seeds with neither, the worst comes to {worst}"),
     };
     output.words(format!(
         "{} of {} seeds are above {:.0} %, the worst at {}, in the loop of {}. No parameter is to blame that the data do not \

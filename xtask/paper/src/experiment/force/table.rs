@@ -39,12 +39,10 @@ pub(crate) fn over_seeds(kinds: &[Kind]) -> Result<Table> {
             })?;
         }
     }
-    table.notes.push(
+    Ok(table.with_note(
         "\"95 % of seeds\" are the 2.5 % and 97.5 % quantiles over the seeds: what one calibration may come to, not \
-         how well the median is known. The nominal controller differs between seeds because the poses do."
-            .to_owned(),
-    );
-    Ok(table)
+         how well the median is known. The nominal controller differs between seeds because the poses do.",
+    ))
 }
 
 /// Over poses, those of all seeds together.
@@ -57,18 +55,14 @@ pub(crate) fn over_poses(kinds: &[Kind]) -> Result<Table> {
     );
     for kind in kinds {
         for (index, controller) in CONTROLLERS.iter().enumerate() {
-            let forces_mn: Vec<f64> = kind
-                .samples
-                .iter()
-                .flat_map(|sample| &sample.transverse_n[index])
-                .map(|force| 1e3 * force)
-                .collect();
+            let forces_n = kind.samples.iter();
+            let forces_n = forces_n.flat_map(|sample| &sample.transverse_n[index]);
+            let forces_mn: Vec<f64> = forces_n.map(|force| 1e3 * force).collect();
             let ratio = |sample: &Sample| -> Vec<f64> {
                 let pairs = sample.transverse_n[index].iter();
                 let pairs = pairs.zip(&sample.transverse_n[0]);
-                pairs
-                    .map(|(after, before)| 100.0 * after / before)
-                    .collect()
+                let ratio = |(after, before): (&f64, &f64)| 100.0 * after / before;
+                pairs.map(ratio).collect()
             };
             let percent: Vec<f64> = kind.samples.iter().flat_map(ratio).collect();
             table.push(cells! {
@@ -78,9 +72,7 @@ pub(crate) fn over_poses(kinds: &[Kind]) -> Result<Table> {
             })?;
         }
     }
-    table.notes.push(
-        "A pose where the nominal controller happens to push straight has a large ratio and a small force."
-            .to_owned(),
-    );
-    Ok(table)
+    Ok(table.with_note(
+        "A pose where the nominal controller happens to push straight has a large ratio and a small force.",
+    ))
 }
