@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use serde::Serialize;
 use xtask_blind::{
     Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, seal, sha256_hex,
@@ -11,7 +11,7 @@ use xtask_blind::{
 };
 use xtask_output::Progress;
 
-use super::closing::{Closing, Fit};
+use super::closing::{Closing, Fit, answer};
 use super::subject::Given;
 use super::threads::in_parallel;
 
@@ -51,15 +51,14 @@ pub(crate) struct Published {
 #[derive(Debug)]
 pub(crate) struct Fixed {
     /// The answer with the SHA-256 of its gap.json, or why there is none.
-    pub(crate) answer: Result<(Answer, String), String>,
+    pub(crate) answer: Result<(Answer, String)>,
     /// True reductions of the gap by the answer's predictions.
     pub(crate) reductions: BTreeMap<String, TrueReduction>,
     /// What the corrected device makes of the recording that was kept back, or why nothing; none where there is no such
     /// device or recording.
-    pub(crate) closing: Option<Result<Closing, String>>,
+    pub(crate) closing: Option<Result<Closing>>,
     /// What is said of the effect that was asked for, or why nothing; none where none was.
-    pub(crate) fit: Option<Result<Fit, String>>,
-    /// Rows of the recording.
+    pub(crate) fit: Option<Result<Fit>>,
     pub(crate) rows: usize,
     /// Time of the diagnosis on one core \[s\].
     pub(crate) time_s: f64,
@@ -104,11 +103,11 @@ impl Case {
 }
 
 /// What there is; why there is not goes where errors go.
-fn kept<T>(outcome: Option<Result<T, String>>, error: &mut Option<String>) -> Option<T> {
+fn kept<T>(outcome: Option<Result<T>>, error: &mut Option<String>) -> Option<T> {
     match outcome? {
         Ok(kept) => Some(kept),
         Err(why) => {
-            error.get_or_insert(why);
+            error.get_or_insert(why.to_string());
             None
         }
     }
@@ -144,7 +143,6 @@ impl Batch {
         done.into_iter().collect()
     }
 
-    /// What is published of the seals.
     pub(crate) fn commitments(&self, sealed: &[Sealed]) -> Vec<Commitment> {
         let pairs = self.trials.iter().zip(sealed);
         let publish = |((suite, index), sealed): (&(Suite, u64), &Sealed)| Commitment {
@@ -182,20 +180,19 @@ impl Batch {
         let answered = given.answer();
         // from here on the answer is what it is
         let mut fixed = Fixed {
-            answer: Err(String::new()),
+            answer: Err(anyhow!("none yet")),
             reductions: BTreeMap::new(),
             closing: None,
             fit: given.fitted(),
-            rows: given.rows(),
+            rows: given.log.len(),
             time_s: 0.0,
         };
         fixed.answer = answered.and_then(|answered| {
             fixed.time_s = answered.time_s;
             fixed.reductions = true_reductions(&answered.predictions, &trial.clean2);
             fixed.closing = given.closing(&answered, &trial.clean2, self.haptical.as_deref());
-            let answer = Answer::from_json(&answered.gap_json)
-                .map_err(|error| format!("gap.json cannot be read: {error:#}"))?;
-            Ok((answer, sha256_hex(&answered.gap_json)))
+            let gap_json = &answered.gap_json;
+            Ok((answer(gap_json)?, sha256_hex(gap_json)))
         });
         Ok(fixed)
     }
@@ -226,7 +223,7 @@ impl Batch {
                 .with_context(|| format!("{suite} {index}"))?;
             let (answer, answer_sha256, mut error) = match fixed.answer {
                 Ok((answer, sha256)) => (Some(answer), Some(sha256), None),
-                Err(error) => (None, None, Some(error)),
+                Err(error) => (None, None, Some(error.to_string())),
             };
             // what comes after the answer fails as the answer does
             let closing = kept(fixed.closing, &mut error);

@@ -34,7 +34,6 @@ pub(crate) fn probabilities(cases: &[Case], suites: Option<&[&str]>) -> Vec<(f64
 /// A bin of the reliability table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bin {
-    /// Mean probability.
     pub(crate) probability: f64,
     /// How often it was so.
     pub(crate) happened: Rate,

@@ -5,12 +5,12 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use anyhow::{Context, Result, anyhow};
 use haptical::{Device, Identify, Log, Replayed, identify, replay};
 use haptical_model::Device as Model;
 use serde::Serialize;
 use xtask_blind::{
-    Answer, Asked, CleanChannels, Prediction, TrueReduction, channel_of, closed_percent,
-    true_reductions,
+    Answer, CleanChannels, Prediction, TrueReduction, channel_of, closed_percent, true_reductions,
 };
 
 use super::compiled;
@@ -52,7 +52,6 @@ pub(crate) struct Fit {
     pub(crate) asked: String,
     /// Whether the recording is said to show it.
     pub(crate) shown: bool,
-    /// Why.
     pub(crate) why: String,
 }
 
@@ -64,15 +63,15 @@ impl Given {
         answered: &Answered,
         clean: &CleanChannels,
         haptical: Option<&Path>,
-    ) -> Option<Result<Closing, String>> {
+    ) -> Option<Result<Closing>> {
         let (fresh, corrected) = (self.fresh.as_ref()?, answered.corrected.as_ref()?);
-        let closing = || -> Result<Closing, String> {
+        let closing = || {
             let nominal = self.nominal()?;
             let log = log(fresh.clone(), &nominal)?;
-            let by = |model: &Model| -> Result<Replayed, String> {
+            let by = |model: &Model| {
                 let mut device = nominal.clone();
                 device.model = model.clone();
-                replay(&device, &log).map_err(|error| error.to_string())
+                replay(&device, &log)
             };
             let (before, after) = (by(&answered.base)?, by(corrected)?);
             let predicted = predictions(&before, &after);
@@ -91,39 +90,39 @@ impl Given {
                 closed_percent: closed_percent(&channels, &noise),
                 channels,
                 by_c,
-                again: Answer::from_json(&again)
-                    .map_err(|error| format!("gap.json cannot be read: {error:#}"))?,
+                again: answer(&again)?,
             })
         };
-        Some(guarded(closing).and_then(|closing| closing))
+        Some(guarded(closing))
     }
 
     /// Fits the effect that is asked for, where one is.
-    pub(crate) fn fitted(&self) -> Option<Result<Fit, String>> {
-        let asked = label(self.asked.as_ref()?);
-        let fitted = || -> Result<Fit, String> {
+    pub(crate) fn fitted(&self) -> Option<Result<Fit>> {
+        let asked = self.asked.as_ref()?;
+        let asked = label(asked.effect, asked.joint);
+        let fitted = || {
             let nominal = self.nominal()?;
             let log = log(self.log.clone(), &nominal)?;
             let options = Identify {
                 with: vec![asked.clone()],
                 ..Identify::default()
             };
-            let found = identify(&nominal, &log, &options).map_err(|error| error.to_string())?;
+            let found = identify(&nominal, &log, &options)?;
             // a coupling is asked from every other joint
             let entries = &found.result.effects;
             let entry = entries.iter().find(|entry| entry.shown).or(entries.first());
-            let entry = entry.ok_or("nothing is said of the effect")?;
+            let entry = entry.context("nothing is said of the effect")?;
             Ok(Fit {
                 asked: asked.clone(),
                 shown: entry.shown,
                 why: entry.why.clone(),
             })
         };
-        Some(guarded(fitted).and_then(|fitted| fitted))
+        Some(guarded(fitted))
     }
 
-    fn nominal(&self) -> Result<Device, String> {
-        Device::from_toml(&self.device_toml, "device.toml").map_err(|error| error.to_string())
+    fn nominal(&self) -> Result<Device> {
+        Ok(Device::from_toml(&self.device_toml, "device.toml")?)
     }
 }
 
@@ -162,24 +161,28 @@ impl ByC {
     }
 }
 
-fn log(recording: haptical_model::Recording, device: &Device) -> Result<Log, String> {
-    Log::from_recording(recording, "log.csv", device).map_err(|error| error.to_string())
+fn log(recording: haptical_model::Recording, device: &Device) -> Result<Log> {
+    Ok(Log::from_recording(recording, "log.csv", device)?)
 }
 
-fn label(asked: &Asked) -> String {
-    let joint = asked.joint.map(|joint| format!("@{joint}"));
-    format!("{}{}", asked.effect, joint.unwrap_or_default())
+/// What a gap.json says.
+pub(crate) fn answer(gap_json: &str) -> Result<Answer> {
+    Answer::from_json(gap_json).map_err(|error| anyhow!("gap.json cannot be read: {error:#}"))
+}
+
+/// `backlash@3`; the joint is from 1.
+fn label(effect: &str, joint: Option<usize>) -> String {
+    let joint = joint.map(|joint| format!("@{joint}"));
+    format!("{effect}{}", joint.unwrap_or_default())
 }
 
 /// Effects of a device, joints that yield among them.
 fn effects(device: &Model) -> Vec<String> {
-    let own = device.effects.iter().map(|effect| {
-        let joint = effect.joint.map(|joint| format!("@{}", joint + 1));
-        format!("{}{}", effect.name, joint.unwrap_or_default())
-    });
+    let own = device.effects.iter();
+    let own = own.map(|effect| label(&effect.name, effect.joint.map(|joint| joint + 1)));
     let yielding =
         (0..device.joints.len()).filter(|&joint| device.compliance_rad_per_nm(joint) > 0.0);
-    let yielding = yielding.map(|joint| format!("joint-compliance@{}", joint + 1));
+    let yielding = yielding.map(|joint| label("joint-compliance", Some(joint + 1)));
     own.chain(yielding).collect()
 }
 
@@ -188,16 +191,10 @@ fn predictions(before: &Replayed, after: &Replayed) -> BTreeMap<String, Vec<Pred
     let by_channel = after.channels.iter().filter_map(|own| {
         let mut others = before.channels.iter();
         let other = others.find(|other| other.channel == own.channel)?;
-        let first: BTreeMap<usize, f64> = other
-            .residuals
-            .iter()
-            .map(|(row, axes)| (*row, axes[0]))
-            .collect();
-        let measured = |row: usize, residual: f64| {
-            value(after, &own.channel, row).map(|value| value - residual)
-        };
+        let first = other.residuals.iter();
+        let first: BTreeMap<usize, f64> = first.map(|(row, axes)| (*row, axes[0])).collect();
         let all = own.residuals.iter().filter_map(|(row, axes)| {
-            let measured = measured(*row, axes[0])?;
+            let measured = value(after, &own.channel, *row)? - axes[0];
             Some(Prediction {
                 row: *row,
                 before: measured + first.get(row)?,

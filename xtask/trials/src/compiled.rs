@@ -3,13 +3,15 @@
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
+use anyhow::{Context as _, Result, anyhow, ensure};
 use haptical::effects::Context;
 use haptical::effects::device::bare;
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device as Model, Recording};
 use xtask_blind::channel_of;
+use xtask_output::{built_command, root, said};
 
 /// Reads rows of doubles from its standard input and writes joint values and the place of the handle of each.
 const PROGRAM: &str = include_str!("../assets/replay.c");
@@ -36,16 +38,16 @@ pub(crate) fn predicted(
     corrected: &Model,
     recording: &Recording,
     haptical: &Path,
-) -> Result<Option<Predicted>, String> {
+) -> Result<Option<Predicted>> {
     let base = bare(corrected);
-    let context = Context::new(&base, recording, &[]).map_err(|error| error.to_string())?;
+    let context = Context::new(&base, recording, &[])?;
     // a control loop is later than every run of a log: what began with one of them is there in all of it
     let mut effects = corrected.effects.iter();
     let begins = effects.any(|effect| effect.numbers.contains_key("from_run"));
     if !context.ordered || begins {
         return Ok(None);
     }
-    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let folder = tempfile::tempdir()?;
     let Some(program) = compiled(corrected, haptical, folder.path())? else {
         return Ok(None);
     };
@@ -54,12 +56,11 @@ pub(crate) fn predicted(
     let numbers = answered(&program, &rows)?;
     let width = joints + 3;
     let count = recording.len();
-    if numbers.len() != width * count {
-        return Err(format!(
-            "the C answered {} numbers for {count} rows",
-            numbers.len()
-        ));
-    }
+    ensure!(
+        numbers.len() == width * count,
+        "the C answered {} numbers for {count} rows",
+        numbers.len()
+    );
     let column = |index: usize| numbers.chunks_exact(width).map(move |row| row[index]);
     let cables = corrected.cables.iter().map(|cable| {
         let positions = numbers.chunks_exact(width);
@@ -72,10 +73,9 @@ pub(crate) fn predicted(
         });
         readings.collect::<Result<Vec<f64>, _>>()
     });
-    let cable_m: Result<_, _> = cables.collect();
     Ok(Some(Predicted {
         output: (0..joints).map(|joint| column(joint).collect()).collect(),
-        cable_m: cable_m.map_err(|error| error.to_string())?,
+        cable_m: cables.collect::<Result<_, _>>()?,
     }))
 }
 
@@ -86,42 +86,31 @@ pub(crate) fn command() -> Option<PathBuf> {
         eprintln!("skipped: there is no cc to compile the exported C with");
         return None;
     }
-    let built = xtask_output::built_command(&crate::root());
+    let built = built_command(&root());
     built
         .map_err(|error| eprintln!("skipped: the command that exports C: {error:#}"))
         .ok()
 }
 
 /// The exported header with [`PROGRAM`], compiled; none where the export leaves effects out.
-fn compiled(device: &Model, haptical: &Path, folder: &Path) -> Result<Option<PathBuf>, String> {
-    let text = device.to_new_toml().map_err(|error| error.to_string())?;
+fn compiled(device: &Model, haptical: &Path, folder: &Path) -> Result<Option<PathBuf>> {
     let write = |name: &str, text: &str| {
-        std::fs::write(folder.join(name), text).map_err(|error| format!("{name}: {error}"))
+        std::fs::write(folder.join(name), text).map_err(|error| anyhow!("{name}: {error}"))
     };
-    write("corrected.toml", &text)?;
+    write("corrected.toml", &device.to_new_toml()?)?;
     write("replay.c", PROGRAM)?;
     let arguments = "export --format c-header --device corrected.toml --out model.h --json";
     let mut export = Command::new(haptical);
-    let said = done(export.args(arguments.split(' ')).current_dir(folder))?;
-    let said: serde_json::Value =
-        serde_json::from_slice(&said.stdout).map_err(|error| error.to_string())?;
-    let is_whole = said["warnings"].as_array().is_some_and(Vec::is_empty);
+    let answer = said(export.args(arguments.split(' ')).current_dir(folder))?;
+    let answer: serde_json::Value = serde_json::from_str(&answer)?;
+    let is_whole = answer["warnings"].as_array().is_some_and(Vec::is_empty);
     if !is_whole {
         return Ok(None);
     }
     let arguments = "-std=c99 -O2 -Wall -Wextra -Werror replay.c -o replay -lm";
     let mut compiler = Command::new("cc");
-    done(compiler.args(arguments.split(' ')).current_dir(folder))?;
+    said(compiler.args(arguments.split(' ')).current_dir(folder))?;
     Ok(Some(folder.join("replay")))
-}
-
-fn done(command: &mut Command) -> Result<Output, String> {
-    let output = command.output().map_err(|error| error.to_string())?;
-    if output.status.success() {
-        return Ok(output);
-    }
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    Err(format!("{:?}: {said}", command.get_program()))
 }
 
 /// The rows as [`PROGRAM`] reads them: readings, torques, rates, accelerations, force, time and temperature as the effects of
@@ -151,25 +140,20 @@ fn rows(device: &Model, recording: &Recording, context: &Context<'_>) -> Vec<f64
     rows
 }
 
-/// What a compiled program answers.
-fn answered(program: &Path, rows: &[f64]) -> Result<Vec<f64>, String> {
+fn answered(program: &Path, rows: &[f64]) -> Result<Vec<f64>> {
     let mut run = Command::new(program)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
-        .spawn()
-        .map_err(|error| error.to_string())?;
-    let mut stdin = run.stdin.take().ok_or("no standard input")?;
+        .spawn()?;
+    let mut stdin = run.stdin.take().context("no standard input")?;
     let bytes = rows.iter().flat_map(|number| number.to_ne_bytes());
     let bytes: Vec<u8> = bytes.collect();
     let writer = std::thread::spawn(move || stdin.write_all(&bytes));
-    let output = run.wait_with_output().map_err(|error| error.to_string())?;
-    let written = writer.join().map_err(|_| "the writer panicked")?;
-    written.map_err(|error| error.to_string())?;
-    if !output.status.success() {
-        return Err("the compiled C failed".to_owned());
-    }
+    let output = run.wait_with_output()?;
+    let written = writer.join();
+    written.map_err(|_| anyhow!("the writer panicked"))??;
+    ensure!(output.status.success(), "the compiled C failed");
     let numbers = output.stdout.chunks_exact(size_of::<f64>());
     let number = |bytes: &[u8]| bytes.try_into().map(f64::from_ne_bytes);
-    let numbers: Result<Vec<f64>, _> = numbers.map(number).collect();
-    numbers.map_err(|error| error.to_string())
+    Ok(numbers.map(number).collect::<Result<_, _>>()?)
 }

@@ -31,7 +31,7 @@ use haptical_report::write_atomically;
 use serde::Serialize;
 use serde_json::json;
 use xtask_blind::Suite;
-use xtask_output::{Layout, Output};
+use xtask_output::{Layout, Output, root};
 
 use batch::{Batch, Case};
 pub use settle::{Arguments as SettleArguments, settle};
@@ -80,11 +80,6 @@ pub struct Arguments {
     /// Adds a row to docs/blind-checks.md; for a scored batch alone.
     #[arg(long)]
     record: bool,
-}
-
-/// The repository.
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 /// Runs the job.
@@ -157,7 +152,6 @@ fn tried(batch: &Batch, out: &Path) -> Result<(Vec<Case>, bool)> {
     Ok((cases, repeats))
 }
 
-/// Writes the report.
 fn publish(
     arguments: &Arguments,
     run: &Run,

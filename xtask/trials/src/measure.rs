@@ -7,7 +7,6 @@ use xtask_blind::Rate;
 /// Resamples of an interval of a figure that is no share.
 const REPLICATES: usize = 2000;
 
-/// What is asked of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Bar {
@@ -16,7 +15,6 @@ pub(crate) enum Bar {
     Between(f64, f64),
 }
 
-/// A figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Value {
@@ -103,32 +101,27 @@ impl Value {
 
     /// The figure: `97.3 % (292 of 300)`.
     pub(crate) fn words(&self) -> String {
-        match self {
-            Self::Share(rate) => rate.share.map_or_else(
-                || "no case".to_owned(),
-                |share| format!("{:.1} % ({} of {})", 100.0 * share, rate.count, rate.of),
-            ),
-            Self::Number(number) => number.value.map_or_else(
-                || "no case".to_owned(),
-                |value| {
-                    let text = format!("{value:.*}", number.decimals);
-                    format!("{} (of {})", with_unit(&text, number.unit), number.of)
-                },
-            ),
-        }
+        let words = match self {
+            Self::Share(rate) => rate
+                .share
+                .map(|share| format!("{:.1} % ({} of {})", 100.0 * share, rate.count, rate.of)),
+            Self::Number(number) => number.value.map(|value| {
+                let text = format!("{value:.*}", number.decimals);
+                format!("{} (of {})", with_unit(&text, number.unit), number.of)
+            }),
+        };
+        words.unwrap_or_else(|| "no case".to_owned())
     }
 
     /// The interval: `94.8 to 98.6 %`.
     pub(crate) fn interval(&self) -> String {
-        match self {
-            Self::Share(rate) => rate.ci95.map_or_else(String::new, |[low, high]| {
-                format!("{:.1} to {:.1} %", 100.0 * low, 100.0 * high)
-            }),
-            Self::Number(number) => number.ci95.map_or_else(String::new, |[low, high]| {
-                let text = format!("{low:.*} to {high:.*}", number.decimals, number.decimals);
-                with_unit(&text, number.unit)
-            }),
-        }
+        let (ends, decimals, unit) = match self {
+            Self::Share(rate) => (rate.ci95.map(|ends| ends.map(|end| 100.0 * end)), 1, "%"),
+            Self::Number(number) => (number.ci95, number.decimals, number.unit),
+        };
+        ends.map_or_else(String::new, |[low, high]| {
+            with_unit(&format!("{low:.decimals$} to {high:.decimals$}"), unit)
+        })
     }
 }
 
@@ -145,7 +138,6 @@ impl Group {
         Self { heading, measures }
     }
 
-    /// Adds a figure, with a bar or none.
     pub(crate) fn add(
         &mut self,
         name: impl Into<String>,

@@ -13,12 +13,10 @@ pub(crate) struct Part {
     pub(crate) count: u64,
 }
 
-/// The trials of a batch.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Plan(pub(crate) Vec<Part>);
 
 impl Plan {
-    /// What the arguments ask for.
     pub(crate) fn new(arguments: &Arguments) -> Result<Self> {
         ensure!(
             arguments.share > 0.0 && arguments.share <= 1.0,
@@ -55,14 +53,12 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The trials of a scored batch, all of them.
     pub(crate) fn is_whole(&self) -> bool {
         let suites = self.0.iter().map(|part| part.suite);
         let is_all = |part: &Part| part.first == 0 && part.count == part.suite.trials()[0];
         suites.eq(Suite::ALL) && self.0.iter().all(is_all)
     }
 
-    /// Suite and index of every trial.
     pub(crate) fn trials(&self) -> Vec<(Suite, u64)> {
         let of_part = |part: &Part| {
             let suite = part.suite;

@@ -6,10 +6,8 @@ use xtask_blind::sha256_hex;
 use super::batch::{Batch, Fixed};
 use super::subject::Given;
 
-/// Trials of a rehearsal.
 const TRIALS: usize = 3;
 
-/// Answers of a rehearsal.
 #[derive(Debug, Clone)]
 pub(crate) struct Rehearsal {
     /// Number of the trial in the batch, and the SHA-256 of its gap.json.

@@ -23,7 +23,6 @@ const GENERATOR: &str = "xtask/blind/src";
 /// Hexadecimal digits of the commit that make the seed.
 const DIGITS: usize = 8;
 
-/// What `--seed` asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SeedRule {
     /// This number.
@@ -44,7 +43,6 @@ impl FromStr for SeedRule {
     }
 }
 
-/// A seed and where it comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub(crate) struct Seed {
     pub(crate) value: u64,
@@ -116,13 +114,9 @@ pub(crate) fn judged(root: &Path) -> Vec<String> {
             let Some(other) = line.strip_prefix("haptical-") else {
                 continue;
             };
-            let other = other
-                .split(['.', ' ', '='])
-                .next()
-                .unwrap_or(other)
-                .to_owned();
-            if !names.contains(&other) {
-                names.push(other);
+            let other = other.split(['.', ' ', '=']).next().unwrap_or(other);
+            if !names.iter().any(|name| name == other) {
+                names.push(other.to_owned());
             }
         }
     }

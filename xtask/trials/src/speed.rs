@@ -1,6 +1,6 @@
 //! Time of a diagnosis: in the batch on one core, and alone on the machine.
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use xtask_blind::{
     Draw, MotionPlan, NOMINALS, NoisePlan, Random, Scene, Suite, kind, perturbed, torque_scales,
 };
@@ -12,7 +12,6 @@ use super::subject::Given;
 
 /// Rows of the recordings that the bar speaks of.
 const ROWS: usize = 6000;
-/// Rows of the long recording.
 const LONG_ROWS: usize = 100_000;
 /// Diagnoses that are timed alone.
 const ALONE: u64 = 7;
@@ -81,6 +80,6 @@ fn time_s(rows: usize, seed: u64, index: u64) -> Result<f64> {
     let noise = NoisePlan::white(device.joints.len());
     let recorded = scene.record(&[effect], &noise, &scales)?;
     let answered = Given::alone(nominal, recorded.log).answer();
-    let answered = answered.map_err(|error| anyhow!("a recording of {rows} rows: {error}"))?;
+    let answered = answered.with_context(|| format!("a recording of {rows} rows"))?;
     Ok(answered.time_s)
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, bail};
 use haptical_diagnosis::{Diagnosis, Options, diagnose};
 use haptical_model::{Device, Recording};
 use xtask_blind::{Asked, Prediction, Suite, Trial};
@@ -29,7 +29,6 @@ pub(crate) struct Given {
 /// An answer, fixed.
 #[derive(Debug)]
 pub(crate) struct Answered {
-    /// gap.json.
     pub(crate) gap_json: String,
     /// predictions.csv of the second recording, channel by channel.
     pub(crate) predictions: BTreeMap<String, Vec<Prediction>>,
@@ -44,13 +43,9 @@ pub(crate) struct Answered {
 impl Given {
     /// What of `trial`, one of `suite`, is given away.
     pub(crate) fn from_trial(suite: Suite, trial: &Trial) -> Result<Self> {
-        let model = match &trial.model_toml {
-            Some(text) => {
-                let file = Device::from_toml(text, "model").context("the model of an ablation")?;
-                Some(file.device)
-            }
-            None => None,
-        };
+        let model = trial.model_toml.as_ref();
+        let model = model.map(|text| Device::from_toml(text, "model"));
+        let model = model.transpose().context("the model of an ablation")?;
         let mut log2 = trial.log2.clone();
         let is_kept = suite.keeps_second_back();
         let fresh = is_kept.then(|| std::mem::take(&mut log2));
@@ -61,7 +56,7 @@ impl Given {
             log2,
             fresh,
             without: trial.without.clone(),
-            model,
+            model: model.map(|file| file.device),
             asked: trial.asked.clone(),
         })
     }
@@ -80,21 +75,12 @@ impl Given {
         }
     }
 
-    /// Rows of the recording.
-    pub(crate) fn rows(&self) -> usize {
-        self.log.len()
-    }
-
     /// Diagnoses; an error or a panic of the diagnosis is text.
-    pub(crate) fn answer(&self) -> Result<Answered, String> {
-        self.diagnosed((!self.log2.is_empty()).then_some(&self.log2))
-    }
-
-    fn diagnosed(&self, validation: Option<&Recording>) -> Result<Answered, String> {
+    pub(crate) fn answer(&self) -> Result<Answered> {
         let options = Options {
             without: self.without.clone(),
             model: self.model.as_ref(),
-            validation,
+            validation: (!self.log2.is_empty()).then_some(&self.log2),
             ..Options::default()
         };
         let start = Instant::now();
@@ -103,14 +89,12 @@ impl Given {
         let gap_json = gap_json(&diagnosis)?;
         let mut predictions: BTreeMap<String, Vec<Prediction>> = BTreeMap::new();
         for one in diagnosis.predictions {
-            predictions
-                .entry(one.channel)
-                .or_default()
-                .push(Prediction {
-                    row: one.row,
-                    before: one.before,
-                    after: one.after,
-                });
+            let rows = predictions.entry(one.channel).or_default();
+            rows.push(Prediction {
+                row: one.row,
+                before: one.before,
+                after: one.after,
+            });
         }
         Ok(Answered {
             gap_json,
@@ -123,7 +107,7 @@ impl Given {
     }
 
     /// gap.json of the recording that was kept back, diagnosed against a model.
-    pub(crate) fn again(&self, fresh: &Recording, model: &Device) -> Result<String, String> {
+    pub(crate) fn again(&self, fresh: &Recording, model: &Device) -> Result<String> {
         let options = Options {
             without: self.without.clone(),
             model: Some(model),
@@ -133,27 +117,23 @@ impl Given {
     }
 }
 
-fn gap_json(diagnosis: &Diagnosis) -> Result<String, String> {
-    serde_json::to_string(diagnosis).map_err(|error| format!("gap.json cannot be written: {error}"))
+fn gap_json(diagnosis: &Diagnosis) -> Result<String> {
+    serde_json::to_string(diagnosis).map_err(|error| anyhow!("gap.json cannot be written: {error}"))
 }
 
 /// A diagnosis; its error or its panic is text.
-fn diagnosis(device: &Device, log: &Recording, options: &Options<'_>) -> Result<Diagnosis, String> {
-    let outcome = guarded(|| diagnose(device, log, options))?;
-    outcome.map_err(|error| {
-        if error.is_unidentifiable() {
-            format!("not identifiable: {error}")
-        } else {
-            error.to_string()
-        }
+fn diagnosis(device: &Device, log: &Recording, options: &Options<'_>) -> Result<Diagnosis> {
+    guarded(|| match diagnose(device, log, options) {
+        Err(error) if error.is_unidentifiable() => bail!("not identifiable: {error}"),
+        outcome => Ok(outcome?),
     })
 }
 
-/// The outcome of `work`; a panic of it is text.
-pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+/// The outcome of `work`; a panic of it is an error.
+pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
         let said = said.or_else(|| panic.downcast_ref::<&str>().copied());
-        format!("panic: {}", said.unwrap_or("without words"))
+        bail!("panic: {}", said.unwrap_or("without words"))
     })
 }

@@ -19,7 +19,6 @@ const NAMED: [&str; 5] = ["s1", "s1n", "s4", "s5", "s6"];
 /// Parameters that are chosen from a few: right or wrong, without an interval.
 const CHOICES: [&str; 2] = ["order", "from_joint"];
 
-/// Scores of the suites asked for.
 pub(crate) fn scores_of<'c>(cases: &'c [Case], suites: &[&str]) -> Vec<&'c TrialScore> {
     let wanted = cases.iter().filter(|case| suites.contains(&case.suite));
     wanted.filter_map(|case| case.score.as_ref()).collect()

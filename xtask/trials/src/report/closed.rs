@@ -38,7 +38,6 @@ impl Apart {
     }
 }
 
-/// The figures of the loop.
 pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
     let group = "the loop: a corrected device on a fresh recording";
     let of = |suites: &[&str]| -> Vec<&Case> {

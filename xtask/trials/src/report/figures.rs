@@ -26,11 +26,9 @@ pub(crate) fn confusion(title: &str, cases: &[&Case]) -> Option<(HeatMap, String
         }
     }
     // names that were answered; those of the rows first, in the order of the rows
-    let given: Vec<&str> = scores
-        .iter()
-        .filter(|score| score.verdict == Verdict::Named)
-        .map(|score| score.answered.as_str())
-        .collect();
+    let given = scores.iter();
+    let given = given.filter(|score| score.verdict == Verdict::Named);
+    let given: Vec<&str> = given.map(|score| score.answered.as_str()).collect();
     let mut named: Vec<&str> = rows.clone();
     named.retain(|row| given.contains(row));
     for name in &given {
@@ -82,7 +80,6 @@ pub(crate) fn confusion(title: &str, cases: &[&Case]) -> Option<(HeatMap, String
     (!map.rows.is_empty()).then_some((map, caption))
 }
 
-/// The column of an answer.
 fn column(score: &TrialScore, named: &[&str]) -> Option<usize> {
     match score.verdict {
         Verdict::Named => named.iter().position(|name| *name == score.answered),
@@ -91,6 +88,14 @@ fn column(score: &TrialScore, named: &[&str]) -> Option<usize> {
         Verdict::Unknown => Some(named.len() + 2),
         Verdict::NoGap => Some(named.len() + 3),
     }
+}
+
+/// A place on the axis, and the ends of an interval with its middle between them.
+type Interval = (f64, f64, f64, f64);
+
+fn interval(x: f64, rate: &Rate) -> Option<Interval> {
+    let [low, high] = rate.ci95?;
+    Some((x, low, rate.share?, high))
 }
 
 /// How often answers of each probability were right.
@@ -105,19 +110,14 @@ pub(crate) fn reliability(bins: &[Bin]) -> Figure {
     let ideal = vec![(0.0, 0.0), (1.0, 1.0)];
     let ideal = Series::new("as stated", Mark::DashedLine, 6, ideal);
     figure.series.push(ideal);
-    let points: Vec<(f64, f64, f64, f64)> = bins
-        .iter()
-        .filter_map(|bin| {
-            let [low, high] = bin.happened.ci95?;
-            Some((bin.probability, low, bin.happened.share?, high))
-        })
-        .collect();
+    let points = bins.iter();
+    let points = points.filter_map(|bin| interval(bin.probability, &bin.happened));
+    let points: Vec<Interval> = points.collect();
     let answers = Series::intervals("answers, 95 % interval", 0, &points);
     figure.series.push(answers);
     figure
 }
 
-/// What is asked of an answer.
 type Judgement = fn(&TrialScore) -> bool;
 
 /// Detection and naming against the size of an effect; none without scores.
@@ -150,18 +150,16 @@ pub(crate) fn ladder(cases: &[Case]) -> Option<Figure> {
         }),
     ];
     for (colour, (label, is)) in kinds.into_iter().enumerate() {
-        let points: Vec<(f64, f64, f64, f64)> = rungs
+        let points = rungs
             .values()
             .enumerate()
             .filter_map(|(rung, (_, scores))| {
                 let rate = Rate::of_cases(scores.iter().map(|score| is(score)));
-                let [low, high] = rate.ci95?;
-                Some((rung as f64, low, rate.share?, high))
-            })
-            .collect();
-        figure
-            .series
-            .push(Series::intervals(label, colour, &points));
+                interval(rung as f64, &rate)
+            });
+        let points: Vec<Interval> = points.collect();
+        let series = Series::intervals(label, colour, &points);
+        figure.series.push(series);
     }
     Some(figure)
 }

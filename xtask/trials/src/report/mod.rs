@@ -115,12 +115,9 @@ fn suites(output: &mut Output, cases: &[Case]) -> Result<()> {
         })?;
         summaries.push(summary);
     }
-    table.notes.push(
-        "Shares of all trials that were answered; joint: of those whose effect was found, or whose gap \
-         lies in one."
-            .to_owned(),
-    );
-    output.table("suites", table)?;
+    let note = "Shares of all trials that were answered; joint: of those whose effect was found, or whose gap \
+                lies in one.";
+    output.table("suites", table.with_note(note))?;
     output.value("suites", json!(summaries));
     Ok(())
 }

@@ -67,7 +67,6 @@ fn scores<'c>(cases: &[&'c Case]) -> Vec<&'c TrialScore> {
     cases.collect()
 }
 
-/// All figures of the suite.
 pub(super) fn measures(cases: &[Case]) -> Vec<Measure> {
     let mut group = Group::new("moving arms");
     clean(cases, &mut group);

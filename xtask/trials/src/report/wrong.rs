@@ -6,26 +6,18 @@ use xtask_output::cells;
 
 use crate::batch::Case;
 
-/// What is wrong with an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fault {
-    /// The diagnosis failed.
     NoAnswer,
-    /// A wrong name, given alone.
     NamedWrong,
-    /// A gap where there is none.
     FalseAlarm,
-    /// A class of names without the right one.
     ClassWrong,
     /// A gap was seen and nothing named, though the catalogue has the name.
     Declined,
-    /// Not all of several effects were found.
     Incomplete,
     /// The right name at the wrong joint.
     Joint,
-    /// Causes that were not put in, next to right ones.
     Extra,
-    /// No gap was seen.
     Missed,
 }
 

@@ -42,10 +42,7 @@ pub struct Arguments {
     out: Option<PathBuf>,
 }
 
-/// Runs the job.
-///
-/// # Errors
-/// A trial cannot be drawn, or the page not written. That the bar is missed is a result.
+/// Runs the job; that the bar is missed is a result.
 pub fn settle(arguments: &Arguments) -> Result<()> {
     ensure!(arguments.count > 0, "--count is 0: a check needs a trial");
     let jobs = jobs(arguments.jobs);
@@ -99,7 +96,6 @@ fn ambiguous(
     Ok((found, drawn))
 }
 
-/// Shares of outcomes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 struct Counts {
     settled: usize,

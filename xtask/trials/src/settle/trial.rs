@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use haptical::design::Motion;
 use haptical::{Chosen, Device, SettleRequest, choose_next};
 use haptical_diagnosis::{Diagnosis, Odds, Options, Question, Verdict, diagnose};
 use haptical_model::Recording;
-use xtask_blind::{Again, Answer, Led, Suite, Trial, judge};
+use xtask_blind::{Again, Led, Suite, Trial, judge};
 
+use crate::closing::answer;
 use crate::subject::guarded;
 
 /// Streams of the seeds of further recordings.
@@ -53,19 +54,23 @@ pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Resul
         _ => return Ok(None),
     };
     let seed = seed.wrapping_mul(SEED_OF_FURTHER) + index;
-    let outcome = |further: Result<Recording, String>| match further {
+    let outcome = |further: Result<Recording>| match further {
         Ok(further) => match judged(&trial, &[&trial.log, &further]) {
             Ok((_, outcome)) => outcome,
             Err(why) => Outcome::Open(format!("error: {why}")),
         },
-        Err(why) => Outcome::Open(why),
+        Err(why) => Outcome::Open(why.to_string()),
     };
     let question = Question::of(&first);
     let next = question
         .as_ref()
-        .ok_or_else(|| "no two candidates have a size".to_owned())
+        .context("no two candidates have a size")
         .and_then(|question| chosen(&trial, question, rows));
     let led = |motion: &Motion, warm_degc, seed| led(&again, motion, warm_degc, seed);
+    let along = |further: &dyn Fn(&Chosen) -> Result<Recording>| match &next {
+        Ok(next) => further(next),
+        Err(why) => bail!("{why}"),
+    };
     let length = next.as_ref().map_or(rows, |next| next.motion.len());
     let names = |question: &Question| -> Vec<String> {
         let all = question.candidates.iter();
@@ -78,16 +83,9 @@ pub(super) fn settled(suite: Suite, index: u64, seed: u64, rows: usize) -> Resul
         candidates: question.as_ref().map_or_else(Vec::new, names),
         expected_nats: next.as_ref().ok().and_then(least_nats),
         has_inseparable: next.as_ref().is_ok_and(|next| !next.inseparable.is_empty()),
-        chosen: outcome(
-            next.clone()
-                .and_then(|next| led(&next.motion, next.start_degc, seed)),
-        ),
-        at_random: outcome(next.and_then(|next| led(&next.at_random.0, None, seed + 1))),
-        by_hand: outcome(
-            again
-                .drawn(length, seed + 2)
-                .map_err(|error| error.to_string()),
-        ),
+        chosen: outcome(along(&|next| led(&next.motion, next.start_degc, seed))),
+        at_random: outcome(along(&|next| led(&next.at_random.0, None, seed + 1))),
+        by_hand: outcome(again.drawn(length, seed + 2)),
     }))
 }
 
@@ -96,23 +94,16 @@ fn least_nats(next: &Chosen) -> Option<f64> {
 }
 
 /// What `plan --settle` chooses.
-fn chosen(trial: &Trial, question: &Question, rows: usize) -> Result<Chosen, String> {
+fn chosen(trial: &Trial, question: &Question, rows: usize) -> Result<Chosen> {
     let request = SettleRequest {
         rows: Some(rows),
         ..SettleRequest::default()
     };
-    let device = Device::from_toml(&trial.device_toml, "device.toml");
-    let device = device.map_err(|error| error.to_string())?;
-    guarded(|| choose_next(&device, &trial.log, question, &request))?
-        .map_err(|error| error.to_string())
+    let device = Device::from_toml(&trial.device_toml, "device.toml")?;
+    guarded(|| Ok(choose_next(&device, &trial.log, question, &request)?))
 }
 
-fn led(
-    again: &Again,
-    motion: &Motion,
-    warm_degc: Option<f64>,
-    seed: u64,
-) -> Result<Recording, String> {
+fn led(again: &Again, motion: &Motion, warm_degc: Option<f64>, seed: u64) -> Result<Recording> {
     let rate_hz = motion
         .time_s
         .as_ref()
@@ -126,20 +117,18 @@ fn led(
         force_n: motion.force_n.as_ref(),
         warm_degc,
     };
-    again.led(&led, seed).map_err(|error| error.to_string())
+    again.led(&led, seed)
 }
 
 /// The diagnosis of recordings together, and whether it names the truth.
-fn judged(trial: &Trial, logs: &[&Recording]) -> Result<(Diagnosis, Outcome), String> {
-    let log = Recording::joined(logs).map_err(|error| error.to_string())?;
+fn judged(trial: &Trial, logs: &[&Recording]) -> Result<(Diagnosis, Outcome)> {
+    let log = Recording::joined(logs)?;
     let options = Options {
         without: trial.without.clone(),
         ..Options::default()
     };
-    let diagnosis = guarded(|| diagnose(&trial.device, &log, &options))?;
-    let diagnosis = diagnosis.map_err(|error| error.to_string())?;
-    let json = serde_json::to_string(&diagnosis).map_err(|error| error.to_string())?;
-    let answer = Answer::from_json(&json).map_err(|error| format!("{error:#}"))?;
+    let diagnosis = guarded(|| Ok(diagnose(&trial.device, &log, &options)?))?;
+    let answer = answer(&serde_json::to_string(&diagnosis)?)?;
     let score = judge(&trial.truth, &answer, &BTreeMap::new());
     let outcome = match diagnosis.verdict {
         Verdict::Named if score.right && score.top_right => Outcome::Settled,
