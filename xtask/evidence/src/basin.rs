@@ -53,7 +53,6 @@ struct Outcome {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 enum Ended {
-    /// At the device.
     Found,
     /// Elsewhere, and it says so: an error, or a doubt that remains.
     Told,
@@ -62,7 +61,6 @@ enum Ended {
     Silent,
 }
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     let paper = Paper::load()?;
     output.section("Convergence basin");
@@ -119,9 +117,8 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     );
     output.verdict(lost == 0, text);
     let at_bar = |point: &&(f64, f64)| point.0 == BAR as f64;
-    let uniform = curves
-        .last()
-        .and_then(|(_, _, many)| many.iter().find(at_bar));
+    let uniform = curves.last();
+    let uniform = uniform.and_then(|(.., many)| many.iter().find(at_bar));
     let farthest = uniform.map_or(0.0, |point| point.1);
     let text =
         format!("from up to 10 degrees and 50 mm away {farthest:.1} % are found (bar: 95 %)");
@@ -140,12 +137,8 @@ fn figure(curves: &[Curves]) -> Figure {
     );
     for (index, (name, one, many)) in curves.iter().enumerate() {
         let label = |way: &str| format!("{name}, {way}");
-        figure.series.push(Series::new(
-            label("one search"),
-            Mark::DashedLine,
-            index,
-            one.clone(),
-        ));
+        let one = Series::new(label("one search"), Mark::DashedLine, index, one.clone());
+        figure.series.push(one);
         figure.line(label("random places"), index, many.clone());
     }
     figure
@@ -217,9 +210,8 @@ fn device(
             .collect();
         let stated = || -> Result<f64> {
             let predicted = predict_distances(fit, &unseen, [0.0; 3])?;
-            let deviations = predicted
-                .iter()
-                .map(|p| p.standard_deviation.unwrap_or(0.0));
+            let deviations = predicted.iter();
+            let deviations = deviations.map(|p| p.standard_deviation.unwrap_or(0.0));
             Ok(rms(&deviations.collect::<Vec<f64>>())?)
         };
         let error = rms(&errors)?;

@@ -101,10 +101,8 @@ fn left_out(
     let cables: Vec<_> = cables
         .filter(|((trial, _), _)| trial.rig == Rig::Cable)
         .collect();
-    let asked: usize = cables
-        .iter()
-        .map(|(_, failed)| 3 * POSTURES * (devices - failed.len()))
-        .sum();
+    let counted = cables.iter().map(|(_, failed)| devices - failed.len());
+    let asked = 3 * POSTURES * counted.sum::<usize>();
     let refused: usize = cables.iter().map(|((_, (refused, _)), _)| refused).sum();
     let text = format!(
         "one cable fixes no coordinate of the handle: {refused} of {asked} got no interval"

@@ -100,7 +100,6 @@ pub(super) fn check(path: &str, committed: &str, made: &str) -> Result<()> {
     );
 }
 
-/// The page of claims, from the pages of the parts.
 pub(super) fn claims(pages: &[(Part, String)]) -> String {
     let mut text =
         format!("# Evidence\n\n{LEAD}\n\n| claim | holds | computed by `cargo xtask evidence` |\n");

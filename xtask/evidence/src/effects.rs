@@ -59,12 +59,10 @@ struct Outcome {
     absent_is_said: bool,
 }
 
-/// Names of the kinds.
 pub(super) fn kinds() -> [&'static str; 8] {
     KINDS.map(|kind| kind.name)
 }
 
-/// Heads of the table.
 const HEADS: &str = "effect | joint | number | devices | failed | shown [%] | covered [%] | median half width [%] | \
                      absent, and said so [%] | commit";
 /// Digits of its numbers.
@@ -73,7 +71,6 @@ const DIGITS: [usize; 6] = [0, 0, 1, 1, 2, 1];
 const COVERED: usize = 3;
 const SAID: usize = 5;
 
-/// A row of the table.
 struct Row {
     numbers: [f64; 6],
     /// Commit whose code the numbers are of.
@@ -120,10 +117,7 @@ pub(super) fn section(
         table.push(cells)?;
     }
     output.table("effects", table)?;
-    output.verdict(
-        covered,
-        "intervals of effects hold in 93 to 97 %".to_owned(),
-    );
+    output.verdict(covered, "intervals of effects hold in 93 to 97 %");
     let mean = said.iter().sum::<f64>() / said.len() as f64;
     let text = format!("of effects that are not there {mean:.1} % are said not to be shown");
     output.verdict(mean >= ABSENT, text);
@@ -156,12 +150,10 @@ fn simulated(effects: &[DeviceEffect]) -> Result<Effects> {
 }
 
 impl Kind {
-    /// The numbers of its row.
     fn counted(&self, devices: usize) -> Result<[f64; 6]> {
-        let progress = Progress::new(self.name, devices);
         let nominal = nominal(Rig::Cable, Errors::Gaussian)?;
-        let outcomes = progress.over(devices, |seed| self.device(&nominal, seed));
-        drop(progress);
+        let of_seed = |seed| self.device(&nominal, seed);
+        let outcomes = Progress::new(self.name, devices).over(devices, of_seed);
         if let Some(Err(error)) = outcomes.iter().find(|outcome| outcome.is_err()) {
             eprintln!("{}: {error:#}", self.name);
         }
@@ -182,7 +174,6 @@ impl Kind {
         ])
     }
 
-    /// Its row of a page.
     fn held(&self, page: &str) -> Option<Row> {
         let cells = |line: &str| -> Vec<String> {
             let cells = line.trim_matches('|').split(" | ");

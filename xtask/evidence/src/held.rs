@@ -5,14 +5,12 @@ use haptical_calibration::ParameterFit;
 use haptical_model::{Device, TransmissionError};
 use xtask_paper::chebyshev;
 
-/// What an interval is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Kind {
     /// A parameter that the data fix alone.
     Alone,
     /// A parameter that they fix only in a combination.
     Member,
-    /// A combination.
     Combination,
 }
 
@@ -26,7 +24,6 @@ impl Kind {
     }
 }
 
-/// One interval of a fit.
 pub(super) struct Interval {
     /// Name of the parameter, or of the first of a combination.
     pub(super) name: String,

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use anyhow::{Context, Result, ensure};
 use haptical_calibration::{
-    CalibrationMethod, Channel, Options, ParameterFit, Weights, channels, fit_device,
-    fit_kinematics, force_direction, predict_distances, predict_positions, with_curvature,
-    with_step_one_noise,
+    CalibrationMethod, Channel, ParameterFit, Weights, channels, fit_device, fit_kinematics,
+    force_direction, predict_distances, predict_positions, with_curvature, with_step_one_noise,
 };
 use haptical_model::{Device, Recording};
 use haptical_simulator::true_poses;
@@ -77,7 +76,6 @@ impl Quantity {
     }
 }
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     output.section("Intervals");
     output.words(format!(
@@ -93,9 +91,7 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     let mut failures: Vec<Vec<String>> = Vec::new();
     let mut notes = Vec::new();
     for (index, trial) in TRIALS.iter().enumerate() {
-        let progress = Progress::new(trial.name, devices);
-        let outcomes = trial.run(devices, &progress)?;
-        drop(progress);
+        let outcomes = trial.run(devices)?;
         let mut counts: BTreeMap<&str, Held> = BTreeMap::new();
         let (mut refused, mut considered, mut failed) = (0, 0, Vec::new());
         for (seed, outcome) in outcomes.iter().enumerate() {
@@ -124,17 +120,11 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
 }
 
 impl Trial {
-    fn run(&self, devices: usize, progress: &Progress) -> Result<Vec<Result<Outcome>>> {
+    fn run(&self, devices: usize) -> Result<Vec<Result<Outcome>>> {
         let nominal = nominal(self.rig, self.errors)?;
         let postures = postures(&nominal, POSTURES)?;
+        let progress = Progress::new(self.name, devices);
         Ok(progress.over(devices, |seed| self.device(&nominal, &postures, seed)))
-    }
-
-    fn options(&self) -> Options {
-        estimated(match self.way {
-            Way::AnglesKnown | Way::TwoSteps => CalibrationMethod::TwoStep,
-            Way::Joint => CalibrationMethod::Joint,
-        })
     }
 
     fn device(&self, nominal: &Device, postures: &Recording, seed: u64) -> Result<Outcome> {
@@ -183,7 +173,10 @@ impl Trial {
     }
 
     fn fit(&self, nominal: &Device, truth: &Device, seen: &Recording) -> Result<ParameterFit> {
-        let options = self.options();
+        let options = estimated(match self.way {
+            Way::AnglesKnown | Way::TwoSteps => CalibrationMethod::TwoStep,
+            Way::Joint => CalibrationMethod::Joint,
+        });
         if self.way == Way::AnglesKnown {
             let known = with_transmissions_of(nominal, truth);
             let channels = [Channel::Cable { index: 0 }];

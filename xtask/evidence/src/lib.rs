@@ -23,11 +23,11 @@ mod rigs;
 mod watch;
 mod watch_day;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Result;
 use haptical_report::write_atomically;
-use xtask_output::{Layout, Output, Progress};
+use xtask_output::{Layout, Output, Progress, root};
 
 use document::{CLAIMS, PARTS};
 
@@ -62,10 +62,6 @@ const QUICK_DEVICES: usize = 4;
 const FUZZ_SECONDS: u64 = 120;
 
 const LEAD: &str = "All tables of this run. docs/evidence.md has the claims.";
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
 
 /// Runs the job.
 pub fn evidence(arguments: &Arguments) -> Result<()> {

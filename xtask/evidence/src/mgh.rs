@@ -45,7 +45,6 @@ const CAUSES: [(&str, &[f64], &str); 5] = [
     ),
 ];
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, folder: &Path) -> Result<()> {
     let (instances, tables) = set::read(folder).map_err(|error| anyhow!(error))?;
     let mut runs = Vec::new();

@@ -22,7 +22,6 @@ const BARS: [usize; 2] = [24, 25];
 /// Enough for the long valley of MGH10.
 const PATIENCE: usize = 20_000;
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, folder: &Path) -> Result<()> {
     let problems = read_all(folder).map_err(|error| anyhow!(error))?;
     let defaults = Settings::default();
@@ -69,17 +68,11 @@ fn table(title: &str, problems: &[Certified], scores: &[Score]) -> Result<Table>
 
 fn verdicts(output: &mut Output, title: &str, scores: &[Score], bar: usize) {
     let named = |of: &dyn Fn(&Score) -> bool| {
-        let names: Vec<&str> = scores
-            .iter()
-            .filter(|score| of(score))
-            .map(|score| score.name)
-            .collect();
-        or_none(&names)
+        let names = scores.iter().filter(|score| of(score));
+        or_none(&names.map(|score| score.name).collect::<Vec<&str>>())
     };
-    let solved = scores
-        .iter()
-        .filter(|score| score.has_digits(SOLVED_DIGITS));
-    let solved = solved.count();
+    let is_solved = |score: &&Score| score.has_digits(SOLVED_DIGITS);
+    let solved = scores.iter().filter(is_solved).count();
     let text = format!(
         "{title}: {SOLVED_DIGITS} digits of every parameter and of the sum on {solved} of {} (bar: {bar}); not on: {}",
         scores.len(),

@@ -44,7 +44,6 @@ const TWISTS_RAD: [f64; 6] = [0.0, 1e-5, 1e-4, 1e-3, 1e-2, 5e-2];
 /// Most that our error at unseen postures may be above that of the plain search.
 const AS_GOOD: f64 = 1.05;
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output) -> Result<()> {
     output.section("Parallel joints");
     output.words(format!(
@@ -67,11 +66,10 @@ pub(super) fn section(output: &mut Output) -> Result<()> {
             let plain = trial.plain()?;
             let ours = trial.ours()?;
             let place = trial.place("d3")?;
-            let said = ours
-                .nominal_identifiability
-                .reason(place)
-                .unwrap_or_else(|| "fixed".to_owned());
-            named &= ours.nominal_identifiability.rank == 25 - count && said.contains("acts like");
+            let at_nominal = &ours.nominal_identifiability;
+            let said = at_nominal.reason(place);
+            let said = said.unwrap_or_else(|| "fixed".to_owned());
+            named &= at_nominal.rank == 25 - count && said.contains("acts like");
             let worst = worst_over_interval(&ours, &trial.truth)?;
             honest &= worst.is_none_or(|worst| worst < FARTHEST);
             let (own, other) = (trial.unseen(&ours.device)?, trial.unseen(&plain.device)?);
@@ -86,7 +84,7 @@ pub(super) fn section(output: &mut Output) -> Result<()> {
             let errors = trial.errors(&plain.device);
             table.push(cells! {
                 count => 0, twist_rad * 1e3 => 2, plain.says, errors.0 * 1e3 => 2,
-                errors.1 * 1e3 => 2, ours.nominal_identifiability.rank => 0, said, status,
+                errors.1 * 1e3 => 2, at_nominal.rank => 0, said, status,
                 worst => 2, own * 1e3 => 4, other * 1e3 => 4,
             })?;
         }
@@ -193,27 +191,18 @@ impl Trial {
     }
 
     fn place(&self, name: &str) -> Result<usize> {
-        let mut names = self
-            .parameters
-            .iter()
-            .map(|parameter| parameter.name(&self.nominal));
-        names
-            .position(|other| other == name)
-            .context("no such parameter")
+        let mut parameters = self.parameters.iter();
+        let place = parameters.position(|own| own.name(&self.nominal) == name);
+        place.context("no such parameter")
     }
 
     /// All parameters at once, whatever their rank.
     fn plain(&self) -> Result<Plain> {
-        let weights = Weights::stated(&self.nominal, &[Channel::Position]);
+        let (nominal, seen, parameters) = (&self.nominal, &self.seen, &self.parameters);
         let channels = [Channel::Position];
-        let problem = DeviceProblem::new(
-            &self.nominal,
-            &self.seen,
-            &channels,
-            &self.parameters,
-            &weights,
-        )?;
-        let all: Vec<usize> = (0..self.parameters.len()).collect();
+        let weights = Weights::stated(nominal, &channels);
+        let problem = DeviceProblem::new(nominal, seen, &channels, parameters, &weights)?;
+        let all: Vec<usize> = (0..parameters.len()).collect();
         // tolerances as MINPACK's users set them, and no question of rank
         let settings = Settings {
             cost_tolerance: 1e-16,
@@ -241,21 +230,19 @@ impl Trial {
             held_out: HeldOut::None,
             ..Options::default()
         };
-        let (nominal, seen, parameters) = (&self.nominal, &self.seen, &self.parameters);
-        let what = "parallel joints";
         let fit = fit_parameters(&FitRequest {
-            what,
-            device: nominal,
-            recording: seen,
+            what: "parallel joints",
+            device: &self.nominal,
+            recording: &self.seen,
             channels: &channels,
-            parameters,
+            parameters: &self.parameters,
             unsupported: &[],
             weights: &weights,
             options: &options,
             start: None,
             yielded: None,
         })?;
-        Ok(with_curvature(fit, seen, &channels, &weights)?)
+        Ok(with_curvature(fit, &self.seen, &channels, &weights)?)
     }
 
     /// Root mean square distance between predicted and true positions.
@@ -264,10 +251,8 @@ impl Trial {
             let poses = true_poses(device, &self.unseen)?;
             Ok(poses.iter().map(|pose| pose.position_m.into()).collect())
         };
-        Ok(rms(&position_errors_m(
-            &points(device)?,
-            &points(&self.truth)?,
-        )?)?)
+        let errors_m = position_errors_m(&points(device)?, &points(&self.truth)?)?;
+        Ok(rms(&errors_m)?)
     }
 
     /// Largest errors of angles \[rad\] and lengths \[m\].
@@ -286,11 +271,9 @@ impl Trial {
 
 /// Largest error of a parameter or a combination with an interval, over its half width.
 fn worst_over_interval(fit: &ParameterFit, truth: &Device) -> Result<Option<f64>> {
-    let missed = intervals(fit, truth)?;
-    let by = missed
-        .into_iter()
-        .map(|found| found.error_over_half_width.abs());
-    Ok(by.reduce(f64::max))
+    let found = intervals(fit, truth)?.into_iter();
+    let missed = found.map(|found| found.error_over_half_width.abs());
+    Ok(missed.reduce(f64::max))
 }
 
 /// How often intervals hold the truth of arms whose parameters deviate by draws of their plausible sizes.

@@ -10,7 +10,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StudentT};
 use xtask_paper::nominal_device;
 
-/// What measures the handle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Rig {
     /// One cable encoder.
@@ -19,7 +18,6 @@ pub(super) enum Rig {
     Tracker,
 }
 
-/// What the readings' noise is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Errors {
     /// Normal, of the stated sizes.
@@ -130,7 +128,6 @@ pub(super) fn true_device(nominal: &Device, seed: u64) -> Device {
     truth
 }
 
-/// Records random poses.
 pub(super) fn record(
     truth: &Device,
     (rig, errors): (Rig, Errors),

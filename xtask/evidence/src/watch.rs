@@ -82,9 +82,7 @@ impl Noise {
 struct Day {
     block_rows: usize,
     reference_h: f64,
-    /// At each rate.
     false_alarms: [usize; PER_HOUR.len()],
-    /// For each shift.
     found: Vec<Found>,
 }
 
@@ -98,7 +96,6 @@ struct Found {
     placed: Option<(bool, f64, bool)>,
 }
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
     output.section("Watch");
     output.words(format!(
@@ -122,7 +119,6 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
         let progress = Progress::new(&format!("memory {memory}"), days);
         let all = progress.over(days, |seed| day(seed, memory)).into_iter();
         let all: Vec<Day> = all.collect::<Result<_>>()?;
-        drop(progress);
         let hours = 24.0 * days as f64;
         let mut cells = cells! {
             memory => 2, middle(all.iter().map(|day| day.block_rows as f64), 0.5)? => 0,
@@ -144,14 +140,10 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
     }
     output.table("watch-false-alarms", alarms)?;
     output.table("watch-delays", delays)?;
-    output.verdict(
-        is_rare,
-        "no more false alarms than stated, whatever the noise remembers".to_owned(),
-    );
-    output.verdict(
-        is_placed,
-        "the 95 % interval of a change holds it on at least 90 % of days wherever half of the days have an alarm".to_owned(),
-    );
+    let text = "no more false alarms than stated, whatever the noise remembers";
+    output.verdict(is_rare, text);
+    let text = "the 95 % interval of a change holds it on at least 90 % of days wherever half of the days have an alarm";
+    output.verdict(is_placed, text);
     Ok(())
 }
 
@@ -159,9 +151,8 @@ pub(super) fn section(output: &mut Output, days: usize) -> Result<()> {
 fn row(memory: f64, shift: Shifted, found: &[&Found]) -> Result<(Vec<Cell>, bool)> {
     let early = found.iter().filter(|found| found.early).count();
     let judged: Vec<&&Found> = found.iter().filter(|found| !found.early).collect();
-    let minutes = judged
-        .iter()
-        .map(|found| found.delay.map_or(f64::INFINITY, f64::from) / 60.0);
+    let minutes = |found: &&&Found| found.delay.map_or(f64::INFINITY, f64::from) / 60.0;
+    let minutes = judged.iter().map(minutes);
     let seen = judged.iter().filter(|found| found.delay.is_some()).count();
     let placed: Vec<(bool, f64, bool)> = judged.iter().filter_map(|found| found.placed).collect();
     let percent = |count: usize| 100.0 * count as f64 / placed.len().max(1) as f64;

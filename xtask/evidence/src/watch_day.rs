@@ -10,14 +10,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use xtask_output::{Output, Progress, cells};
 
-/// Seconds of a day.
 const DAY_S: u32 = 86_400;
-/// Rows a second.
 const RATE_HZ: u32 = 1000;
 /// Seconds at which it is told what is held.
 const TOLD_S: [u32; 4] = [600, 3600, 21_600, DAY_S];
 
-/// Writes the table and its verdict.
 pub(super) fn day(output: &mut Output) -> Result<()> {
     let device = Device::from_toml("[[joint]]\nname = \"one\"\n", "one.toml")?;
     let mut watch = Watch::new(device, WatchOptions::default())?;

@@ -58,7 +58,6 @@ struct Outcome {
     said: bool,
 }
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
     output.section("Noise with memory");
     output.words(format!(
@@ -93,10 +92,7 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
                         rig,
                         method,
                     };
-                    let progress = Progress::new(condition.name, devices);
-                    let outcomes = trial.run(devices, &progress)?;
-                    drop(progress);
-                    let row = Row::new(&outcomes)?;
+                    let row = Row::new(&trial.run(devices)?)?;
                     let is_within = (bar[0]..=bar[1]).contains(&row.covered);
                     good &= is_within;
                     if condition.name == "white" {
@@ -108,14 +104,10 @@ pub(super) fn section(output: &mut Output, devices: usize) -> Result<()> {
         }
     }
     output.table("noise-memory", table)?;
-    output.verdict(
-        good,
-        "intervals hold in 92 to 98 % at 2000 poses and 90 to 99 % at 300 where noise has memory, drifts or is uneven".to_owned(),
-    );
-    output.verdict(
-        narrow,
-        "white noise: the median half width grows by at most 5 %".to_owned(),
-    );
+    let text = "intervals hold in 92 to 98 % at 2000 poses and 90 to 99 % at 300 where noise has memory, drifts or is uneven";
+    output.verdict(good, text);
+    let text = "white noise: the median half width grows by at most 5 %";
+    output.verdict(narrow, text);
     Ok(())
 }
 
@@ -141,8 +133,10 @@ impl Row {
             100.0 * holds.iter().filter(|holds| **holds).count() as f64 / holds.len() as f64
         };
         let usual: Vec<bool> = good.iter().flat_map(|own| own.usual.clone()).collect();
-        let own = good.iter().flat_map(|own| &own.each);
-        let own: Vec<bool> = own.map(|(_, holds)| *holds).collect();
+        let own = good
+            .iter()
+            .flat_map(|own| own.each.iter().map(|(_, holds)| *holds));
+        let own: Vec<bool> = own.collect();
         let kinds = good.iter().flat_map(|own| &own.kinds);
         let of_kind = |wanted: Kind| {
             let own = kinds.clone().zip(&own).filter(|(kind, _)| **kind == wanted);
@@ -190,8 +184,9 @@ impl Row {
 }
 
 impl Trial {
-    fn run(&self, devices: usize, progress: &Progress) -> Result<Vec<Result<Outcome>>> {
+    fn run(&self, devices: usize) -> Result<Vec<Result<Outcome>>> {
         let nominal = nominal(self.rig, Errors::Gaussian)?;
+        let progress = Progress::new(self.condition.name, devices);
         Ok(progress.over(devices, |seed| self.device(&nominal, seed)))
     }
 

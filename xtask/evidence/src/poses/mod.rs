@@ -31,7 +31,6 @@ const TRIED: [usize; 10] = [40, 50, 60, 70, 80, 90, 100, 120, 150, 200];
 const FEWEST_REACHING: usize = 60;
 /// Most poses that may be needed: half of the random ones.
 const BAR: usize = RANDOM / 2;
-/// A way of choosing.
 struct Way {
     name: &'static str,
     /// How the candidates are drawn.
@@ -79,7 +78,6 @@ struct Apart {
     errors: Vec<f64>,
 }
 
-/// Writes the section.
 pub(super) fn section(output: &mut Output, runs: usize) -> Result<()> {
     let paper = Paper::load()?;
     let scenario = Scenario::paper(nominal_device(None)?, &paper, false)?;

@@ -36,16 +36,12 @@ pub(super) fn push(
     let mut row: Vec<Cell> = vec![name.into(), Cell::number(count as f64, 0)];
     row.extend(pair(of_apart(|apart| apart.position_m)));
     row.extend(pair(of_apart(|apart| apart.distance_m)));
-    row.extend(pair(Some((
-        found.whole_position_m,
-        random.whole_position_m,
-    ))));
-    row.extend(pair(Some((found.seen_position_m, random.seen_position_m))));
+    let of = |of: fn(&Accuracy) -> f64| pair(Some((of(found), of(random))));
+    row.extend(of(|accuracy| accuracy.whole_position_m));
+    row.extend(of(|accuracy| accuracy.seen_position_m));
     row.extend(pair(of_apart(|apart| apart.known_position_m)));
-    row.push(Cell::number_or_missing(
-        apart.map(|(found, random)| ratio(found, random)),
-        3,
-    ));
+    let parameters = apart.map(|(found, random)| ratio(found, random));
+    row.push(Cell::number_or_missing(parameters, 3));
     Ok(table.push(row)?)
 }
 
@@ -103,9 +99,8 @@ pub(super) fn verdict(
         ),
         Counted::OneFit => ([seen, seen], "in one fit with step 1", one_fit),
     };
-    let is_met = bar
-        .iter()
-        .all(|count| count.is_some_and(|count| count <= BAR));
+    let is_few = |count: &Option<usize>| count.is_some_and(|count| count <= BAR);
+    let is_met = bar.iter().all(is_few);
     let text = format!(
         "{name}, step 2 {respects}, at most {BAR} are asked for: as {RANDOM} random ones do, {found}"
     );
@@ -141,9 +136,8 @@ pub(super) fn figure(
         }
     }
     let random_um = error_m(random).unwrap_or(f64::NAN) * 1e6;
-    figure
-        .series
-        .push(Series::reference("200 random", BLACK, random_um));
+    let random = Series::reference("200 random", BLACK, random_um);
+    figure.series.push(random);
     figure
 }
 

@@ -23,7 +23,6 @@ const FUZZED: [(&str, &[&str], &str); 2] = [
     ("haptical-cli", &["fuzz"], "arguments of the command"),
 ];
 
-/// Writes the section on Parquet and bags.
 pub(crate) fn formats(output: &mut Output, root: &Path) -> Result<()> {
     output.section("Parquet and bags of ROS 2");
     output.words(
@@ -42,7 +41,6 @@ pub(crate) fn formats(output: &mut Output, root: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes the section on fuzzing.
 pub(crate) fn fuzz(output: &mut Output, root: &Path, seconds: u64) -> Result<()> {
     output.section("Fuzzing");
     output.words(format!(
@@ -64,10 +62,7 @@ pub(crate) fn fuzz(output: &mut Output, root: &Path, seconds: u64) -> Result<()>
     Ok(())
 }
 
-/// Runs tests, optimised, and counts those that passed.
-///
-/// # Errors
-/// If one fails, with all that was printed.
+/// Runs tests, optimised, and counts those that passed; an error with all that was printed where one fails.
 fn passed_tests(root: &Path, arguments: &[&str], environment: &[(&str, String)]) -> Result<usize> {
     let mut command = cargo();
     command.args(["test", "--profile", "jobs", "--quiet"]);

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use cargo_metadata::MetadataCommand;
 use haptical_report::Table;
 use spdx::{Expression, LicenseReq};
-use xtask_output::{Output, cells, or_none};
+use xtask_output::{Output, cells, or_none, root};
 
 /// Licences under which a dependency may come: permissive ones, whose only demand is that their text is kept, if that.
 const ALLOWED: [&str; 9] = [
@@ -36,10 +36,9 @@ fn parse(licence: &str) -> Result<Expression> {
     Expression::parse(&written).with_context(|| format!("the licence \"{licence}\""))
 }
 
-/// Writes the section.
 pub(crate) fn section(output: &mut Output) -> Result<()> {
     let metadata = MetadataCommand::new()
-        .manifest_path(crate::root().join("Cargo.toml"))
+        .manifest_path(root().join("Cargo.toml"))
         .other_options(vec!["--locked".to_owned()])
         .exec()
         .context("cargo metadata")?;

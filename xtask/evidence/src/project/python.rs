@@ -7,21 +7,8 @@ use anyhow::{Result, bail};
 use xtask_output::{Output, Progress, said};
 
 /// What the environment needs besides the wheel, with the versions that were tried.
-const PACKAGES: [&str; 13] = [
-    "maturin>=1.9,<2",
-    "numpy>=1.24",
-    "pytest>=8",
-    "mypy>=1.10",
-    "dask[bag]>=2024.1",
-    "distributed>=2024.1",
-    "pandas>=2",
-    "polars>=1",
-    "pyarrow>=15",
-    "matplotlib>=3.8",
-    "nbclient>=0.10",
-    "ipykernel>=6",
-    "ray>=2.9",
-];
+const PACKAGES: &str = "maturin>=1.9,<2 numpy>=1.24 pytest>=8 mypy>=1.10 dask[bag]>=2024.1 distributed>=2024.1 \
+    pandas>=2 polars>=1 pyarrow>=15 matplotlib>=3.8 nbclient>=0.10 ipykernel>=6 ray>=2.9";
 
 /// Oldest Python that the wheel is for.
 const OLDEST: (u32, u32) = (3, 10);
@@ -44,7 +31,11 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
     said(Command::new(python).args(["-m", "venv"]).arg(&environment))?;
     let inside = environment_python(&environment);
     let pip = "-m pip install --quiet --disable-pip-version-check".split(' ');
-    said(Command::new(&inside).args(pip.clone()).args(PACKAGES))?;
+    said(
+        Command::new(&inside)
+            .args(pip.clone())
+            .args(PACKAGES.split(' ')),
+    )?;
     progress.step();
     let wheel = wheel(root, &target, &inside)?;
     said(
@@ -150,7 +141,6 @@ fn python() -> Option<&'static str> {
     })
 }
 
-/// The interpreter of a virtual environment.
 fn environment_python(environment: &Path) -> PathBuf {
     if cfg!(windows) {
         environment.join("Scripts").join("python.exe")

@@ -9,7 +9,7 @@ use anyhow::{Context, Result, ensure};
 use cargo_metadata::{MetadataCommand, Target};
 use haptical_report::Table;
 use serde::Deserialize;
-use xtask_output::{Output, cells, or_none, read_json, said};
+use xtask_output::{Output, cells, or_none, read_json, root, said};
 
 /// Least share of a library crate's lines that its tests run.
 const COVERED_PERCENT: f64 = 90.0;
@@ -36,22 +36,17 @@ fn version() -> Option<String> {
 /// Library crates that others can depend on: package and folder, in alphabetical order.
 fn libraries() -> Result<Vec<(String, String)>> {
     let metadata = MetadataCommand::new()
-        .manifest_path(crate::root().join("Cargo.toml"))
+        .manifest_path(root().join("Cargo.toml"))
         .no_deps()
         .exec()
         .context("cargo metadata")?;
     let mut found = Vec::new();
     for package in &metadata.packages {
         let published = package.publish.as_ref().is_none_or(|to| !to.is_empty());
-        let folder = package
-            .manifest_path
-            .parent()
-            .and_then(|folder| folder.file_name());
-        if let (true, true, Some(folder)) = (
-            published,
-            package.targets.iter().any(Target::is_lib),
-            folder,
-        ) {
+        let folder = package.manifest_path.parent();
+        let folder = folder.and_then(|folder| folder.file_name());
+        let is_library = published && package.targets.iter().any(Target::is_lib);
+        if let Some(folder) = folder.filter(|_| is_library) {
             found.push((package.name.to_string(), folder.to_owned()));
         }
     }
@@ -68,7 +63,7 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
     std::fs::set_permissions(&wrapper, std::fs::Permissions::from_mode(0o755))?;
     let mut command = Command::new("cargo");
     command
-        .current_dir(crate::root())
+        .current_dir(root())
         .args(["tarpaulin", "--engine", "llvm", "--locked", "--skip-clean"])
         // counting unoptimised code takes the tests of the diagnosis half an hour
         .args(["--no-fail-fast", "--profile", "jobs"])
@@ -76,7 +71,7 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
         .args(["--out", "json", "--output-dir"])
         .arg(folder)
         .arg("--target-dir")
-        .arg(crate::root().join("target/coverage"))
+        .arg(root().join("target/coverage"))
         .env_remove("CARGO_TARGET_DIR")
         .env("RUSTC_WRAPPER", &wrapper)
         // threads that count in the same lines of a cache wait for each other: two are slower than one
@@ -91,7 +86,6 @@ fn measure_coverage(libraries: &[(String, String)], folder: &Path) -> Result<Cov
     read_json(&folder.join("tarpaulin-report.json"))
 }
 
-/// Writes the coverage section.
 pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
     output.section("Line coverage");
     let Some(version) = version() else {
@@ -108,10 +102,8 @@ pub(crate) fn coverage(output: &mut Output, out: &Path) -> Result<()> {
     let mut below = Vec::new();
     for (package, folder) in &libraries {
         let source = format!("crates/{folder}/src/");
-        let own = report
-            .files
-            .iter()
-            .filter(|file| file.path.join("/").contains(&source));
+        let own = report.files.iter();
+        let own = own.filter(|file| file.path.join("/").contains(&source));
         let (covered, lines) = own.fold((0, 0), |(covered, lines), file| {
             (covered + file.covered, lines + file.coverable)
         });
