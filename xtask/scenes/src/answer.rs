@@ -16,7 +16,9 @@ impl Made {
     pub(crate) fn answer(&self) -> Result<Value> {
         let device = self.device.open()?;
         let log = self.log.log("log.csv", &device)?;
-        let second = self.second(&device)?;
+        let second = self.validate.as_ref();
+        let second = second.map(|own| own.log("second.csv", &device));
+        let second = second.transpose()?;
         let mut answer = Map::new();
         if let Some(found) = self.identified(&device, &log, second.as_ref())? {
             answer.insert("identify".to_owned(), found);
@@ -26,29 +28,21 @@ impl Made {
         Ok(trimmed(Value::Object(answer)))
     }
 
-    fn second(&self, device: &Device) -> Result<Option<Log>> {
-        let second = self.validate.as_ref();
-        let read = second.map(|own| own.log("second.csv", device));
-        Ok(read.transpose()?)
-    }
-
     fn identified(
         &self,
         device: &Device,
         log: &Log,
         second: Option<&Log>,
     ) -> Result<Option<Value>> {
-        Ok(match &self.identify {
-            Identified::Nothing => None,
-            Identified::Geometry(ask) => Some(match identify(device, log, ask) {
-                Ok(found) => serde_json::to_value(&found.result)?,
-                Err(error) => refused(&error),
-            }),
-            Identified::Dynamics => Some(match identify_dynamics(device, log, second, None) {
-                Ok(found) => serde_json::to_value(&found.result)?,
-                Err(error) => refused(&error),
-            }),
-        })
+        let found = match &self.identify {
+            Identified::Nothing => return Ok(None),
+            Identified::Geometry(ask) => {
+                identify(device, log, ask).map(|found| serde_json::to_value(&found.result))
+            }
+            Identified::Dynamics => identify_dynamics(device, log, second, None)
+                .map(|found| serde_json::to_value(&found.result)),
+        };
+        Ok(Some(found.unwrap_or_else(|error| Ok(refused(&error)))?))
     }
 
     /// gap.json, and corrected.toml as `corrected`.
@@ -84,7 +78,6 @@ impl Made {
     }
 }
 
-/// A refusal.
 fn refused(error: &haptical::Error) -> Value {
     json!({"refused": error.name(), "words": error.to_string()})
 }

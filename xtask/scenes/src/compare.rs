@@ -136,7 +136,6 @@ impl Tolerance {
     }
 }
 
-/// The class of a number.
 fn tolerance(path: &str) -> Tolerance {
     let [near_rounding, value] = TOLERANCES;
     let is_near = near_rounding.keys.iter().any(|key| path.contains(key));
@@ -152,7 +151,6 @@ fn interval(object: &Map<String, Value>) -> Option<f64> {
     })
 }
 
-/// The classes in words.
 pub(crate) fn tolerances() -> String {
     let said = TOLERANCES.iter().map(|own| {
         let (relative, width, absolute) = (own.relative, own.of_width, own.absolute);

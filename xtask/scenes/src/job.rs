@@ -9,7 +9,7 @@ use serde_json::Value;
 use crate::catalogue::{SCENES, named};
 use crate::compare::{Difference, compare, tolerances};
 use crate::record;
-use crate::scene::{Scene, root};
+use crate::scene::root;
 use crate::workers::each;
 
 /// Where everything that moved is listed, from the root of the project.
@@ -30,10 +30,7 @@ pub struct Arguments {
     list: usize,
 }
 
-/// Runs the job: an error where an answer is not as it was recorded.
-///
-/// # Errors
-/// A scene that cannot be made; without `--record`, an answer that differs from its record.
+/// Runs the job: an error where an answer is not as it was recorded, without `--record`.
 pub fn compare_results(arguments: &Arguments) -> Result<()> {
     let scenes = named(arguments.only.as_deref().unwrap_or_default());
     ensure!(
@@ -44,12 +41,12 @@ pub fn compare_results(arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     let (mut moved, mut scenes_moved) = (0, 0);
     let mut all = String::new();
-    for answered in answers(&scenes) {
-        let Answered {
-            scene,
-            answer,
-            seconds,
-        } = answered;
+    let answers = each(&scenes, |scene| {
+        let start = Instant::now();
+        let answer = (scene.make)().and_then(|made| made.answer());
+        (answer, start.elapsed().as_secs_f64())
+    });
+    for (scene, (answer, seconds)) in scenes.iter().zip(answers) {
         let answer = answer.with_context(|| scene.name)?;
         let recorded = record::read(scene.name)?;
         let differences = match &recorded {
@@ -123,27 +120,6 @@ fn list(scene: &str, differences: &[Difference], most: usize) {
     if differences.len() > most {
         println!("    {scene} and {} more", differences.len() - most);
     }
-}
-
-/// An answer and how long it took.
-struct Answered {
-    scene: Scene,
-    answer: Result<Value>,
-    seconds: f64,
-}
-
-/// The answers of scenes, in their order.
-fn answers(scenes: &[Scene]) -> Vec<Answered> {
-    each(scenes, |scene| {
-        let start = Instant::now();
-        let answer = (scene.make)().and_then(|made| made.answer());
-        let seconds = start.elapsed().as_secs_f64();
-        Answered {
-            scene: *scene,
-            answer,
-            seconds,
-        }
-    })
 }
 
 /// Verdicts and causes of all records.

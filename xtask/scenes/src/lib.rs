@@ -1,7 +1,8 @@
 //! Golden scenes: devices and logs of every rig and every view, their whole answers against recorded ones, and the laws that answers keep.
 #![allow(
     clippy::print_stdout,
-    reason = "the jobs of this crate talk to a terminal"
+    clippy::missing_errors_doc,
+    reason = "the jobs of this crate talk to a terminal, and their errors are texts for a person"
 )]
 
 mod answer;

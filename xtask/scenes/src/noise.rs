@@ -9,7 +9,6 @@ pub(crate) struct Noise {
 }
 
 impl Noise {
-    /// The stream of a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Self {
             random: Random::new(seed),

@@ -34,7 +34,6 @@ pub(crate) fn read(scene: &str) -> Result<Option<Value>> {
     Ok(Some(trimmed(answer)))
 }
 
-/// Records an answer.
 pub(crate) fn write(scene: &str, answer: &Value) -> Result<()> {
     let path = path(scene);
     let file = fs::File::create(&path).with_context(|| path.display().to_string())?;
@@ -66,7 +65,6 @@ pub(crate) fn write_page(text: &str) -> Result<()> {
     Ok(fs::write(root(FOLDER).join("verdicts.txt"), text)?)
 }
 
-/// That page as it is.
 pub(crate) fn page() -> Result<String> {
     Ok(fs::read_to_string(root(FOLDER).join("verdicts.txt"))?)
 }

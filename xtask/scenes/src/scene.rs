@@ -34,10 +34,8 @@ pub(crate) struct DeviceFile {
     pub(crate) tips: Vec<&'static str>,
 }
 
-/// What `identify` is asked for.
 #[derive(Debug, Clone)]
 pub(crate) enum Identified {
-    /// Geometry and drives.
     Geometry(Box<Identify>),
     /// `--with dynamics`.
     Dynamics,
@@ -45,7 +43,6 @@ pub(crate) enum Identified {
     Nothing,
 }
 
-/// A scene, made.
 #[derive(Debug, Clone)]
 pub(crate) struct Made {
     pub(crate) device: DeviceFile,
@@ -94,7 +91,6 @@ impl DeviceFile {
         self
     }
 
-    /// The device.
     pub(crate) fn open(&self) -> Result<Device, haptical::Error> {
         let mut tips = self.tips.iter().map(|tip| (*tip).to_owned());
         let equipment = Equipment {
@@ -138,7 +134,6 @@ impl Made {
         })
     }
 
-    /// The same without `identify`.
     pub(crate) fn without_identification(&self) -> Self {
         Self {
             identify: Identified::Nothing,

@@ -46,7 +46,6 @@ impl Column {
     }
 }
 
-/// A log.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Table {
     pub(crate) columns: Vec<(String, Column)>,
@@ -126,17 +125,14 @@ impl Table {
         self.columns.push((name.into(), Column::Numbers(cells)));
     }
 
-    /// Whether it has a column of this name.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.columns.iter().any(|(own, _)| own == name)
     }
 
-    /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    /// The run of each row.
     pub(crate) fn runs(&self) -> Vec<i64> {
         let own = self.columns.iter().find(|(own, _)| own == "run");
         match own {
@@ -154,7 +150,6 @@ impl Table {
         }
     }
 
-    /// The numbers of a column.
     pub(crate) fn numbers(&self, name: &str) -> Result<&[f64]> {
         let own = self.columns.iter().find(|(own, _)| own == name);
         match own {

@@ -14,7 +14,6 @@ pub(crate) const TRACKER_SD_M: f64 = 1e-4;
 pub(crate) const TRACKER: &str =
     "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-4\n";
 
-/// The lists of scenes.
 const LISTS: [&[Scene]; 6] = [
     rigs::SCENES,
     arms::SCENES,
@@ -24,7 +23,6 @@ const LISTS: [&[Scene]; 6] = [
     motors::SCENES,
 ];
 
-/// All scenes, in order.
 pub(crate) static SCENES: std::sync::LazyLock<Vec<Scene>> =
     std::sync::LazyLock::new(|| LISTS.concat());
 

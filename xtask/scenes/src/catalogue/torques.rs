@@ -72,7 +72,6 @@ const STEP_S: f64 = 0.005;
 /// Noise of a torque, of a link's encoder.
 const TORQUE_SD_NM: f64 = 0.1;
 const OUTPUT_SD_RAD: f64 = 5e-5;
-/// Motors' inertias.
 const ARMATURES_KGM2: [f64; 2] = [0.3, 0.1];
 /// Step of the differences that make speeds and accelerations of what a drive yields.
 const APART_S: f64 = 1e-4;
@@ -176,7 +175,6 @@ impl Arm<'_> {
         Ok(states)
     }
 
-    /// What the drives exert.
     fn torques(&mut self, time_s: f64) -> Result<[f64; 2]> {
         let states = self.states(time_s)?;
         let loads = self.loads(time_s)?;

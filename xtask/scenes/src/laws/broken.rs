@@ -25,14 +25,12 @@ struct List {
     broken: Vec<Broken>,
 }
 
-/// The list.
 pub(super) fn read() -> Result<Vec<Broken>> {
     let text = std::fs::read_to_string(root(FILE)).with_context(|| FILE.to_owned())?;
     let list: List = toml::from_str(&text).with_context(|| FILE.to_owned())?;
     Ok(list.broken)
 }
 
-/// Writes the list.
 pub(super) fn write(list: &[Broken]) -> Result<()> {
     let mut text =
         "# Laws of xtask/scenes/src/laws that answers break: `cargo xtask laws --record` writes this list.\n".to_owned();

@@ -184,7 +184,6 @@ fn slowest(log: &Table) -> Option<usize> {
         .min_by(|a, b| moved(*a).total_cmp(&moved(*b)))
 }
 
-/// Another day.
 pub(super) fn later_start(made: &Made) -> Result<Option<Made>> {
     if !made.log.has("t_s") {
         return Ok(None);
@@ -207,7 +206,6 @@ fn is_of_postures(made: &Made) -> bool {
         && !made.device.rig.as_ref().is_some_and(counts_lines)
 }
 
-/// With the rows that are listed.
 fn with_rows(made: &Made, rows: &[usize]) -> Option<Made> {
     is_of_postures(made).then(|| Made {
         log: made.log.taken(rows),
@@ -232,7 +230,6 @@ pub(super) fn doubled(made: &Made) -> Result<Option<Made>> {
     Ok(with_rows(made, &rows))
 }
 
-/// The second half before the first.
 pub(super) fn second_half_first(made: &Made) -> Result<Option<Made>> {
     let count = made.log.rows();
     let rows: Vec<usize> = (count / 2..count).chain(0..count / 2).collect();

@@ -21,7 +21,6 @@ const TORQUE_SD_NM: f64 = 0.01;
 const CONSTANT_NM_PER_A: f64 = 3.0;
 const CURRENT_SD_A: f64 = 1e-3;
 const SUPPLY_V: f64 = 48.0;
-/// A room \[degC\].
 const ROOM_DEGC: f64 = 21.5;
 
 /// Adds columns to each log of a scene; none where `add` adds none to the first.
@@ -118,11 +117,8 @@ pub(super) fn torques(made: &Made) -> Result<Option<Made>> {
     }
     let mut held = move |log: &mut Table, noise: &mut Noise| {
         let angles = joints(log);
-        if log
-            .columns
-            .iter()
-            .any(|(name, _)| name.starts_with("torque"))
-        {
+        let mut names = log.columns.iter().map(|(name, _)| name);
+        if names.any(|name| name.starts_with("torque")) {
             return Ok(false);
         }
         let mut columns = vec![Vec::new(); angles.len()];
@@ -190,23 +186,15 @@ pub(super) fn velocities(made: &Made) -> Result<Option<Made>> {
 /// Currents of motors that each torque follows, and a supply's voltage.
 pub(super) fn currents(made: &Made) -> Result<Option<Made>> {
     to_each(made, |log, noise| {
-        let torque = |(name, column): &(String, Column)| {
-            let joint = name.strip_prefix("torque")?.strip_suffix("_nm")?;
-            match column {
-                Column::Numbers(cells) => Some((joint.to_owned(), cells.clone())),
-                _ => None,
-            }
-        };
-        let torques: Vec<(String, Vec<f64>)> = log.columns.iter().filter_map(torque).collect();
+        let mut torques = numbered(log, "torque");
+        torques.retain(|(_, unit, _)| unit == "nm");
         if torques.is_empty() || log.has("supply_v") {
             return Ok(false);
         }
-        for (joint, cells) in torques {
+        for (joint, _, cells) in torques {
             let read = |torque: &f64| torque / CONSTANT_NM_PER_A + noise.normal(CURRENT_SD_A);
-            log.push(
-                format!("current{joint}_a"),
-                cells.iter().map(read).collect(),
-            );
+            let read = cells.iter().map(read);
+            log.push(format!("current{joint}_a"), read.collect());
         }
         log.push("supply_v", vec![SUPPLY_V; log.rows()]);
         Ok(true)

@@ -36,9 +36,6 @@ pub struct LawsArguments {
 }
 
 /// Runs the job: an error where a law is broken that is not in the list, or holds that is in it.
-///
-/// # Errors
-/// As said; a scene that cannot be made.
 pub fn laws(arguments: &LawsArguments) -> Result<()> {
     let start = Instant::now();
     let asked = asked(arguments);

@@ -45,7 +45,6 @@ macro_rules! laws {
     };
 }
 
-/// All laws.
 pub(super) static LAWS: [Law; 18] = laws! {
     "forces-of-nearly-zero" columns::forces, Same;
     "encoders-on-links" columns::outputs, Same;
