@@ -5,10 +5,7 @@ use anyhow::{Result, bail};
 /// Largest relative difference between final costs.
 pub(crate) const COST_AGREEMENT: f64 = 1e-9;
 
-/// Refuses final costs that differ from the lowest by more than [`COST_AGREEMENT`], and says whose.
-///
-/// # Errors
-/// Names every contender whose cost is not the lowest to that precision, or not a cost.
+/// Refuses final costs that differ from the lowest by more than [`COST_AGREEMENT`], or are none, and says whose.
 pub(crate) fn check_costs(work: &str, costs: &[(String, f64)]) -> Result<()> {
     let lowest = costs.iter().map(|(_, cost)| *cost);
     let lowest = lowest.fold(f64::INFINITY, f64::min);

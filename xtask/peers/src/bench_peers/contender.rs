@@ -41,7 +41,6 @@ impl Answer {
     }
 }
 
-/// Who it was.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Label {
     /// Whose it is: `ours`, `ours, warm start`, `Ceres`, `SciPy` or `Pinocchio`.
@@ -72,7 +71,6 @@ impl Label {
 
 /// Ours or a peer's: something that can be run again and again.
 pub(crate) trait Contender {
-    /// Who it is.
     fn label(&self) -> &Label;
 
     /// Process that does the work, where it is not this one.
@@ -80,6 +78,5 @@ pub(crate) trait Contender {
         None
     }
 
-    /// Runs `repeats` times from the start.
     fn run(&mut self, repeats: usize) -> Result<Answer>;
 }

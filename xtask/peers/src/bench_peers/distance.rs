@@ -68,7 +68,6 @@ const CERES: [(&str, &str, &str); 5] = [
 /// Ceres' header for small dense problems; one thread only.
 pub(crate) const TINY: &str = "Ceres TinySolver";
 
-/// The peers that are there.
 #[derive(Debug)]
 pub(crate) struct Peers {
     pub(crate) ceres: Option<Rc<RefCell<Peer>>>,

@@ -62,12 +62,10 @@ impl DataSet {
         })
     }
 
-    /// Number of poses.
     pub(crate) fn poses(&self) -> usize {
         self.recording.len()
     }
 
-    /// The one channel.
     pub(crate) fn channels() -> [Channel; 1] {
         [Channel::Cable { index: 0 }]
     }
@@ -77,7 +75,6 @@ impl DataSet {
         Weights::stated(&self.nominal, &Self::channels())
     }
 
-    /// The numbers of the file.
     pub(crate) fn numbers(&self) -> Result<Vec<f64>> {
         let links = self.nominal.chain_links();
         ensure!(links.len() == ROWS, "the chain has {} rows", links.len());
@@ -97,7 +94,6 @@ impl DataSet {
         Ok(numbers)
     }
 
-    /// Writes the file.
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
         let numbers = self.numbers()?;
         let bytes = numbers.iter().flat_map(|number| number.to_le_bytes());

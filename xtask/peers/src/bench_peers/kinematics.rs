@@ -26,7 +26,6 @@ pub(crate) struct Poses {
     convention: Convention,
     links: Vec<Link>,
     motions: Vec<Motion>,
-    /// Joint variables of each pose \[rad\].
     joints_rad: Vec<[f64; JOINTS]>,
 }
 
@@ -80,7 +79,6 @@ impl Poses {
         std::array::from_fn(|joint| self.joints_rad.iter().map(|pose| pose[joint]).collect())
     }
 
-    /// The first poses alone.
     fn first(&self, poses: usize) -> Self {
         let count = poses.min(self.joints_rad.len());
         Self {
@@ -167,9 +165,8 @@ impl OursChain {
                 work()?;
             }
             let calls = self.calls * self.set.joints_rad.len();
-            answer
-                .solve_s
-                .push(start.elapsed().as_secs_f64() / calls as f64);
+            let call_s = start.elapsed().as_secs_f64() / calls as f64;
+            answer.solve_s.push(call_s);
         }
         Ok(answer)
     }

@@ -23,7 +23,7 @@ use std::rc::Rc;
 use anyhow::{Result, bail};
 
 use contender::{Contender, Label};
-use distance::{LARGE, Peers, SMALL};
+use distance::{LARGE, Peers, SMALL, Work};
 use files::DataSet;
 use kinematics::{OursChain, POSES, Poses, check_values};
 use peer::{Peer, PeerContender};
@@ -56,10 +56,13 @@ pub struct Arguments {
 pub fn bench(arguments: &Arguments) -> Result<()> {
     let tools = Tools::new(&arguments.scratch, !arguments.offline)?;
     let file = |poses: usize| arguments.scratch.join(format!("distances_{poses}.bin"));
-    let works = if arguments.quick {
-        &[SMALL][..]
-    } else {
-        &[SMALL, LARGE]
+    let works: &[Work] = match arguments.quick {
+        true => &[SMALL],
+        false => &[SMALL, LARGE],
+    };
+    let plan = |rounds: usize| Plan {
+        rounds: if arguments.quick { 3 } else { rounds },
+        keep_disturbed: arguments.keep_disturbed,
     };
     let mut sets = Vec::new();
     for work in works {
@@ -77,29 +80,15 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         scipy: start("SciPy", tools.scipy(), &files, &mut results),
     };
     for (index, (work, set)) in works.iter().zip(&sets).enumerate() {
-        let plan = Plan {
-            rounds: if arguments.quick { 3 } else { work.rounds },
-            keep_disturbed: arguments.keep_disturbed,
-        };
-        distance::run(work, set, index, &peers, plan, &mut results)?;
+        distance::run(work, set, index, &peers, plan(work.rounds), &mut results)?;
     }
     drop(peers);
-    let plan = Plan {
-        rounds: if arguments.quick { 3 } else { SMALL.rounds },
-        keep_disturbed: arguments.keep_disturbed,
-    };
-    let path = file(POSES);
-    forward_kinematics(&tools, &path, plan, &mut results)?;
+    forward_kinematics(&tools, &file(POSES), plan(SMALL.rounds), &mut results)?;
     results.load_after = load::load_average();
-    let command = format!(
-        "cargo xtask bench-peers{}{}",
-        if arguments.quick { " --quick" } else { "" },
-        if arguments.keep_disturbed {
-            " --keep-disturbed"
-        } else {
-            ""
-        },
-    );
+    let quick = arguments.quick.then_some(" --quick");
+    let kept = arguments.keep_disturbed.then_some(" --keep-disturbed");
+    let flags = [quick, kept].map(Option::unwrap_or_default).concat();
+    let command = format!("cargo xtask bench-peers{flags}");
     for text in report::write(&results, &arguments.out, &command, arguments.keep_disturbed)? {
         println!("{text}");
     }

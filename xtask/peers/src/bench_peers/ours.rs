@@ -48,7 +48,6 @@ struct Task<'d> {
     settings: Settings,
     channels: [Channel; 1],
     weights: Weights,
-    /// All of the set's parameters.
     free: Vec<usize>,
 }
 

@@ -59,7 +59,6 @@ impl Peer {
         Ok(peer)
     }
 
-    /// Asks and waits for the answer.
     pub(crate) fn ask(&mut self, request: &str) -> Result<String> {
         let requests = self.requests.as_mut().context("a peer without input")?;
         writeln!(requests, "{request}")

@@ -36,7 +36,6 @@ impl PeerRecord {
     }
 }
 
-/// What a contender found.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Solution {
     pub(crate) work: String,
@@ -46,7 +45,6 @@ pub(crate) struct Solution {
     pub(crate) construction_s: Option<f64>,
 }
 
-/// Everything of one run.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Results {
     pub(crate) peers: Vec<PeerRecord>,
@@ -61,14 +59,12 @@ pub(crate) struct Results {
 }
 
 impl Results {
-    /// Notes the time of ours \[s\].
     pub(crate) fn alone(&mut self, work: &str, ours: &dyn Contender, time_s: f64) {
         self.alone
             .push((work.to_owned(), ours.label().clone(), time_s));
     }
 }
 
-/// The pairs of one work.
 pub(crate) fn pairs(work: &str, comparisons: &[Comparison]) -> Result<Table> {
     let columns = "ours | other | ours [us] | other [us] | other / ours | interval | confidence [%] | rounds | \
              discarded";
@@ -110,10 +106,8 @@ fn solutions(results: &Results) -> Result<Table> {
         "work | contender | sum of squares | above the lowest [1] | steps | construction [us]";
     let mut table = Table::with_heads("Solutions", columns);
     for each in &results.solutions {
-        let same = results
-            .solutions
-            .iter()
-            .filter(|other| other.work == each.work);
+        let same = results.solutions.iter();
+        let same = same.filter(|other| other.work == each.work);
         let lowest = same.map(|other| other.cost).fold(f64::INFINITY, f64::min);
         let iterations = each.iterations.map(|steps| steps as f64);
         table.push(cells! {
@@ -160,7 +154,6 @@ fn comparison_json(each: &Comparison) -> Value {
     })
 }
 
-/// Conditions of the run, in words.
 fn conditions(results: &Results, keep_disturbed: bool) -> String {
     let discarded: usize = results.comparisons.iter().map(|each| each.discarded).sum();
     let found = results.largest_difference;

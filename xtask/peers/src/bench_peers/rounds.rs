@@ -75,10 +75,8 @@ pub(crate) fn compare(
         other: other.label().clone(),
         ..Comparison::default()
     };
-    let processes: Vec<u32> = [ours.process(), other.process()]
-        .into_iter()
-        .flatten()
-        .collect();
+    let processes = [ours.process(), other.process()].into_iter().flatten();
+    let processes: Vec<u32> = processes.collect();
     for _ in 0..ATTEMPTS * plan.rounds {
         if comparison.ratios.len() == plan.rounds {
             break;
@@ -89,11 +87,9 @@ pub(crate) fn compare(
             .zip(before)
             .and_then(|(now, before)| now.foreign_share(&before));
         let labels = [&comparison.ours, &comparison.other];
-        let costs: Vec<(String, f64)> = labels
-            .into_iter()
-            .zip(&answers)
-            .filter_map(|(label, answer)| Some((label.full(), answer.cost?)))
-            .collect();
+        let costs = labels.into_iter().zip(&answers);
+        let costs = costs.filter_map(|(label, answer)| Some((label.full(), answer.cost?)));
+        let costs: Vec<(String, f64)> = costs.collect();
         check_costs(work, &costs)?;
         if share.is_some_and(|share| share > DISTURBED) && !plan.keep_disturbed {
             comparison.discarded += 1;

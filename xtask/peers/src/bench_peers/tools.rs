@@ -12,7 +12,7 @@ use xtask_output::said;
 use super::peer::Program;
 
 /// A peer that can be started, or why not and what to do about it.
-pub(crate) type Found = std::result::Result<Program, String>;
+pub(crate) type Found = Result<Program, String>;
 
 /// Optimisation of the C++ peers: the processor that the bars speak of, so that both sides have AVX2.
 const OPTIMISED: [&str; 4] = ["-std=c++17", "-O3", "-march=x86-64-v3", "-DNDEBUG"];
@@ -35,7 +35,6 @@ pub(crate) struct Tools {
     compiler: String,
 }
 
-/// The source of a peer.
 pub(crate) fn source(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
@@ -54,7 +53,6 @@ impl Tools {
         })
     }
 
-    /// Ceres of the system.
     pub(crate) fn ceres(&self) -> Found {
         const ADVICE: &str = "apt-get install libceres-dev g++";
         let flags = eigen();
@@ -91,11 +89,7 @@ impl Tools {
 
     /// A Python that can import `module`: the scratch environment's, after an attempt to install
     /// `packages` there, else the system's.
-    pub(crate) fn python(
-        &self,
-        module: &str,
-        packages: &[&str],
-    ) -> std::result::Result<PathBuf, String> {
+    pub(crate) fn python(&self, module: &str, packages: &[&str]) -> Result<PathBuf, String> {
         let environment = self.folder.join("python");
         let scratch = environment.join("bin").join("python");
         let import = format!("import {module}");
@@ -134,12 +128,7 @@ impl Tools {
     }
 
     /// Says what to install where the compiler does not find a header.
-    fn needs(
-        &self,
-        flags: &[String],
-        header: &str,
-        advice: &str,
-    ) -> std::result::Result<(), String> {
+    fn needs(&self, flags: &[String], header: &str, advice: &str) -> Result<(), String> {
         let found = || -> std::io::Result<bool> {
             let mut child = Command::new(&self.compiler)
                 .args(["-M", "-x", "c++"])
@@ -165,29 +154,19 @@ impl Tools {
     /// Compiles a peer unless the program there is of the same source and command.
     fn build(&self, name: &str, flags: &[String], libraries: &[&str]) -> Found {
         let source = source(&format!("{name}.cpp"));
-        let (path, stamp) = (
-            self.folder.join(name),
-            self.folder.join(format!("{name}.built")),
-        );
+        let path = self.folder.join(name);
+        let stamp = path.with_extension("built");
         let mut command = Command::new(&self.compiler);
-        command
-            .args(OPTIMISED)
-            .args(flags)
-            .arg(&source)
-            .arg("-o")
-            .arg(&path)
-            .args(libraries);
+        command.args(OPTIMISED).args(flags).arg(&source);
+        command.arg("-o").arg(&path).args(libraries);
         let text = std::fs::read_to_string(&source).map_err(|error| format!("{error}"))?;
         let version = runs(&self.compiler, &["--version"]).unwrap_or_default();
         let made_by = format!("{version}\n{command:?}\n{text}");
+        let first = version.lines().next().unwrap_or(&self.compiler);
         let program = Program {
             path: path.clone(),
             arguments: Vec::new(),
-            built: format!(
-                "{} {}",
-                version.lines().next().unwrap_or(&self.compiler),
-                OPTIMISED.join(" ")
-            ),
+            built: format!("{first} {}", OPTIMISED.join(" ")),
         };
         if path.exists() && std::fs::read_to_string(&stamp).is_ok_and(|before| before == made_by) {
             return Ok(program);
@@ -199,10 +178,8 @@ impl Tools {
         if !output.status.success() {
             let messages = String::from_utf8_lossy(&output.stderr);
             let first = messages.lines().find(|line| line.contains("error"));
-            return Err(format!(
-                "{name}.cpp: {}",
-                first.unwrap_or("does not compile")
-            ));
+            let first = first.unwrap_or("does not compile");
+            return Err(format!("{name}.cpp: {first}"));
         }
         // without the stamp it is built again next time
         let _ = std::fs::write(&stamp, made_by);
@@ -210,7 +187,6 @@ impl Tools {
     }
 }
 
-/// Where Eigen's headers are.
 fn eigen() -> Vec<String> {
     let said = runs("pkg-config", &["--cflags-only-I", "eigen3"]);
     let said = said.filter(|flags| !flags.is_empty());

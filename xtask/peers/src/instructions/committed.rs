@@ -17,7 +17,6 @@ const HEAD: &str = "\
 
 ";
 
-/// A file of counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Committed {
@@ -35,9 +34,6 @@ fn path(folder: &Path, environment: &Environment) -> PathBuf {
 }
 
 /// What is committed for an environment: counts of the same compiler, target and lanes, or why there are none.
-///
-/// # Errors
-/// A file that cannot be read, or that holds what `--record` does not write.
 pub(crate) fn find(folder: &Path, environment: &Environment) -> Result<Result<Committed, String>> {
     let path = path(folder, environment);
     if !path.exists() {
@@ -105,11 +101,8 @@ pub(crate) fn record(
         instructions = committed?.instructions;
     }
     instructions.retain(|name, _| known.contains(&name.as_str()));
-    instructions.extend(
-        counts
-            .iter()
-            .map(|(name, count)| ((*name).to_owned(), *count)),
-    );
+    let counts = counts.iter();
+    instructions.extend(counts.map(|(name, count)| ((*name).to_owned(), *count)));
     let committed = Committed {
         rustc: environment.rustc.clone(),
         target: environment.target.clone(),

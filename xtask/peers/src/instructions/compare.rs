@@ -45,7 +45,6 @@ impl Verdict {
     }
 }
 
-/// One workload.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Row {
     pub(crate) name: String,
@@ -102,10 +101,8 @@ impl Comparison {
             }
         });
         let left_over = self.left_over.iter();
-        of_rows
-            .chain(
-                left_over.map(|name| format!("{name}: committed, but there is no such workload")),
-            )
-            .collect()
+        let left_over =
+            left_over.map(|name| format!("{name}: committed, but there is no such workload"));
+        of_rows.chain(left_over).collect()
     }
 }

@@ -10,21 +10,11 @@ use super::workloads::{Job, Workload};
 /// Function whose instructions callgrind collects, with all that it calls.
 const COLLECTED: &str = "--toggle-collect=*collected_by_callgrind*";
 
-/// Instructions of a workload, and the lanes that it was offered.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Count {
-    pub(crate) instructions: u64,
-    pub(crate) lanes: String,
-}
-
-/// Runs the workload `name` of this program under callgrind, on one thread.
-pub(crate) fn count(name: &str) -> Result<Count> {
+/// Runs the workload `name` of this program under callgrind, on one thread: its instructions, and the lanes that it was offered.
+pub(crate) fn count(name: &str) -> Result<(u64, String)> {
     let output = Command::new("valgrind")
-        .args([
-            "--tool=callgrind",
-            "--callgrind-out-file=/dev/null",
-            COLLECTED,
-        ])
+        .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
+        .arg(COLLECTED)
         .arg(std::env::current_exe()?)
         .args(["instructions", "--run", name])
         .env("RAYON_NUM_THREADS", "1")
@@ -43,10 +33,8 @@ pub(crate) fn count(name: &str) -> Result<Count> {
         instructions > 0,
         "valgrind collected nothing: it does not see the function of {COLLECTED}; was the program stripped?"
     );
-    Ok(Count {
-        instructions,
-        lanes: String::from_utf8_lossy(&output.stdout).trim().to_owned(),
-    })
+    let lanes = String::from_utf8_lossy(&output.stdout);
+    Ok((instructions, lanes.trim().to_owned()))
 }
 
 /// N of callgrind's line `==PID== Collected : N`.

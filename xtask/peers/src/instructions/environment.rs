@@ -18,10 +18,7 @@ pub(crate) struct Environment {
 }
 
 impl Environment {
-    /// That of this process; lanes are empty yet.
-    ///
-    /// # Errors
-    /// Why nothing can be counted here, as a text.
+    /// That of this process, lanes empty yet; or why nothing can be counted here.
     pub(crate) fn here() -> Result<Self, String> {
         if cfg!(debug_assertions) {
             return Err("only an optimised build is counted (cargo xtask makes one)".to_owned());

@@ -9,11 +9,11 @@ mod output;
 mod tests;
 mod workloads;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context, Result, bail, ensure};
 use rayon::prelude::*;
-use xtask_output::Progress;
+use xtask_output::{Progress, root};
 
 use compare::Comparison;
 use environment::Environment;
@@ -50,7 +50,7 @@ pub struct Arguments {
 
 /// Where the committed counts are, one file for each version of the compiler.
 fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/instructions")
+    root().join("fixtures/instructions")
 }
 
 /// Runs the job.
@@ -113,30 +113,18 @@ fn counted(
     workloads: &[Workload],
 ) -> Result<(Environment, Vec<(&'static str, u64)>)> {
     let progress = Progress::new("counting instructions", workloads.len());
-    let counts = workloads
-        .par_iter()
-        .with_max_len(1)
-        .map(|workload| {
-            let count = count::count(workload.name).with_context(|| workload.name.to_owned());
-            progress.step();
-            count
-        })
-        .collect::<Result<Vec<_>>>()?;
-    drop(progress);
-    let lanes = counts
-        .first()
-        .map(|count| count.lanes.clone())
-        .unwrap_or_default();
-    let counts = workloads
-        .iter()
-        .zip(&counts)
-        .map(|(workload, count)| (workload.name, count.instructions))
-        .collect();
-    Ok((
-        Environment {
-            lanes,
-            ..environment
-        },
-        counts,
-    ))
+    let count = |workload: &Workload| {
+        let count = count::count(workload.name).context(workload.name);
+        progress.step();
+        let (instructions, lanes) = count?;
+        Ok(((workload.name, instructions), lanes))
+    };
+    let counted = workloads.par_iter().with_max_len(1).map(count);
+    let counted = counted.collect::<Result<Vec<_>>>()?.into_iter();
+    let (counts, lanes): (Vec<_>, Vec<String>) = counted.unzip();
+    let environment = Environment {
+        lanes: lanes.into_iter().next().unwrap_or_default(),
+        ..environment
+    };
+    Ok((environment, counts))
 }

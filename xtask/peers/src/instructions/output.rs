@@ -9,7 +9,6 @@ use super::compare::{Comparison, Row, TOLERANCE_PERCENT};
 use super::environment::Environment;
 use super::workloads::Workload;
 
-/// Everything that is shown.
 #[derive(Debug)]
 pub(crate) struct Results<'r> {
     pub(crate) environment: &'r Environment,
@@ -20,7 +19,6 @@ pub(crate) struct Results<'r> {
     pub(crate) comparison: Result<&'r Comparison, &'r String>,
 }
 
-/// Says why there are no counts.
 pub(crate) fn nothing_counted(why: &str, as_json: bool) -> Result<()> {
     if as_json {
         let value = json!({ "compared": false, "why_not": why, "workloads": [] });
@@ -32,7 +30,6 @@ pub(crate) fn nothing_counted(why: &str, as_json: bool) -> Result<()> {
 }
 
 impl Results<'_> {
-    /// Prints a table, or JSON alone.
     pub(crate) fn print(&self, as_json: bool) -> Result<()> {
         if as_json {
             println!("{}", serde_json::to_string_pretty(&self.to_json())?);
@@ -80,7 +77,6 @@ impl Results<'_> {
         Ok(table)
     }
 
-    /// As `--json` prints it.
     pub(crate) fn to_json(&self) -> Value {
         let workloads: Vec<Value> = self
             .rows()

@@ -16,7 +16,6 @@ use xtask_output::{built_command, put_between, read_json, said};
 use crate::bench_peers::tools::{Tools, source};
 use answers::{Case, Fit, Truth};
 
-/// The page with the table.
 const PAGE: &str = "docs/performance.md";
 /// Lines between which the table is.
 const BEGIN: &str = "<!-- table: cargo xtask peers-moving -->\n";

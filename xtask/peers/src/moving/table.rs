@@ -8,7 +8,6 @@ use xtask_blind::{Answer, Cause};
 
 use super::answers::{Case, Fit, Truth};
 
-/// One table of all cases.
 pub(super) fn table(truth: &Truth, cases: &[Case]) -> Result<String> {
     let version = cases.first().map_or("", |case| case.fit.version.as_str());
     let mut text = format!("MuJoCo {version}.\n\n");

@@ -13,11 +13,8 @@ use xtask_blind::rows;
 use super::{Job, Workload, spread};
 use crate::bench_peers::files::DataSet;
 
-/// Poses of one pass.
 const POSES: usize = 4096;
-/// Poses of the paper's fit.
 const FIT_POSES: usize = 200;
-/// Free parameters.
 const COLUMNS: usize = 28;
 
 pub(crate) const WORKLOADS: [Workload; 5] = rows! {

@@ -31,7 +31,6 @@ impl Workload {
     }
 }
 
-/// All of them, in the order of the table.
 pub(crate) fn all() -> impl Iterator<Item = Workload> {
     formulas::WORKLOADS
         .into_iter()

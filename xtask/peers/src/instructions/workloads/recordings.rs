@@ -16,7 +16,6 @@ use super::{Job, Workload};
 pub(crate) const LOG_ROWS: usize = 6000;
 /// Rows of the same 60 s at 10 Hz: callgrind takes minutes for a diagnosis of all.
 const DIAGNOSED_ROWS: usize = 600;
-/// Length of a log \[s\].
 const LOG_S: f64 = 60.0;
 const SEED: u64 = 1;
 
