@@ -3,7 +3,7 @@
 use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
 use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
-use haptical_effects::{Absorbed, Effect, catalogue};
+use haptical_effects::{Absorbed, Context, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
 use haptical_motion::{LoadSource, is_moving_arm};
 
@@ -12,11 +12,11 @@ use crate::answer::corrected::{changed, not_in_file};
 use crate::answer::second::{OnSecond, judged};
 use crate::answer::{Diagnosis, Verdict};
 use crate::current::without_currents;
-use crate::engine::Prepared;
 use crate::engine::base::{Base, Unfinished};
 use crate::engine::earlier_model::placed;
 use crate::engine::onto_touches::onto_touches;
 use crate::engine::own_sizes::own_sizes;
+use crate::engine::{Prepared, with_causes};
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
 use crate::judge::findings::{Findings, Inputs};
@@ -31,7 +31,7 @@ use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector};
 use crate::servo_loop::has_commands;
 use crate::thresholds::chance::OUTLIER_SD;
-use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL};
+use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL, STILL_NOISES};
 use crate::{DiagnosisError, Options, current, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
@@ -398,7 +398,10 @@ fn by_noise(
         Ok((answer(Findings::new(selection, inputs)?)?, memory))
     };
     let selection = Selector::new(&engine, case.effects, &tested).select(known.is_none())?;
-    let again = Again::new(&selection).filter(|_| known.is_none());
+    let again = match known {
+        Some(_) => None,
+        None => Again::new(&selection)?,
+    };
     let Some(again) = again else {
         return judged(selection, &readings);
     };
@@ -425,27 +428,53 @@ fn by_noise(
     judged(selection, &cleaned)
 }
 
-/// A second round from what is known with the causes: the gap pushed the base model far from where it belongs, and the
-/// effects' geometry with it, or its fast parts passed for noise.
+/// A second round from what is known with the causes: the gap pushed the base model from where it belongs, and the effects'
+/// geometry with it, or its fast parts passed for noise.
 struct Again {
     /// With the causes in the model, where it fell.
     noise: Option<KnownNoise>,
 }
 
 impl Again {
-    fn new(selection: &Selection<'_>) -> Option<Self> {
+    fn new(selection: &Selection<'_>) -> Result<Option<Self>, DiagnosisError> {
         if selection.causes().is_empty() {
-            return None;
+            return Ok(None);
         }
         let engine = selection.engine();
         let noise = engine.noise_of(&selection.refit.residual);
         let mut pairs = engine.noise.iter().zip(&noise.noise);
         let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
         let is_far = engine.moved(&selection.refit.model.bare) >= MOVED_FAR;
-        (fell || is_far).then(|| Self {
+        Ok((fell || is_far || has_moved(selection)?).then(|| Self {
             noise: fell.then_some(noise),
-        })
+        }))
     }
+}
+
+/// Whether what the causes add is more than a tenth of a stream's noise away from what they add to the base model that they leave: a
+/// device file of both would not leave what the fit does.
+fn has_moved(selection: &Selection<'_>) -> Result<bool, DiagnosisError> {
+    let (engine, effects) = (selection.engine(), selection.selector.effects);
+    let device = engine.problem.device_with(&selection.refit.model.values);
+    let here = &engine.context;
+    let mut there = Context::new(&device, here.recording, &here.streams)?;
+    there.lines.clone_from(&here.lines);
+    let nothing = vec![vec![0.0; here.recording.len()]; here.streams.len()];
+    let [here, there] =
+        [here, &there].map(|at| with_causes(nothing.clone(), at, effects, selection.causes()));
+    let differ = |stream: usize| {
+        let rows = here[stream]
+            .iter()
+            .zip(&there[stream])
+            .zip(&engine.usable[stream]);
+        let used = rows.filter(|(_, usable)| **usable);
+        let squares: Vec<f64> = used
+            .map(|((here, there), _)| (here - there).powi(2))
+            .collect();
+        let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+        mean.sqrt() > STILL_NOISES * engine.floor[stream]
+    };
+    Ok((0..here.len()).any(differ))
 }
 
 /// Whether the base model has the effect already, or swallows it by its form.

@@ -215,6 +215,9 @@ pub(crate) mod fit {
     /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from which effects are
     /// computed anew.
     pub(crate) const MOVED_FAR: f64 = 25.0;
+    /// Change of what the causes add, in noise deviations of a stream (root mean square), up to which they stand still. As in the fit of
+    /// effects of a device file (docs/diagnosis.md, Effects of a device).
+    pub(crate) const STILL_NOISES: f64 = 0.1;
 }
 
 /// Selection of causes.

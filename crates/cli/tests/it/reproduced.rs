@@ -258,6 +258,21 @@ fn every_labelled_set_is_reproduced_by_its_corrected_device() {
     }
 }
 
+/// A lag of the cable of 2 ms bends the base model, and what the cause adds to it: the file is that of a fit without the bend.
+#[test]
+fn a_lag_that_bends_the_base_model_is_written() {
+    let log = "cases/35-refit-stopped-half-way/log.csv.gz";
+    let Some((folder, log)) = of_shared("devices/haptic7.toml", log) else {
+        return;
+    };
+    let told = gap(&folder.path().join("gap"));
+    let after = replayed(folder.path(), "gap/corrected.toml", log.to_str().unwrap());
+    assert_eq!(reproduced(&told["gap"]["channels"], &after), 5);
+    let delay = &told["causes"][0]["parameters"]["delay_s"]["ci95"];
+    let [low, high] = [0, 1].map(|end| delay[end].as_f64().unwrap());
+    assert!(low < 2e-3 && 2e-3 < high, "{delay}");
+}
+
 /// The drives of a moving arm are in its file beside the payload: with them the log has no gap, and nothing is left to identify.
 #[test]
 fn a_moving_arm_gets_the_numbers_of_its_drives() {
