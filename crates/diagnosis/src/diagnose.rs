@@ -7,32 +7,21 @@ use haptical_effects::{Absorbed, Context, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
 use haptical_motion::{LoadSource, is_moving_arm};
 
-use crate::answer::assemble::answer;
-use crate::answer::corrected::{changed, not_in_file};
-use crate::answer::second::{OnSecond, judged};
-use crate::answer::{Diagnosis, Verdict};
+use crate::answer::{Diagnosis, Verdict, answer, changed, judged, not_in_file};
 use crate::current::without_currents;
-use crate::engine::base::{Base, Unfinished};
-use crate::engine::earlier_model::placed;
-use crate::engine::onto_touches::onto_touches;
-use crate::engine::own_sizes::own_sizes;
-use crate::engine::{Prepared, with_causes};
+use crate::engine::{Base, Prepared, Unfinished, onto_touches, own_sizes, placed, with_causes};
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
-use crate::judge::findings::{Findings, Inputs};
-use crate::judge::too_coarse::Corrected;
+use crate::judge::{Corrected, Findings, Inputs};
 use crate::log::{Log, thinned};
 use crate::moving::between::{Links, of_links};
 use crate::moving::{carries_links_alone, of_moving_arm, with_link_torques};
-use crate::noise::cleaning::without_readings;
-use crate::noise::measured::KnownNoise;
-use crate::noise::stated::is_stated;
+use crate::noise::{KnownNoise, is_stated, without_readings};
 use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector};
 use crate::servo_loop::has_commands;
-use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL, STILL_NOISES};
-use crate::{DiagnosisError, Options, current, servo_loop, torques_alone};
+use crate::{DiagnosisError, Options, Result, current, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
 /// effect of the catalogue causes it, or that none does.
@@ -85,11 +74,7 @@ pub fn diagnose(
 }
 
 /// The diagnosis of positions, of encoders on links and of torques.
-fn of_chain(
-    device: &Device,
-    recording: &Recording,
-    options: &Options<'_>,
-) -> Result<Diagnosis, DiagnosisError> {
+fn of_chain(device: &Device, recording: &Recording, options: &Options<'_>) -> Result<Diagnosis> {
     let found = diagnose_all(device, recording, options)?;
     let mut own = match device.effects.is_empty() {
         true => options
@@ -110,8 +95,6 @@ fn of_chain(
 /// What a file does not hold of encoders on the links of a moving arm.
 const SLOW_PART: &str = "that the encoders on the links were fitted behind a low pass, and without the rows in which a link is in its \
                          play: a replay has all of both, and leaves more";
-
-/// Joints that yield, as effects.
 fn yielding(model: &Device) -> impl Iterator<Item = DeviceEffect> {
     let yields = |joint: &usize| model.compliance_rad_per_nm(*joint) != 0.0;
     let joints = (0..model.joints.len()).filter(yields);
@@ -126,7 +109,7 @@ fn diagnose_all(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<Diagnosis> {
     let yielding = options.model.and_then(|model| yielding_as(device, model));
     let mut device = yielding.unwrap_or_else(|| device.clone());
     if let Some(model) = options.model.filter(|_| device.effects.is_empty()) {
@@ -150,8 +133,8 @@ fn diagnose_all(
     // the load between motor and link is that of the bodies that the torques show
     let carried = moving
         .as_ref()
-        .filter(|(torques, _)| carries_links_alone(&recording, || torques.is_explained()));
-    let shown = carried.map(|(torques, _)| changed(model, &torques.changes).0);
+        .filter(|torques| carries_links_alone(&recording, || torques.is_explained()));
+    let shown = carried.map(|torques| changed(model, &torques.changes).0);
     let loaded = |recording: &Recording| with_link_torques(shown.as_ref()?, recording);
     let second = validation.as_deref().and_then(loaded);
     let loaded = loaded(&recording);
@@ -202,16 +185,13 @@ fn diagnose_all(
         return diagnosed(device, &base);
     };
     // a gap may hide below a noise that is stated too large: judged by what the recording shows of it
-    let mut found = if corrected.is_other_than(device) {
-        let base = Base::fit(
-            &corrected.device,
-            recording,
-            options.loss,
-            &options.interrupt,
-        )?;
-        diagnosed(&corrected.device, &base)?
-    } else {
-        diagnosed(device, &base)?
+    let other = &corrected.device;
+    let mut found = match other == device {
+        true => diagnosed(device, &base)?,
+        false => {
+            let base = Base::fit(other, recording, options.loss, &options.interrupt)?;
+            diagnosed(other, &base)?
+        }
     };
     corrected.report(&mut found, &options.without);
     Ok(found)
@@ -222,15 +202,14 @@ fn with_links(
     links: &Links,
     (device, model): (&Device, &Device),
     recording: &Recording,
-    (options, effects, moving): (&Options<'_>, &[Box<dyn Effect>], Moving),
-) -> Result<Diagnosis, DiagnosisError> {
-    let changes = moving.as_ref().map(|(torques, _)| torques.changes.clone());
+    (options, effects, moving): (&Options<'_>, &[Box<dyn Effect>], Option<ForceAnswer>),
+) -> Result<Diagnosis> {
     let both = links.before(model, moving, effects, options.validation.is_some());
+    let changes = both.changes.clone();
     let mut found = torques_alone::diagnose(device, recording, &[], (options, Some(both)))?;
     if found.verdict.has_causes() {
         let other = found.corrected.take().unwrap_or_else(|| model.clone());
         let file = links.corrected(&other, &found.causes);
-        let changes = changes.unwrap_or_default();
         let devices = (model, Some(&file));
         found.not_in_file = not_in_file(found.verdict, &found.causes, devices, (&changes, true));
         found.not_in_file.push(SLOW_PART.to_owned());
@@ -243,9 +222,6 @@ fn with_links(
     }
     Ok(found)
 }
-
-/// What the torques of a moving arm say, and what a second recording's do.
-type Moving = Option<(ForceAnswer, Option<OnSecond>)>;
 
 /// The device with the compliances of a model identified earlier: they are numbers of the base model then, as
 /// lengths and angles are. None where the model has none, or the device file says itself what yields.
@@ -277,8 +253,8 @@ fn with_open_base(device: &Device) -> Option<Device> {
 fn without_minimum(
     base: &Base,
     end: &Unfinished,
-    by_base: &dyn Fn(&Base) -> Result<Diagnosis, DiagnosisError>,
-) -> Result<Diagnosis, DiagnosisError> {
+    by_base: &dyn Fn(&Base) -> Result<Diagnosis>,
+) -> Result<Diagnosis> {
     let there = Base {
         device: end.device.clone(),
         ..base.clone()
@@ -307,7 +283,7 @@ struct Case<'c> {
     options: &'c Options<'c>,
     effects: &'c [Box<dyn Effect>],
     /// What the torques say, where they are those of a moving arm.
-    moving: Option<&'c (ForceAnswer, Option<OnSecond>)>,
+    moving: Option<&'c ForceAnswer>,
 }
 
 /// Readings without their outliers, and the postures at which derivatives are taken.
@@ -319,7 +295,7 @@ struct Cleaned {
 
 /// The diagnosis against a fitted base model. Where it leaves a gap, or a part of one, without a cause, it is made again with
 /// a noise that has a memory, if there may be one: that may be all of the gap, or of what a cause leaves.
-fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis, DiagnosisError> {
+fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis> {
     let (found, memory) = by_noise(case, base, None)?;
     // a noise of no stated size is made of what is left: it would account for the rest of any part
     let is_bounded = (base.channels.iter()).all(|channel| is_stated(case.device, *channel));
@@ -360,7 +336,7 @@ fn by_noise(
     case: &Case<'_>,
     base: &Base,
     known: Option<&KnownNoise>,
-) -> Result<(Diagnosis, Option<KnownNoise>), DiagnosisError> {
+) -> Result<(Diagnosis, Option<KnownNoise>)> {
     let recording = case.recording;
     let onto = onto_touches(base, recording)?;
     let postures = onto.as_ref().unwrap_or(recording);
@@ -370,7 +346,7 @@ fn by_noise(
         gone,
     };
     let prepared = Prepared::new(base, recording, postures)?;
-    let readings = clean(prepared.outlying(OUTLIER_SD));
+    let readings = clean(prepared.outlying());
     let engine = prepared
         .without(&readings.gone, &readings.postures)
         .fit(known)?;
@@ -411,11 +387,9 @@ fn by_noise(
         ..base.clone()
     };
     let cleaned = clean(match again.noise {
-        Some(_) => Prepared::new(base, recording, postures)?.outlying_beside(
-            case.effects,
-            model,
-            OUTLIER_SD,
-        )?,
+        Some(_) => {
+            Prepared::new(base, recording, postures)?.outlying_beside(case.effects, model)?
+        }
         None => readings.gone.clone(),
     });
     let prepared = Prepared::new(&nearer, &cleaned.recording, &cleaned.postures)?;
@@ -436,7 +410,7 @@ struct Again {
 }
 
 impl Again {
-    fn new(selection: &Selection<'_>) -> Result<Option<Self>, DiagnosisError> {
+    fn new(selection: &Selection<'_>) -> Result<Option<Self>> {
         if selection.causes().is_empty() {
             return Ok(None);
         }
@@ -453,7 +427,7 @@ impl Again {
 
 /// Whether what the causes add is more than a tenth of a stream's noise away from what they add to the base model that they leave: a
 /// device file of both would not leave what the fit does.
-fn has_moved(selection: &Selection<'_>) -> Result<bool, DiagnosisError> {
+fn has_moved(selection: &Selection<'_>) -> Result<bool> {
     let (engine, effects) = (selection.engine(), selection.selector.effects);
     let device = engine.problem.device_with(&selection.refit.model.values);
     let here = &engine.context;
@@ -500,24 +474,16 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
 const ALIASES: [(&str, &str); 1] = [("link-compliance", JOINT_COMPLIANCE.name)];
 
 /// The catalogue and the caller's own effects, without those that are to be left out.
-fn effects_of(
-    device: &Device,
-    options: &Options<'_>,
-) -> Result<Vec<Box<dyn Effect>>, DiagnosisError> {
+fn effects_of(device: &Device, options: &Options<'_>) -> Result<Vec<Box<dyn Effect>>> {
     let mut effects = catalogue(device);
     effects.extend(options.own_effects.into_iter().flat_map(|own| own(device)));
     let mut names = haptical_effects::names();
     names.extend(effects.iter().map(|effect| effect.name()));
-    let without: Vec<String> = options
-        .without
-        .iter()
-        .map(|name| {
-            ALIASES
-                .iter()
-                .find(|(alias, _)| alias == name)
-                .map_or(name.clone(), |(_, name)| (*name).to_owned())
-        })
-        .collect();
+    let understood = |name: &String| {
+        let alias = ALIASES.iter().find(|(alias, _)| alias == name);
+        alias.map_or(name.clone(), |(_, name)| (*name).to_owned())
+    };
+    let without: Vec<String> = options.without.iter().map(understood).collect();
     for name in &without {
         if !names.contains(&name.as_str()) {
             return Err(DiagnosisError::UnknownEffect {

@@ -8,6 +8,9 @@ use haptical_linalg::LinalgError;
 use haptical_metrics::MetricsError;
 use haptical_model::ModelError;
 
+/// What a step of a diagnosis gives, or why there is no diagnosis.
+pub(crate) type Result<T, E = DiagnosisError> = std::result::Result<T, E>;
+
 /// Why there is no diagnosis.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -5,31 +5,29 @@ use std::cmp::Ordering;
 
 use haptical_calibration::CalibrationError;
 
-use crate::DiagnosisError;
 use crate::answer::{
     CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, Untestable, Verdict,
 };
 use crate::thresholds::joined::MOST_OVER_NOISE;
 use crate::thresholds::servo::ALL_CLOSED;
-
-type Answered = Result<Diagnosis, DiagnosisError>;
+use crate::{DiagnosisError, Result};
 
 /// What one view of a log says.
 pub(crate) struct View {
-    pub(crate) answer: Answered,
+    pub(crate) answer: Result<Diagnosis>,
     /// Effects of which it says alone why they cannot be tested.
     pub(crate) names: &'static [&'static str],
 }
 
 /// The answer of all views. One that has no rows to judge, or too few, leaves the word to the others, which say so.
-///
-/// # Errors
-/// Those of the first view where none answers; any that says that the input is wrong.
-pub(crate) fn joined(of_chain: Answered, others: impl IntoIterator<Item = View>) -> Answered {
+pub(crate) fn joined(
+    of_chain: Result<Diagnosis>,
+    others: impl IntoIterator<Item = View>,
+) -> Result<Diagnosis> {
     others.into_iter().fold(of_chain, of_two)
 }
 
-fn of_two(first: Answered, other: View) -> Answered {
+fn of_two(first: Result<Diagnosis>, other: View) -> Result<Diagnosis> {
     match (first, other.answer) {
         (Ok(first), Ok(answer)) => Ok(of_both(first, answer, other.names)),
         (Err(DiagnosisError::Calibration(CalibrationError::NoChannel)), answer) => answer,

@@ -27,8 +27,8 @@ mod thresholds;
 mod torques_alone;
 mod version;
 
-pub use answer::corrected::BESIDE_TORQUES;
-pub use answer::shrink::BOOTSTRAP_SEED;
+pub use answer::BESIDE_TORQUES;
+pub use answer::BOOTSTRAP_SEED;
 pub use answer::{
     AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
     Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible,
@@ -38,6 +38,7 @@ pub use answer::{
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;
+use error::Result;
 pub use force::asked::{AskedOfTorques, ask_torques};
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
 pub use moving::between::{NumberOfCause, effects_between};

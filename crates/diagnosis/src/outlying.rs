@@ -2,13 +2,10 @@
 
 use haptical_calibration::{Channel, channels};
 use haptical_effects::device::attached;
-use haptical_identification::Interrupt;
 use haptical_model::{Device, Recording};
 
 use crate::DiagnosisError;
-use crate::engine::Prepared;
-use crate::engine::base::Base;
-use crate::thresholds::chance::OUTLIER_SD;
+use crate::engine::{Base, Prepared};
 use crate::thresholds::recording::MOST_ROWS;
 
 /// Readings that stand alone, as a diagnosis leaves them out (docs/diagnosis.md, Outliers), of every row of a recording:
@@ -22,15 +19,8 @@ pub fn outlying_readings(
 ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
     let mut device = device.clone();
     let recording = attached(&mut device, recording)?;
-    let base = Base {
-        channels: channels(&device, &recording)?,
-        device,
-        parameters: Vec::new(),
-        free: Vec::new(),
-        anchor: None,
-        unfinished: None,
-        interrupt: Interrupt::default(),
-    };
+    let channels = channels(&device, &recording)?;
+    let base = Base::held(device, channels);
     // a diagnosis takes every so many rows of a long recording: all its rows are so many recordings
     let every = recording.len().div_ceil(MOST_ROWS).max(1);
     let mut found = Vec::new();
@@ -38,7 +28,7 @@ pub fn outlying_readings(
         let rows: Vec<usize> = (first..recording.len()).step_by(every).collect();
         let part = recording.select(&rows);
         let prepared = Prepared::new(&base, &part, &part)?;
-        let own = prepared.outlying(OUTLIER_SD).into_iter();
+        let own = prepared.outlying().into_iter();
         found.extend(own.map(|(channel, row)| (channel, rows[row])));
     }
     found.sort_unstable();

@@ -7,11 +7,11 @@ use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::is_moving_arm;
 
 use crate::answer::{CauseAnswer, ChannelGap, Diagnosis, Gap, Verdict};
-use crate::engine::base::Base;
+use crate::engine::Base;
 use crate::force::examine;
 use crate::moving::of_moving_arm;
 use crate::thresholds::own_effects::LEFT_OF_CHANNEL;
-use crate::{DiagnosisError, Options};
+use crate::{Options, Result};
 
 /// The answer on a device with effects of its own: what is left is no gap where it is no more than what their laws get wrong,
 /// and nothing explains it but numbers of the base model and other laws of what the effects are: a loop beside a play.
@@ -19,15 +19,12 @@ use crate::{DiagnosisError, Options};
 /// A law is right up to a share of the squares that its effect takes off a channel ([`haptical_effects::LawError`]).
 /// A device without the effects leaves these squares more, fitted to the same recording and examined in the same way
 /// (A240). A channel that was not examined so has no allowance. `device` and `recording` are without effects.
-///
-/// # Errors
-/// [`DiagnosisError`] where the device without effects cannot be fitted.
 pub(crate) fn within_laws(
     found: Diagnosis,
     own_effects: &[DeviceEffect],
     (device, recording): (&Device, &Recording),
     options: &Options<'_>,
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<Diagnosis> {
     // links and drives are numbers of the base model
     let is_of_base = |name: &str| {
         spec(name).is_some_and(|spec| {
@@ -133,7 +130,7 @@ fn channels_without(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,
-) -> Result<Vec<Without>, DiagnosisError> {
+) -> Result<Vec<Without>> {
     if channels(device, recording).is_err() {
         return Ok(Vec::new());
     }
@@ -156,14 +153,14 @@ fn torques_without(
     recording: &Recording,
     effects: &[DeviceEffect],
     options: &Options<'_>,
-) -> Result<Vec<Without>, DiagnosisError> {
+) -> Result<Vec<Without>> {
     let model = bare(options.model.unwrap_or(device));
     let of_motion = of_moving_arm(&model, recording, None, &options.without);
     let is_of_other = |cause: &CauseAnswer| !effects.iter().any(|effect| is_kin(effect, cause));
     let gaps = match of_motion {
-        Some((found, _)) if found.findings.iter().any(is_of_other) => return Ok(Vec::new()),
-        Some((found, _)) => found.channels,
-        None => examine(&Context::new(&model, recording, &[])?, &[])?.channels,
+        Some(found) if found.findings.iter().any(is_of_other) => return Ok(Vec::new()),
+        Some(found) => found.channels,
+        None => examine(&Context::new(&model, recording, &[])?, None, &[])?.channels,
     };
     let without = gaps.into_iter().map(|gap| Without {
         channel: gap.channel,

@@ -7,10 +7,7 @@ use haptical_identification::Interrupt;
 use haptical_model::{Device, Recording};
 
 use crate::DiagnosisError;
-use crate::engine::Prepared;
-use crate::engine::base::Base;
-use crate::engine::model::{Cause, Refit};
-use crate::thresholds::chance::OUTLIER_SD;
+use crate::engine::{Base, Cause, Prepared, Refit};
 use crate::thresholds::engine::BETTER_SHAPE;
 
 /// The device with numbers for those of its effects that are to be fitted and have none: base model and effects are fitted
@@ -30,20 +27,13 @@ pub fn start_values(
     let rigid = bare(device);
     let base = Base::fit(&rigid, recording, loss, &Interrupt::default())?;
     let prepared = Prepared::new(&base, recording, recording)?;
-    let gone = prepared.outlying(OUTLIER_SD);
-    let cleaned = crate::noise::cleaning::without_readings(recording, &gone);
+    let gone = prepared.outlying();
+    let cleaned = crate::noise::without_readings(recording, &gone);
     let engine = prepared.without(&gone, &cleaned).fit(None)?;
     let mut indices = Vec::new();
     let mut wanted = Vec::new();
     let mut effects: Vec<Box<dyn Effect>> = Vec::new();
-    let mut refit = Refit {
-        model: engine.start.model.clone(),
-        residual: engine.start.residual.clone(),
-        covariance: None,
-        promised: engine.start.promised,
-        convergence: engine.start.convergence,
-        last_step: engine.start.last_step,
-    };
+    let mut refit = engine.start.clone();
     for own in own {
         let is_on_drives = own.effect.spec().hook.is_on_drives();
         if is_on_drives || own.effect.untestable(&engine.context).is_some() {

@@ -6,8 +6,7 @@ use haptical_identification::Interrupt;
 use haptical_model::{Device, JointCompliance, ParameterId, Recording, holding_torques_nm};
 use proptest::prelude::*;
 
-use crate::engine::base::Base;
-use crate::engine::base::problem::BaseProblem;
+use crate::engine::{Base, BaseProblem};
 
 const ROWS: usize = 12;
 

@@ -6,19 +6,16 @@ use haptical_effects::{Context, Effect, Form, spec};
 use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
-use crate::answer::corrected::{not_in_file, of_drives};
-use crate::answer::place::in_torques;
-use crate::answer::second::OnSecond;
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING, Trace,
-    Untestable, Verdict,
+    CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING,
+    Untestable, Verdict, in_torques, not_in_file, of_drives,
 };
 use crate::force::answer::ForceAnswer;
-use crate::force::examine_both;
-use crate::judge::verdict;
+use crate::force::examine;
+use crate::judge::{by_torques, on_unseen};
 use crate::servo_loop::has_commands;
 use crate::thresholds::servo::UNTRUSTED_SCALE;
-use crate::{DiagnosisError, Options};
+use crate::{DiagnosisError, Options, Result};
 
 /// Whether torques are all that a recording has to say of a device with links. Untrusted ones have nothing to say where there are commands.
 pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
@@ -40,15 +37,12 @@ pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
 pub const BEHIND_A_LOW_PASS: &str = "behind a low pass";
 
 /// Diagnoses the torques.
-///
-/// # Errors
-/// [`DiagnosisError::Torques`] for torques that cannot be tested, and why.
 pub(crate) fn diagnose(
     device: &Device,
     recording: &Recording,
     effects: &[Box<dyn Effect>],
-    (options, moving): (&Options<'_>, Option<(ForceAnswer, Option<OnSecond>)>),
-) -> Result<Diagnosis, DiagnosisError> {
+    (options, moving): (&Options<'_>, Option<ForceAnswer>),
+) -> Result<Diagnosis> {
     check_recording(device, recording, &[])?;
     let model = options.model.unwrap_or(device);
     let context = Context::new(model, recording, &[])?;
@@ -58,25 +52,23 @@ pub(crate) fn diagnose(
     } else {
         "block means of 0.1 s"
     };
-    let (force, seen) = match moving {
+    let mut force = match moving {
         Some(moving) => moving,
-        None => examine_both(&context, options.validation, &options.without)?,
+        None => examine(&context, options.validation, &options.without)?,
     };
+    let seen = force.second.take();
     let slow = (!is_moving).then(|| why_not(model, recording)).flatten();
     if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
         return Err(DiagnosisError::Torques {
             why: slow.unwrap_or_else(|| why.clone()),
         });
     }
-    let by_log = verdict::by_torques(&force);
+    let by_log = by_torques(&force);
     let place = in_torques(&force).filter(|_| by_log != Verdict::NoGap);
     let located = place.as_ref().map(|place| place.channel.as_str());
     let gap = Gap::new(by_log, located, force.channels.clone());
     let mut causes = force.findings.clone();
-    for cause in &mut causes {
-        let held_out = cause.held_out.take();
-        cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
-    }
+    gap.agree_with(&mut causes);
     let mut warnings = warnings_of(&force, slow.as_deref());
     let mut predictions = Vec::new();
     let mut held_out = held_out_rows(&causes, is_moving, rows);
@@ -93,7 +85,7 @@ pub(crate) fn diagnose(
             held_out = format!("{SECOND_RECORDING}, {rows}");
         }
     }
-    let (verdict, candidates, said) = verdict::on_unseen(by_log, &mut causes);
+    let (verdict, candidates, said) = on_unseen(by_log, &mut causes);
     if let (Some(first), Some(shown)) = (causes.first_mut(), after_verdict) {
         first.held_out = Some(shown);
     }
@@ -102,19 +94,14 @@ pub(crate) fn diagnose(
     let corrected = of_drives(device, verdict, changes);
     let devices = (device, corrected.as_ref());
     let not_held = not_in_file(verdict, &causes, devices, (&force.changes, is_moving));
-    let provenance = Provenance {
-        rows: recording.len(),
-        base_parameters: force.numbers,
-        base_identifiable: force.numbers,
-        tested: force.tested,
-        thresholds: crate::version::version(),
-        last_step: 0.0,
-        without: options.without.clone(),
-    };
+    let provenance = Provenance::new(recording.len(), force.numbers, force.tested, options);
     Ok(Diagnosis {
         not_in_file: not_held,
         next_experiment: next_experiment(verdict, &force, is_moving),
-        traces: traces(&force, verdict),
+        traces: (force.course.iter())
+            .filter(|_| verdict != Verdict::NoGap)
+            .cloned()
+            .collect(),
         unexplained_share: match (by_log, verdict) {
             (Verdict::Named | Verdict::Ambiguous, Verdict::Unknown) => 1.0,
             _ => force.unexplained_share,
@@ -210,45 +197,19 @@ fn untestable(
 ) -> Vec<Untestable> {
     let mut found: Vec<Untestable> = Vec::new();
     let of_motion = haptical_motion::effect_names();
-    for effect in effects {
-        // what the torques of a motion show is not untestable
-        if is_moving && of_motion.contains(&effect.name()) {
-            continue;
-        }
-        if !found.iter().any(|entry| entry.effect == effect.name()) {
-            found.push(Untestable {
-                effect: effect.name().to_owned(),
-                joints: Vec::new(),
-                why: match effect.spec().form {
-                    Form::Play if is_moving => PLAY,
-                    _ => POSITIONS,
-                }
-                .to_owned(),
-            });
+    // what the torques of a motion show is not untestable
+    let is_shown = |effect: &dyn Effect| is_moving && of_motion.contains(&effect.name());
+    for effect in effects.iter().filter(|effect| !is_shown(effect.as_ref())) {
+        let why = match effect.spec().form {
+            Form::Play if is_moving => PLAY,
+            _ => POSITIONS,
+        };
+        if found.iter().all(|entry| entry.effect != effect.name()) {
+            found.push(Untestable::new(effect.name(), why));
         }
     }
-    let on_forces = force.untestable.iter();
-    found.extend(on_forces.map(|(effect, why)| Untestable {
-        effect: (*effect).to_owned(),
-        joints: Vec::new(),
-        why: why.clone(),
-    }));
+    found.extend(force.untestable.iter().cloned());
     found
-}
-
-/// The torques with the largest gap, over time.
-fn traces(force: &ForceAnswer, verdict: Verdict) -> Vec<Trace> {
-    let course = force.course.iter().filter(|_| verdict != Verdict::NoGap);
-    let trace = course.map(|course| Trace {
-        channel: course.channel.clone(),
-        unit: course.unit.to_owned(),
-        covariate: "t_s".to_owned(),
-        is_held_out: false,
-        at: course.time_s.clone(),
-        before: course.before.clone(),
-        after: course.after.clone(),
-    });
-    trace.collect()
 }
 
 fn next_experiment(verdict: Verdict, force: &ForceAnswer, is_moving: bool) -> Option<String> {

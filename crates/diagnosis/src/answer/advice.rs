@@ -2,10 +2,9 @@
 
 use haptical_effects::{Effect, Family, spec};
 
-use crate::answer::place::Located;
-use crate::answer::{Asked, CauseAnswer, IN_NO_CATALOGUE, Verdict};
-use crate::judge::findings::Findings;
-use crate::select::generic::Covariate;
+use crate::answer::{Asked, CauseAnswer, IN_NO_CATALOGUE, Located, Verdict};
+use crate::judge::Findings;
+use crate::select::Covariate;
 
 /// The next experiment in words; none where there is no gap.
 pub(crate) fn next_experiment(

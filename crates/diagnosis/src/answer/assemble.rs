@@ -2,40 +2,28 @@
 
 use haptical_calibration::implausible_deviations;
 use haptical_effects::{Ahead, Stream};
+use haptical_model::Device;
 
-use crate::DiagnosisError;
-use crate::answer::advice::next_experiment;
-use crate::answer::causes::{noise_findings, position_causes};
-use crate::answer::corrected::{Corrected, corrected, not_in_file};
-use crate::answer::correction::{Correction, correction};
-use crate::answer::place::{Located, in_torques, locate};
-use crate::answer::place_touched::{by_dependence, of_base_term};
-use crate::answer::steps::steps;
-use crate::answer::tables::{candidates, channels, noise, traces, untestable};
-use crate::answer::unseen::{hints, unseen};
+use crate::Result;
 use crate::answer::{
-    CauseAnswer, Diagnosis, FitRows, Gap, NoiseAnswer, Place, Provenance, Verdict,
+    CauseAnswer, Corrected, Correction, Diagnosis, FitRows, Gap, Located, NoiseAnswer, Outcome,
+    Place, Provenance, Verdict, Whiteness, by_dependence, candidates, channels, corrected,
+    correction, hints, in_torques, locate, next_experiment, noise, noise_findings, not_in_file,
+    of_base_term, position_causes, steps, traces, unseen, untestable,
 };
-use crate::judge::findings::Findings;
-use crate::judge::second::on_second;
-use crate::judge::touched::Touched;
-use crate::judge::unlisted::hedge;
-use crate::judge::untold_loads::{self, WEIGH};
-use crate::judge::verdict::{self, contradicted, verdict, why_not};
-use crate::judge::whiteness::Tested;
+use crate::judge::{
+    Findings, Tested, Touched, WEIGH, by_torques, contradicted, doubt_of_loads, hedge, on_second,
+    verdict, why_not,
+};
 use crate::moving::leaves_of_second;
-use crate::noise::NoiseSource;
-use crate::noise::stated::is_stated;
+use crate::noise::{NoiseSource, is_stated};
 use crate::thresholds::noise::LOUD;
 
 /// Puts what was found into words.
-///
-/// # Errors
-/// [`DiagnosisError`] for a statistic that is not a number.
-pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError> {
+pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let engine = findings.engine();
     let mut causes = position_causes(&findings);
-    let untold = untold_loads::hedge(&findings, &mut causes)?;
+    let untold = doubt_of_loads(&findings, &mut causes)?;
     let by_causes = verdict(&findings, &causes);
     let mut touches = Touched::new(engine, by_causes)?;
     let mut in_positions = touches.verdict(&findings, by_causes, !causes.is_empty());
@@ -54,7 +42,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
     let has_position_gap = in_positions != Verdict::NoGap;
     let verdict = match has_position_gap {
         true => in_positions,
-        false => verdict::of_torques(&findings),
+        false => by_torques(&findings.force),
     };
     let of_second = on_second(&findings, verdict)?;
     let unstated = touches.unstated.take();
@@ -64,7 +52,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         false => None,
     };
     let second = findings.inputs.options.validation;
-    let curves = correction(&findings.selection, verdict, located.as_ref(), second)?;
+    let curve = correction(&findings.selection, verdict, located.as_ref(), second)?;
+    let (kept, refused) = curve.map_or((None, None), Outcome::apart);
     let noise = noise(&findings);
     if causes.is_empty() {
         causes = on_the_data(&findings, &noise);
@@ -76,12 +65,9 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
         None => place_in_torques(&findings, verdict),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
-    let (file, left) = file_of(&findings, verdict, &causes, curves.kept.as_ref())?;
+    let (file, left) = file_of(&findings, verdict, &causes, kept.as_ref())?;
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
-    for cause in &mut causes {
-        let held_out = cause.held_out.take();
-        cause.held_out = held_out.map(|held_out| held_out.agreeing(&gap));
-    }
+    gap.agree_with(&mut causes);
     let gone = findings.inputs.gone.iter();
     let gone = gone.map(|(channel, row)| (channel.name(), *row)).collect();
     Ok(Diagnosis {
@@ -127,8 +113,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis, DiagnosisError
             looked_at: None,
             left_out: gone,
         },
-        correction: curves.kept.map(|correction| correction.answer),
-        correction_refused: curves.refused,
+        correction: kept.map(|correction| correction.answer),
+        correction_refused: refused,
         causes,
         steps: steps(&findings.selection),
         held_out: findings.shrink.description,
@@ -142,7 +128,7 @@ fn file_of(
     verdict: Verdict,
     causes: &[CauseAnswer],
     correction: Option<&Correction>,
-) -> Result<(Option<Corrected>, Vec<Vec<f64>>), DiagnosisError> {
+) -> Result<(Option<Corrected>, Vec<Vec<f64>>)> {
     let selection = &findings.selection;
     let file = match correction {
         Some(correction) => Some(Corrected {
@@ -185,8 +171,7 @@ fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
         let Some(twin) = effect.twin(&findings.engine().context) else {
             continue;
         };
-        let joint = effect.joint().map(|joint| joint + 1);
-        let of_effect = |own: &&mut CauseAnswer| own.effect == effect.name() && own.joint == joint;
+        let of_effect = |own: &&mut CauseAnswer| own.is_of(effect.name(), effect.joint());
         for own in causes.iter_mut().filter(of_effect) {
             if !own.confusable_with.iter().any(|name| name == twin) {
                 own.confusable_with.push(twin.to_owned());
@@ -329,5 +314,53 @@ fn provenance(findings: &Findings<'_>) -> Provenance {
         thresholds: crate::version::version(),
         last_step: findings.selection.refit.last_step,
         without: findings.inputs.options.without.clone(),
+    }
+}
+
+impl Diagnosis {
+    /// An answer of a verdict, its gap and its causes, with nothing else to say.
+    pub(crate) fn of_causes(
+        verdict: Verdict,
+        gap: Gap,
+        causes: Vec<CauseAnswer>,
+        device: Device,
+        provenance: Provenance,
+    ) -> Self {
+        Self {
+            probability_unknown: match (verdict, causes.first()) {
+                (Verdict::NoGap, _) => 0.0,
+                (Verdict::Unknown, _) | (_, None) => 1.0,
+                (_, Some(first)) => 1.0 - first.class_probability,
+            },
+            verdict,
+            gap,
+            place: None,
+            causes,
+            absorbed: None,
+            unexplained_share: 0.0,
+            closed_unseen_share: None,
+            own_effects_leave: None,
+            second: None,
+            correction: None,
+            correction_refused: None,
+            not_in_file: Vec::new(),
+            untestable: Vec::new(),
+            invisible: Vec::new(),
+            detectable: Vec::new(),
+            noise: Vec::new(),
+            whiteness: Whiteness::default(),
+            candidates: Vec::new(),
+            plausibility: Vec::new(),
+            next_experiment: None,
+            warnings: Vec::new(),
+            held_out: String::new(),
+            provenance,
+            device,
+            corrected: None,
+            fit_rows: FitRows::default(),
+            steps: Vec::new(),
+            traces: Vec::new(),
+            predictions: Vec::new(),
+        }
     }
 }

@@ -7,17 +7,11 @@ use haptical_effects::{Effect, Family, Hook, Need, Role, Spec};
 
 use nalgebra::DMatrix;
 
-use crate::answer::shrink::{Shrink, Unseen};
-use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer};
-use crate::engine::model::Cause;
-use crate::judge::earlier_model::BaseTerm;
-use crate::judge::findings::Findings;
-use crate::judge::rivals::warms_with_time;
-use crate::judge::verdict::is_reported;
+use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer, Shrink, Unseen};
+use crate::engine::Cause;
+use crate::judge::{BaseTerm, Findings, is_reported, warms_with_time};
 use crate::noise::NoiseSource;
-use crate::select::events::Place;
-use crate::select::rival::Rival;
-use crate::select::{Selection, Selector, misfit};
+use crate::select::{Rival, Selection, Selector, StepPlace, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
 use crate::thresholds::noise::{DATA_PROBABILITY, GROWS_WITH_SPEED, LEVEL_SD, LOUD, MANY_OUTLIERS};
@@ -309,7 +303,7 @@ fn instant(selection: &Selection<'_>, cause: &Cause, value: f64) -> Option<Param
     let time_s = engine.context.recording.time_s.as_ref()?;
     let step = (&selection.refit, cause, largest_step(cause));
     let effect = selection.effect(cause);
-    let [first, last] = Place::new(engine, effect, step, misfit(&selection.after)).rows;
+    let [first, last] = StepPlace::new(engine, effect, step, misfit(&selection.after)).rows;
     let ci95 = [time_s[first.saturating_sub(1)], time_s[last]];
     Some(ParameterAnswer { value, ci95 })
 }

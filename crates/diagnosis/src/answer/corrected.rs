@@ -5,9 +5,9 @@ use haptical_effects::{Form, Hook, Role, Shape, Spec, law};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 use haptical_motion::Change;
 
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::{CauseAnswer, Verdict};
-use crate::engine::model::Cause;
+use crate::engine::Cause;
 use crate::select::Selection;
 
 /// Name of that temperature.
@@ -24,23 +24,19 @@ pub(crate) struct Corrected {
 ///
 /// What an event did is part of the recording: the device does not lose counts again. A cause that the answer does not report is
 /// taken out, and the others are fitted without it: the base model's numbers beside it are those of another device.
-///
-/// # Errors
-/// [`DiagnosisError`] where an effect that the device file has is none, or the fit without what is not reported fails.
 pub(crate) fn corrected(
     selection: &Selection<'_>,
     verdict: Verdict,
     (causes, changes): (&[CauseAnswer], &[Change]),
-) -> Result<Option<Corrected>, DiagnosisError> {
+) -> Result<Option<Corrected>> {
     if !verdict.has_causes() {
         return Ok(None);
     }
     let engine = selection.engine();
     let answer_of = |cause: &Cause| {
         let effect = selection.effect(cause);
-        let number = effect.joint().map(|joint| joint + 1);
         let mut answers = causes.iter();
-        answers.find(|answer| answer.effect == effect.name() && answer.joint == number)
+        answers.find(|answer| answer.is_of(effect.name(), effect.joint()))
     };
     let mut reported = selection.refit.model.clone();
     reported.causes.retain(|cause| answer_of(cause).is_some());
@@ -58,11 +54,9 @@ pub(crate) fn corrected(
     settle(&mut device, engine.context.recording, &|_| None)?;
     for answer in causes.iter().filter(|answer| !answer.earlier.is_empty()) {
         // of an effect that the device had, the size is another one
-        let is_it = |own: &&mut DeviceEffect| {
-            own.name == answer.effect && own.joint.map(|joint| joint + 1) == answer.joint
-        };
+        let is_it = |own: &&mut DeviceEffect| answer.is_of(&own.name, own.joint);
         for own in device.effects.iter_mut().filter(is_it) {
-            own.intervals = intervals(answer);
+            own.intervals = answer.as_effect().intervals;
             own.fit = true;
             has_any = true;
         }
@@ -78,7 +72,7 @@ pub(crate) fn corrected(
         has_any = true;
         let found = entry(effect, &engine.context, &cause.amplitudes, cause.shape);
         let found = DeviceEffect {
-            intervals: intervals(answer),
+            intervals: answer.as_effect().intervals,
             confusable_with: answer.confusable_with.clone(),
             fit: true,
             ..found
@@ -136,7 +130,7 @@ pub(crate) fn not_in_file(
     };
     let is_held = |cause: &CauseAnswer| {
         let joint = cause.joint.map(|joint| joint - 1);
-        let is_it = |own: &DeviceEffect| own.name == cause.effect && own.joint == joint;
+        let is_it = |own: &DeviceEffect| cause.is_of(&own.name, own.joint);
         let yields = |file: &Device| {
             let is_compliance = law(&cause.effect).is_some_and(|law| law.0 == Hook::Joint);
             is_compliance && joint.is_some_and(|joint| file.compliance_rad_per_nm(joint) != 0.0)
@@ -257,19 +251,11 @@ fn drive_effects(causes: &[CauseAnswer], reference_degc: f64) -> Vec<DeviceEffec
                 && parameters.all(|own| cause.parameters.contains_key(own.name))
         };
         let spec = haptical_effects::specs().find(is_whole)?;
-        let numbers = cause.parameters.iter();
-        let numbers = numbers.map(|(name, answer)| (name.clone(), answer.value));
         let reference = spec.further.iter();
         let reference = reference.map(|own| (own.name.to_owned(), reference_degc));
-        Some(DeviceEffect {
-            name: cause.effect.clone(),
-            joint: cause.joint.map(|joint| joint - 1),
-            numbers: numbers.chain(reference).collect(),
-            intervals: intervals(cause),
-            confusable_with: cause.confusable_with.clone(),
-            fit: true,
-            ..DeviceEffect::default()
-        })
+        let mut effect = cause.as_effect();
+        effect.numbers.extend(reference);
+        Some(effect)
     };
     causes.iter().filter_map(of_cause).collect()
 }
@@ -277,75 +263,4 @@ fn drive_effects(causes: &[CauseAnswer], reference_degc: f64) -> Vec<DeviceEffec
 /// Whether an effect is part of a device, so that it is there in the next recording too.
 fn is_of_device(spec: &Spec) -> bool {
     is_law(spec).is_ok() && spec.shape != Shape::Event
-}
-
-fn intervals(answer: &CauseAnswer) -> std::collections::BTreeMap<String, [Option<f64>; 2]> {
-    let parameters = answer.parameters.iter();
-    parameters
-        .map(|(name, parameter)| (name.clone(), parameter.ci95.map(Some)))
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn effect(name: &str, numbers: &[(&str, f64)]) -> DeviceEffect {
-        let numbers = numbers.iter();
-        DeviceEffect {
-            name: name.to_owned(),
-            joint: Some(0),
-            numbers: numbers
-                .map(|(name, value)| ((*name).to_owned(), *value))
-                .collect(),
-            ..DeviceEffect::default()
-        }
-    }
-
-    /// What is found of an effect that the device has is its change: friction adds up, waves of one order as vectors do.
-    #[test]
-    fn a_change_of_an_effect_is_added_to_it() {
-        let friction = |coulomb_nm: f64, at: f64| {
-            let numbers = [
-                ("coulomb_nm", coulomb_nm),
-                ("viscous_nm_s_per_rad", 0.5 * coulomb_nm),
-                ("stribeck_nm", 0.0),
-                ("transition_rad", at),
-            ];
-            effect("joint-friction", &numbers)
-        };
-        let cogging = |amplitude_nm: f64, phase_rad: f64, order: f64| {
-            let numbers = [
-                ("amplitude_nm", amplitude_nm),
-                ("phase_rad", phase_rad),
-                ("order", order),
-            ];
-            effect("motor-cogging", &numbers)
-        };
-        let mut device = Device::from_toml("[[joint]]\n", "one.toml").unwrap().device;
-        device.effects = vec![friction(0.03, 0.01), cogging(0.03, 0.0, 2.0)];
-        let quarter = std::f64::consts::FRAC_PI_2;
-        let mut change = friction(0.01, 0.02);
-        change
-            .intervals
-            .insert("coulomb_nm".to_owned(), [Some(0.008), Some(0.012)]);
-        for found in [change, cogging(0.04, quarter, 2.0), cogging(0.01, 0.0, 3.0)] {
-            add(&mut device, found);
-        }
-        let number = |index: usize, name: &str| device.effects[index].numbers[name];
-        assert_eq!(device.effects.len(), 3);
-        for (index, name, wanted) in [
-            (0, "coulomb_nm", 0.04),
-            (0, "viscous_nm_s_per_rad", 0.02),
-            (0, "transition_rad", 0.01),
-            (1, "amplitude_nm", 0.05),
-            (1, "phase_rad", (0.04_f64).atan2(0.03)),
-            (2, "amplitude_nm", 0.01),
-        ] {
-            let found = number(index, name);
-            assert!((found - wanted).abs() < 1e-12, "{index} {name}: {found}");
-        }
-        let [low, high] = device.effects[0].intervals["coulomb_nm"].map(Option::unwrap);
-        assert!((low - 0.038).abs() < 1e-12 && (high - 0.042).abs() < 1e-12);
-    }
 }

@@ -7,16 +7,11 @@ use haptical_model::transmission::spline::Splines;
 use haptical_model::{Device, DeviceEffect, Recording};
 use serde::Serialize;
 
-use crate::DiagnosisError;
-use crate::answer::p_spline::{Normal, Smooth};
-use crate::answer::place::Located;
-use crate::answer::shrink::{Unseen, device_on_second};
-use crate::answer::{HeldOutAnswer, Verdict};
-use crate::engine::Engine;
-use crate::engine::model::{Cause, Model};
-use crate::judge::rivals::warms_with_time;
-use crate::select::Selection;
-use crate::select::generic::Covariate;
+use crate::Result;
+use crate::answer::{HeldOutAnswer, Located, Normal, Smooth, Unseen, Verdict, device_on_second};
+use crate::engine::{Cause, Engine, Model, take_off_all};
+use crate::judge::warms_with_time;
+use crate::select::{Covariate, Selection};
 use crate::thresholds::answer::PARTS;
 use crate::thresholds::correction::{CHANCE_SD, COEFFICIENTS, LEAST_SHARE, NEARLY_AS_MUCH};
 
@@ -74,7 +69,6 @@ pub struct RefusedCorrection {
     pub on_second: Option<HeldOutAnswer>,
 }
 
-/// A correction that was found.
 pub(crate) struct Correction {
     pub(crate) answer: CorrectionAnswer,
     /// The device with it, geometry and drives fitted beside it.
@@ -83,35 +77,41 @@ pub(crate) struct Correction {
     pub(crate) residual: Vec<Vec<f64>>,
 }
 
-/// What became of the curve: nothing where a cause is named, the gap is in no joint, or no curve predicts unseen rows better than
-/// chance.
-#[derive(Default)]
-pub(crate) struct Corrections {
-    pub(crate) kept: Option<Correction>,
-    pub(crate) refused: Option<RefusedCorrection>,
+/// What became of the curve.
+pub(crate) enum Outcome {
+    Kept(Box<Correction>),
+    Refused(RefusedCorrection),
+}
+
+impl Outcome {
+    /// What was kept, and what was refused.
+    pub(crate) fn apart(self) -> (Option<Correction>, Option<RefusedCorrection>) {
+        match self {
+            Self::Kept(kept) => (Some(*kept), None),
+            Self::Refused(refused) => (None, Some(refused)),
+        }
+    }
 }
 
 /// The curve of the located joint over what the gap depends on, the joint's own angle first, that unseen rows confirm, and a second
-/// recording where there is one. One over time is never kept.
-///
-/// # Errors
-/// [`DiagnosisError`] where base model and curve cannot be fitted together.
+/// recording where there is one; one over time is never kept. None where a cause is named, the gap is in no joint, or no curve predicts
+/// unseen rows better than chance.
 pub(crate) fn correction(
     selection: &Selection<'_>,
     verdict: Verdict,
     located: Option<&Located>,
     second: Option<&Recording>,
-) -> Result<Corrections, DiagnosisError> {
+) -> Result<Option<Outcome>> {
     let Some(located) = located.filter(|_| verdict == Verdict::Unknown) else {
-        return Ok(Corrections::default());
+        return Ok(None);
     };
     let Some(joint) = located.answer.joint.map(|joint| joint - 1) else {
-        return Ok(Corrections::default());
+        return Ok(None);
     };
     let engine = selection.engine();
     if !engine.context.ordered {
         // single postures are too few, and their order is none of time
-        return Ok(Corrections::default());
+        return Ok(None);
     }
     let sure = |over: Over, covariate: Covariate| {
         let column = covariate.column(&engine.context);
@@ -146,26 +146,21 @@ pub(crate) fn correction(
     };
     let Some(fitted) = of_device else {
         let of_time = sure(Over::Time, Covariate::Time);
-        return Ok(Corrections {
-            refused: of_time.map(|(fitted, share)| RefusedCorrection {
-                joint: joint + 1,
-                over: fitted.column,
-                closed_unseen_share: share,
-                why: Refusal::CourseOfTime,
-                on_second: None,
-            }),
-            ..Corrections::default()
+        let refused = of_time.map(|(fitted, share)| RefusedCorrection {
+            joint: joint + 1,
+            over: fitted.column,
+            closed_unseen_share: share,
+            why: Refusal::CourseOfTime,
+            on_second: None,
         });
+        return Ok(refused.map(Outcome::Refused));
     };
     let Some(found) = with_it(engine, joint, fitted)? else {
-        return Ok(Corrections::default());
+        return Ok(None);
     };
     match second {
         Some(second) => confirmed(found, engine, second, &located.answer.channel),
-        None => Ok(Corrections {
-            kept: Some(found),
-            ..Corrections::default()
-        }),
+        None => Ok(Some(Outcome::Kept(Box::new(found)))),
     }
 }
 
@@ -176,7 +171,7 @@ fn confirmed(
     engine: &Engine<'_>,
     second: &Recording,
     located: &str,
-) -> Result<Corrections, DiagnosisError> {
+) -> Result<Option<Outcome>> {
     let channels = device_on_second(engine, second, &found.device)?;
     let gained: f64 = channels.iter().map(|own| own.gained() * own.left().1).sum();
     let is_located = |own: &&Unseen| own.channel.name() == located;
@@ -186,23 +181,16 @@ fn confirmed(
     let is_better = gained > 0.0 && main.is_some_and(|own| own.gain_sd() > CHANCE_SD);
     let on_second = main.map(Unseen::answer);
     if !is_better {
-        let refused = RefusedCorrection {
+        return Ok(Some(Outcome::Refused(RefusedCorrection {
             joint: found.answer.joint,
             over: found.answer.over,
             closed_unseen_share: found.answer.closed_unseen_share,
             why: Refusal::SecondRecording,
             on_second,
-        };
-        return Ok(Corrections {
-            refused: Some(refused),
-            ..Corrections::default()
-        });
+        })));
     }
     found.answer.on_second = on_second;
-    Ok(Corrections {
-        kept: Some(found),
-        ..Corrections::default()
-    })
+    Ok(Some(Outcome::Kept(Box::new(found))))
 }
 
 /// A curve with what unseen rows say of it.
@@ -250,11 +238,8 @@ fn normal(engine: &Engine<'_>, joint: usize, places: &[f64], [from, to]: [f64; 2
         }
     }
     let across = |spline: &Vec<f64>| {
-        let mut dense = system.dense(&system.column(&context.upstream(joint, spline)));
-        // twice: one pass leaves the rounding of large products
-        for direction in system.basis.iter().chain(&system.basis) {
-            direction.take_off(&mut dense);
-        }
+        let mut dense = system.layout.dense(&context.upstream(joint, spline));
+        take_off_all(&mut dense, || system.basis.iter());
         dense
     };
     let columns: Vec<Vec<f64>> = haptical_parallel::map(&splines, across);
@@ -270,11 +255,7 @@ fn normal(engine: &Engine<'_>, joint: usize, places: &[f64], [from, to]: [f64; 2
 }
 
 /// The device with a curve, whose size is fitted together with geometry and drives; none where that fit finds no minimum.
-fn with_it(
-    engine: &Engine<'_>,
-    joint: usize,
-    fitted: Fitted,
-) -> Result<Option<Correction>, DiagnosisError> {
+fn with_it(engine: &Engine<'_>, joint: usize, fitted: Fitted) -> Result<Option<Correction>> {
     let Fitted {
         over,
         column,

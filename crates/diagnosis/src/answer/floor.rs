@@ -1,7 +1,6 @@
 //! The noise floor of a channel, and why a share of the gap above it may not be known.
 
 use haptical_calibration::Channel;
-use haptical_motion::Unseen;
 use serde::Serialize;
 
 use crate::noise::{NoiseSource, is_above};
@@ -12,7 +11,6 @@ pub(crate) struct Floor {
     pub(crate) channel: Channel,
     /// Root mean square, in the channel's unit.
     pub(crate) rms: f64,
-    /// Degrees of freedom.
     pub(crate) freedom: f64,
     pub(crate) source: NoiseSource,
     /// It is not the one that residuals were weighted by, which is above all that the causes leave.
@@ -69,7 +67,7 @@ impl Floor {
     }
 
     /// The floor of a joint's rows that a fit did not see.
-    pub(crate) fn of_rows(unseen: &Unseen) -> Self {
+    pub(crate) fn of_rows(unseen: &haptical_motion::Unseen) -> Self {
         let channel = Channel::Output {
             joint: unseen.joint,
         };

@@ -2,10 +2,8 @@
 
 use haptical_calibration::Channel;
 
-use crate::answer::floor::Floor;
-use crate::answer::shrink::Unseen;
+use crate::answer::{Floor, Unseen};
 use crate::engine::Engine;
-use crate::noise::measured::floors as of_streams;
 use crate::noise::{Noise, NoiseSource};
 use crate::select::Selection;
 
@@ -44,7 +42,7 @@ pub(crate) fn floors(selection: &Selection<'_>, unseen: &[Unseen]) -> Vec<Floor>
 }
 
 fn floor(engine: &Engine<'_>, channel: Channel, noise: &[Noise]) -> Floor {
-    let by_stream = of_streams(&engine.problem, noise, &engine.usable);
+    let by_stream = engine.floors(noise);
     let (mut squares, mut count, mut freedom) = (0.0, 0.0, 0.0);
     let mut shared = f64::INFINITY;
     let mut source = NoiseSource::Repeats;

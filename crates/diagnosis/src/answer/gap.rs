@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::floor::{Floor, NoReduction};
 use super::{HeldOutAnswer, Verdict};
+use crate::answer::CauseAnswer;
 use crate::noise::NoiseSource;
 use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
@@ -181,6 +182,14 @@ impl Gap {
         });
         Self {
             channels: channels.collect(),
+        }
+    }
+
+    /// Takes the shares of causes out where their channel has none.
+    pub(crate) fn agree_with(&self, causes: &mut [CauseAnswer]) {
+        for cause in causes {
+            let held_out = cause.held_out.take();
+            cause.held_out = held_out.map(|held_out| held_out.agreeing(self));
         }
     }
 

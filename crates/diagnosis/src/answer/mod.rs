@@ -1,35 +1,53 @@
 //! The answer: gap.json (docs/diagnosis.md), and what a report draws.
 
-pub(crate) mod advice;
-pub(crate) mod assemble;
-mod bare;
-pub(crate) mod causes;
-pub(crate) mod corrected;
-pub(crate) mod correction;
-pub(crate) mod floor;
-pub(crate) mod floors;
-pub(crate) mod gap;
-pub(crate) mod p_spline;
-pub(crate) mod place;
-pub(crate) mod place_touched;
-pub(crate) mod second;
-pub(crate) mod shrink;
-pub(crate) mod steps;
-pub(crate) mod tables;
-pub(crate) mod unseen;
+mod advice;
+mod assemble;
+mod cause;
+mod causes;
+mod corrected;
+mod correction;
+mod floor;
+mod floors;
+mod gap;
+mod p_spline;
+mod place;
+mod second;
+mod shrink;
+mod tables;
+mod unseen;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use haptical_effects::Ahead;
 pub use haptical_judge::Verdict;
 use haptical_model::Device;
 use serde::Serialize;
 
+pub use self::cause::{AbsorbedAnswer, CauseAnswer, MovedNumber, ParameterAnswer};
 pub use self::correction::{CorrectionAnswer, Refusal, RefusedCorrection};
 pub use self::floor::NoReduction;
 pub use self::gap::{ChannelGap, Gap};
 pub use self::second::{SecondAnswer, SecondChannel};
+use crate::Options;
 use crate::noise::NoiseSource;
+
+pub(crate) use self::advice::next_experiment;
+pub(crate) use self::assemble::answer;
+pub(crate) use self::causes::{noise_findings, noise_level, position_causes, reported};
+pub use self::corrected::BESIDE_TORQUES;
+pub(crate) use self::corrected::{Corrected, changed, corrected, not_in_file, of_drives};
+pub(crate) use self::correction::{Correction, Outcome, correction};
+pub(crate) use self::floor::Floor;
+pub(crate) use self::floors::{channel_rms, floors};
+pub(crate) use self::gap::{held_out, reduction_percent};
+pub(crate) use self::p_spline::{Normal, Smooth};
+pub(crate) use self::place::{Located, by_dependence, in_torques, locate, of_base_term};
+pub(crate) use self::second::{Left, OnSecond, judged, not_predicted};
+pub use self::shrink::BOOTSTRAP_SEED;
+pub(crate) use self::shrink::{
+    Shrink, Unseen, device_on_second, model_residual, on_held_back, on_second,
+};
+pub(crate) use self::tables::{candidates, channels, noise, steps, traces, untestable};
+pub(crate) use self::unseen::{hints, unseen};
 
 /// A diagnosis.
 #[derive(Debug, Clone, Serialize)]
@@ -133,7 +151,7 @@ impl FitRows {
 pub const SECOND_RECORDING: &str = "the second recording";
 
 /// Where the gap lies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Place {
     /// Channel that shows most of it.
     pub channel: String,
@@ -148,6 +166,35 @@ pub struct Place {
     /// Of single postures: everything that was asked; first what is sure, by what it explains, then by probability.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub dependence: Vec<Dependence>,
+}
+
+impl Place {
+    /// In a channel, at a joint from 0 where it lies in one, with the columns that the residual depends on and what each explains.
+    pub(crate) fn new(
+        channel: String,
+        joint: Option<usize>,
+        region: String,
+        on: impl IntoIterator<Item = (String, f64)>,
+    ) -> Self {
+        let place = Self {
+            channel,
+            joint: joint.map(|joint| joint + 1),
+            region,
+            ..Self::default()
+        };
+        place.depending(on)
+    }
+
+    /// With columns that it depends on, and the share that each explains.
+    pub(crate) fn depending(mut self, on: impl IntoIterator<Item = (String, f64)>) -> Self {
+        for (column, share) in on {
+            if !self.depends_on.contains(&column) {
+                self.depends_on.push(column);
+                self.explained.push(share);
+            }
+        }
+        self
+    }
 }
 
 /// What a residual is asked for.
@@ -217,131 +264,6 @@ pub struct Whiteness {
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";
-
-/// A cause.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CauseAnswer {
-    /// Name of the effect (docs/diagnosis.md, Catalogue).
-    pub effect: String,
-    /// Joint (from 1), where it has one.
-    pub joint: Option<usize>,
-    /// Probability of this name at this place.
-    pub probability: f64,
-    /// Probability of this name or one of those it is confusable with.
-    pub class_probability: f64,
-    /// Names (with their joints, where those differ) that refit within ln 100.
-    pub confusable_with: Vec<String>,
-    /// Parameters with intervals.
-    pub parameters: BTreeMap<String, ParameterAnswer>,
-    /// Of an effect that the earlier model has with another size: the numbers that it has.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub earlier: BTreeMap<String, f64>,
-    /// Of numbers of the base model that changed since the earlier model: what they are now, and what that has.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub changed: Vec<MovedNumber>,
-    /// False where a parameter lies beyond what a sound device can show.
-    pub plausible: bool,
-    /// The opposite, under the name that a script may look for.
-    pub implausible: bool,
-    /// Share of the gap's energy that it explains.
-    pub share: f64,
-    /// Gap before and after on data that the fit did not see.
-    pub held_out: Option<HeldOutAnswer>,
-}
-
-impl CauseAnswer {
-    /// Of motor encoders that are ahead of the other sensors: what that usually means.
-    pub fn ahead(&self) -> Option<Ahead> {
-        let delay_s = self.parameters.get("delay_s").map(|own| own.value);
-        Ahead::of(&self.effect, delay_s, &self.confusable_with)
-    }
-
-    /// Its joint in words, or the device.
-    pub(crate) fn place(&self) -> String {
-        self.joint
-            .map_or("the device".to_owned(), |joint| format!("joint {joint}"))
-    }
-}
-
-/// What a calibration without the causes had taken up of them.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AbsorbedAnswer {
-    /// Share of the first cause's squared signal that the base model imitates.
-    pub share: Option<f64>,
-    /// Numbers of the base model that move with the causes, farthest first in standard deviations.
-    pub moved: Vec<MovedNumber>,
-}
-
-/// A number of the base model that moves once the causes are in the model, or that changed since an earlier one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MovedNumber {
-    /// Name, as in identified.json.
-    pub parameter: String,
-    /// Unit of the numbers.
-    pub unit: String,
-    /// Value of the earlier model.
-    pub earlier: f64,
-    /// Value now.
-    #[serde(flatten)]
-    pub value: ParameterAnswer,
-}
-
-/// A parameter of a cause.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ParameterAnswer {
-    /// Value.
-    pub value: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
-}
-
-impl ParameterAnswer {
-    /// A value with a standard deviation.
-    pub(crate) fn normal(value: f64, sd: f64) -> Self {
-        let half = 1.96 * sd;
-        Self {
-            value,
-            ci95: [value - half, value + half],
-        }
-    }
-
-    /// With a factor besides, which may be off by exp(+-1.96 `relative`): a law that is wrong by a share of its effect
-    /// makes its size wrong, never its sign.
-    pub(crate) fn off_by_a_factor(self, relative: f64) -> Self {
-        // beyond a million nothing is known, and no end may be infinite
-        let factor = (1.96 * relative).exp().min(1e6);
-        let ends = [self.value / factor, self.value * factor];
-        let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-        let [below, above] = [self.value - self.ci95[0], self.ci95[1] - self.value];
-        Self {
-            ci95: [
-                self.value - below.hypot(self.value - low),
-                self.value + above.hypot(high - self.value),
-            ],
-            ..self
-        }
-    }
-}
-
-impl CauseAnswer {
-    /// A plausible name that nothing is confused with, without numbers; joints from 0.
-    pub(crate) fn named(effect: &str, joint: Option<usize>, probability: f64) -> Self {
-        Self {
-            effect: effect.to_owned(),
-            joint: joint.map(|joint| joint + 1),
-            probability,
-            class_probability: probability,
-            confusable_with: Vec::new(),
-            parameters: BTreeMap::new(),
-            earlier: BTreeMap::new(),
-            changed: Vec::new(),
-            plausible: true,
-            implausible: false,
-            share: 0.0,
-            held_out: None,
-        }
-    }
-}
 
 /// A step of an event.
 #[derive(Debug, Clone, PartialEq)]
@@ -413,6 +335,33 @@ pub struct Untestable {
     pub joints: Vec<usize>,
     /// Reason.
     pub why: String,
+}
+
+impl Untestable {
+    /// An effect that nothing shows, at any joint.
+    pub(crate) fn new(effect: &str, why: impl Into<String>) -> Self {
+        Self {
+            effect: effect.to_owned(),
+            joints: Vec::new(),
+            why: why.into(),
+        }
+    }
+
+    /// Adds an effect with a reason, at a joint from 0 where that is of one: joints with the same reason share an entry.
+    pub(crate) fn add(all: &mut Vec<Self>, effect: &str, joint: Option<usize>, why: String) {
+        let joint = joint.map(|joint| joint + 1);
+        let same = |own: &&mut Self| own.effect == effect && own.why == why;
+        match all.iter_mut().find(same) {
+            Some(own) => {
+                let new = joint.filter(|joint| !own.joints.contains(joint));
+                own.joints.extend(new);
+            }
+            None => all.push(Self {
+                joints: joint.into_iter().collect(),
+                ..Self::new(effect, why)
+            }),
+        }
+    }
 }
 
 /// An effect that the base model swallows.
@@ -531,6 +480,21 @@ pub struct Provenance {
     pub without: Vec<String>,
 }
 
+impl Provenance {
+    /// Of a model whose numbers are all fixed, with the effects that were tested beside it.
+    pub(crate) fn new(rows: usize, numbers: usize, tested: usize, options: &Options<'_>) -> Self {
+        Self {
+            rows,
+            base_parameters: numbers,
+            base_identifiable: numbers,
+            tested,
+            thresholds: crate::version::version(),
+            last_step: 0.0,
+            without: options.without.clone(),
+        }
+    }
+}
+
 /// Residuals of the channel that shows most of the gap, against the covariate that matters most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
@@ -548,6 +512,26 @@ pub struct Trace {
     pub before: Vec<f64>,
     /// Residuals with the causes in the model.
     pub after: Vec<f64>,
+}
+
+impl Trace {
+    /// Residuals over time of rows that the fit saw.
+    pub(crate) fn over_time(
+        channel: String,
+        unit: &str,
+        at: &[f64],
+        [before, after]: [Vec<f64>; 2],
+    ) -> Self {
+        Self {
+            channel,
+            unit: unit.to_owned(),
+            covariate: "t_s".to_owned(),
+            is_held_out: false,
+            at: at.to_vec(),
+            before,
+            after,
+        }
+    }
 }
 
 /// One row of predictions.csv.

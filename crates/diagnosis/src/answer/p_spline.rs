@@ -22,7 +22,6 @@ struct Part {
 
 /// A curve that predicts unseen rows best.
 pub(crate) struct Smooth {
-    /// Its coefficients.
     pub(crate) coefficients: Vec<f64>,
     /// Numbers that the data decide of them: the trace of the smoother (Eilers & Marx 1996, eq. 30).
     pub(crate) effective: f64,

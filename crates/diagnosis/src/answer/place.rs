@@ -1,17 +1,17 @@
-//! Place of a gap: channel, joint, covariates and region, in words.
+//! Place of a gap: channel, joint, covariates and region, in words; a number of an earlier model, the tool, or what single postures depend
+//! on, where no effect and no free function shows it.
 
-use haptical_effects::{Context, Effect, Follows, Hook, Stream};
+use haptical_calibration::Channel;
+use haptical_effects::{Context, Effect, Family, Follows, Hook, Stream, spec};
 
 use crate::answer::{Asked, Dependence, Place as Answer};
-use crate::engine::Engine;
-use crate::engine::model::Cause;
+use crate::engine::{Cause, Engine};
 use crate::force::answer::ForceAnswer;
-use crate::judge::findings::Findings;
+use crate::judge::{BaseTerm, Findings};
 use crate::noise::without_lines;
-use crate::select::Selection;
-use crate::select::generic::{Covariate, Place, inner_range, score};
+use crate::select::{Covariate, Place, Selection, inner_range, score};
 use crate::thresholds::dependence::{
-    ALSO, BIN_SHARE, DEPENDENCE_P, EVIDENCE_PER_RANK, PLACE_BINS, PLACE_KNOTS,
+    ALSO, BIN_SHARE, DEPENDENCE_P, EVIDENCE_PER_RANK, PLACE_BINS, PLACE_KNOTS, PLACED_P,
 };
 use crate::thresholds::lines::MOST_OF_A_GAP;
 
@@ -32,15 +32,9 @@ impl Located {
         covariate: Covariate,
         region: String,
     ) -> Option<Self> {
+        let channel = context.streams.get(stream)?.channel.name();
         Some(Self {
-            answer: Answer {
-                channel: context.streams.get(stream)?.channel.name(),
-                joint: joint.map(|joint| joint + 1),
-                depends_on: Vec::new(),
-                region,
-                explained: Vec::new(),
-                dependence: Vec::new(),
-            },
+            answer: Answer::new(channel, joint, region, []),
             stream,
             covariate,
         })
@@ -48,12 +42,7 @@ impl Located {
 
     /// With columns that it depends on, and the share that each explains.
     pub(crate) fn depending(mut self, on: impl IntoIterator<Item = (String, f64)>) -> Self {
-        for (column, share) in on {
-            if !self.answer.depends_on.contains(&column) {
-                self.answer.depends_on.push(column);
-                self.answer.explained.push(share);
-            }
-        }
+        self.answer = self.answer.depending(on);
         self
     }
 
@@ -86,7 +75,6 @@ impl Located {
 pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
     let largest = force.largest()?;
     let joint = largest.joint?;
-    let followed = || force.depends_on.iter();
     let place = match largest.channel.trim_end_matches(char::is_numeric) {
         "torque" => format!("in the torque of joint {joint}"),
         "tracking" => format!("between the command and the torque of joint {joint}"),
@@ -100,14 +88,13 @@ pub(crate) fn in_torques(force: &ForceAnswer) -> Option<Answer> {
         ),
         None => place,
     };
-    Some(Answer {
-        channel: largest.channel.clone(),
-        joint: Some(joint),
-        depends_on: followed().map(|own| own.column.clone()).collect(),
+    let on = (force.depends_on.iter()).map(|own| (own.column.clone(), own.share));
+    Some(Answer::new(
+        largest.channel.clone(),
+        Some(joint - 1),
         region,
-        explained: followed().map(|own| own.share).collect(),
-        dependence: Vec::new(),
-    })
+        on,
+    ))
 }
 
 /// By the first cause, or by free functions of every covariate where there is none.
@@ -162,10 +149,7 @@ fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
     {
         depends_on.push(Covariate::Angle(joint).column(context));
     }
-    let place = Place {
-        hook: effect.spec().hook,
-        joint,
-    };
+    let place = Place::at(effect.spec().hook, joint);
     let region = format!(
         "{}; it follows {}",
         hook_words(context, place),
@@ -243,36 +227,24 @@ pub(crate) fn hook_words(context: &Context<'_>, place: Place) -> String {
 fn by_free_functions(selection: &Selection<'_>) -> Option<Located> {
     let engine = selection.engine();
     let context = &engine.context;
-    let mut tried: Vec<(Place, Covariate, f64)> = Vec::new();
-    for place in places(context) {
-        for covariate in covariates(place) {
-            if let Some(found) = score(&engine.system, context, place, covariate, PLACE_KNOTS) {
-                let evidence = found.score - EVIDENCE_PER_RANK * found.rank as f64;
-                tried.push((place, covariate, evidence));
-            }
-        }
-    }
+    let evidence = |place: Place, covariate: Covariate| {
+        let found = score(&engine.system, context, place, covariate, PLACE_KNOTS)?;
+        Some(found.score - EVIDENCE_PER_RANK * found.rank as f64)
+    };
+    let all = places(context).into_iter();
+    let all = all.flat_map(|place| covariates(place).into_iter().map(move |of| (place, of)));
+    let tried = all.filter_map(|(place, of)| Some((place, of, evidence(place, of)?)));
+    let mut tried: Vec<(Place, Covariate, f64)> = tried.collect();
     tried.sort_by(|a, b| b.2.total_cmp(&a.2));
     let &(place, covariate, best) = tried.first()?;
     let stream = stream_of(selection, place.hook, place.joint)?;
     let total: f64 = selection.before.iter().map(|s| s.excess().max(0.0)).sum();
-    let mut others: Vec<(Covariate, f64)> = tried
-        .iter()
-        .filter(|(other, _, _)| *other == place)
-        .map(|(_, covariate, evidence)| (*covariate, *evidence))
-        .collect();
-    for joint in (0..context.device.joints.len()).filter(|&joint| Some(joint) != place.joint) {
-        if let Some(found) = score(
-            &engine.system,
-            context,
-            place,
-            Covariate::Angle(joint),
-            PLACE_KNOTS,
-        ) {
-            let evidence = found.score - EVIDENCE_PER_RANK * found.rank as f64;
-            others.push((Covariate::Angle(joint), evidence));
-        }
-    }
+    let there = tried.iter().filter(|(other, _, _)| *other == place);
+    let there = there.map(|(_, covariate, evidence)| (*covariate, *evidence));
+    let joints = (0..context.device.joints.len()).filter(|&joint| Some(joint) != place.joint);
+    let angles = joints.map(Covariate::Angle);
+    let angles = angles.filter_map(|angle| Some((angle, evidence(place, angle)?)));
+    let mut others: Vec<(Covariate, f64)> = there.chain(angles).collect();
     others.sort_by(|a, b| b.1.total_cmp(&a.1));
     let covariate = others.first().map_or(covariate, |(first, _)| *first);
     let region = match peak(engine, stream, covariate) {
@@ -308,21 +280,11 @@ fn places(context: &Context<'_>) -> Vec<Place> {
             (Hook::ExternalEncoder, measured && chain),
             (Hook::Joint, measured && chain),
         ];
-        for (hook, exists) in hooks {
-            if exists {
-                places.push(Place {
-                    hook,
-                    joint: Some(joint),
-                });
-            }
-        }
+        let there = hooks.into_iter().filter(|(_, exists)| *exists);
+        places.extend(there.map(|(hook, _)| Place::at(hook, Some(joint))));
     }
-    if context.cable.is_some() {
-        places.push(Place {
-            hook: Hook::CableSensor,
-            joint: None,
-        });
-    }
+    let cable = context.cable.as_ref();
+    places.extend(cable.map(|_| Place::at(Hook::CableSensor, None)));
     places
 }
 
@@ -406,4 +368,114 @@ fn in_unit(context: &Context<'_>, covariate: Covariate, value: f64) -> String {
         Covariate::Force => "N",
     };
     format!("{value:.2} {unit}")
+}
+
+/// By the strongest base term that an earlier model lacks.
+pub(crate) fn of_base_term(engine: &Engine<'_>, term: &BaseTerm) -> Option<Located> {
+    let context = &engine.context;
+    let own = term.joint.filter(|_| term.in_drive);
+    let stream = own
+        .and_then(|joint| context.output_stream(joint))
+        .or_else(|| context.streams.iter().position(Stream::shows_handle))
+        .unwrap_or(0);
+    let covariate = Covariate::Angle(term.joint.unwrap_or(0));
+    if term.is_tool() {
+        return of_tool(context, stream, term);
+    }
+    let sensor = spec(term.name).filter(|spec| spec.family == Family::Place);
+    if let Some(hook) = sensor.map(|spec| spec.hook) {
+        let place = Place::at(hook, None);
+        let stream = context
+            .streams_of(Channel::Position)
+            .next()
+            .unwrap_or(stream);
+        let words = hook_words(context, place);
+        let region = format!("{words}: the earlier model has another place");
+        return Located::new(context, stream, None, Covariate::Time, region);
+    }
+    let words = match term.joint {
+        Some(joint) if term.in_drive => format!("in the drive of joint {}", joint + 1),
+        Some(joint) => format!("in the geometry of link {}", joint + 1),
+        None => "in the geometry of the base row".to_owned(),
+    };
+    let region = format!("{words}: the earlier model has other values there");
+    let located = Located::new(context, stream, term.joint, covariate, region)?;
+    Some(located.depending([(covariate.column(context), 1.0)]))
+}
+
+/// Behind the last joint, in the handle's frame.
+fn of_tool(context: &Context<'_>, stream: usize, term: &BaseTerm) -> Option<Located> {
+    let joint = context.device.joints.len();
+    let parts: Vec<String> = ["shift_x_m", "shift_y_m", "shift_z_m"]
+        .iter()
+        .filter_map(|name| term.parameters.get(*name))
+        .map(|part| format!("{:.2}", 1e3 * part.value))
+        .collect();
+    let region = format!(
+        "behind joint {joint}: what the last link carries sits ({}) mm elsewhere in the handle's frame than in the \
+         earlier model, whose other numbers hold",
+        parts.join(", ")
+    );
+    let last = joint.checked_sub(1)?;
+    Located::new(context, stream, Some(last), Covariate::Angle(last), region)
+}
+
+/// Of touches: by what their residuals depend on, posture by posture.
+pub(crate) fn by_dependence(
+    selection: &Selection<'_>,
+    dependence: Vec<Dependence>,
+) -> Option<Located> {
+    let context = &selection.engine().context;
+    let told = || {
+        dependence
+            .iter()
+            .filter(|found| found.p_adjusted < PLACED_P)
+    };
+    let surest = told().next();
+    let joint = surest.and_then(|found| found.joint);
+    let alone = surest.and_then(|found| found.channel.as_ref());
+    let alone = alone.and_then(|name| {
+        context
+            .streams
+            .iter()
+            .position(|s| s.channel.name() == *name)
+    });
+    let stream = alone.or_else(|| stream_of(selection, Hook::Joint, None))?;
+    let region = match surest {
+        None if context.streams.iter().any(Stream::is_touch) => {
+            "no joint's angle or torque, no direction of approach and no drift explains it: no place can be told"
+                .to_owned()
+        }
+        None => {
+            "no joint's angle, torque or direction and no drift explains it, so that no place can be told: noise \
+             larger than stated looks like this"
+                .to_owned()
+        }
+        Some(found) => {
+            let place = match (joint, found.asked) {
+                (Some(joint), _) => format!("at joint {joint}"),
+                (None, Asked::Course) => "in no joint alone".to_owned(),
+                (None, _) => "at the handle".to_owned(),
+            };
+            format!(
+                "{place}; it depends on {} (probability by chance {:.1e}), which explains {:.0} % of it",
+                found.on,
+                found.p_adjusted,
+                100.0 * found.share
+            )
+        }
+    };
+    let of_joint = joint.map_or(0, |joint| joint - 1);
+    let covariate = match surest.map(|found| (found.asked, found.column.as_str())) {
+        Some((Asked::Torque, _)) => Covariate::Torque(of_joint),
+        Some((Asked::Course, "t_s")) => Covariate::Time,
+        Some((Asked::Course, "temp_degc")) => Covariate::Temperature,
+        _ => Covariate::Angle(of_joint),
+    };
+    let columns: Vec<(String, f64)> = told()
+        .map(|found| (found.column.clone(), found.share))
+        .collect();
+    let mut located = Located::new(context, stream, None, covariate, region)?.depending(columns);
+    located.answer.joint = joint;
+    Some(located.with_dependence(dependence))
 }

@@ -35,7 +35,7 @@ impl SecondAnswer {
 }
 
 /// What a second recording shows of torques, or of encoders on links.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct OnSecond {
     /// Gap of each channel, without the named effects and with them.
     pub(crate) held_out: Vec<HeldOutAnswer>,
@@ -271,10 +271,8 @@ fn of_second_alone(found: Diagnosis, second: &SecondAnswer) -> Diagnosis {
     let place = largest.map(|own| Place {
         channel: own.channel.clone(),
         joint: own.joint,
-        depends_on: Vec::new(),
         region: "in the second recording alone".to_owned(),
-        explained: Vec::new(),
-        dependence: Vec::new(),
+        ..Place::default()
     });
     let mut channels: Vec<ChannelGap> = second.channels.iter().map(SecondChannel::gap).collect();
     for other in found.gap.channels {

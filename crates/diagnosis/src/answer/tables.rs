@@ -1,19 +1,18 @@
-//! Parts of the answer that are tables: gaps by channel, residuals for a picture, what was not tested, noise.
+//! Parts of the answer that are tables: gaps by channel, residuals for a picture, what was not tested, noise, steps of events.
 
 use std::collections::BTreeMap;
 
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Effect};
 
-use crate::DiagnosisError;
-use crate::answer::causes::reported;
-use crate::answer::floor::Floor;
-use crate::answer::floors::channel_rms;
-use crate::answer::place::Located;
-use crate::answer::{CandidateAnswer, ChannelGap, NoiseAnswer, Prediction, Trace, Untestable};
-use crate::engine::model::Cause;
-use crate::judge::findings::Findings;
-use crate::select::rival::Rival;
+use crate::Result;
+use crate::answer::{
+    CandidateAnswer, ChannelGap, Floor, Located, NoiseAnswer, Prediction, StepAnswer, Trace,
+    Untestable, channel_rms, reported,
+};
+use crate::engine::Cause;
+use crate::judge::Findings;
+use crate::select::{Rival, Selection};
 
 /// The channels of positions and torques, with their energies over noise; `left` is what a device with the causes leaves, stream by
 /// stream.
@@ -54,10 +53,7 @@ fn position_gaps(findings: &Findings<'_>, left: &[Vec<f64>]) -> Vec<ChannelGap> 
 const DRAWN: usize = 3000;
 
 /// Residuals over the covariate that matters: of the rows that the fit saw, then of those that it did not.
-pub(crate) fn traces(
-    findings: &Findings<'_>,
-    located: Option<&Located>,
-) -> Result<Vec<Trace>, DiagnosisError> {
+pub(crate) fn traces(findings: &Findings<'_>, located: Option<&Located>) -> Result<Vec<Trace>> {
     let Some(located) = located else {
         return Ok(vec![]);
     };
@@ -87,7 +83,7 @@ fn seen(findings: &Findings<'_>, located: &Located) -> Option<Trace> {
 }
 
 /// What the predictions of a second recording, or of held-out rows, leave.
-fn unseen(findings: &Findings<'_>, located: &Located) -> Result<Option<Trace>, DiagnosisError> {
+fn unseen(findings: &Findings<'_>, located: &Located) -> Result<Option<Trace>> {
     let engine = findings.engine();
     let stream = &engine.context.streams[located.stream];
     let values = match findings.inputs.options.validation {
@@ -129,27 +125,9 @@ pub(crate) fn untestable(findings: &Findings<'_>) -> Vec<Untestable> {
             continue;
         };
         let why = general(effect.as_ref(), why);
-        let joint = effect.joint().map(|joint| joint + 1);
-        match found
-            .iter_mut()
-            .find(|entry| entry.effect == effect.name() && entry.why == why)
-        {
-            Some(entry) => entry
-                .joints
-                .extend(joint.filter(|joint| !entry.joints.contains(joint))),
-            None => found.push(Untestable {
-                effect: effect.name().to_owned(),
-                joints: joint.into_iter().collect(),
-                why,
-            }),
-        }
+        Untestable::add(&mut found, effect.name(), effect.joint(), why);
     }
-    let on_forces = findings.force.untestable.iter();
-    found.extend(on_forces.map(|(effect, why)| Untestable {
-        effect: (*effect).to_owned(),
-        joints: Vec::new(),
-        why: why.clone(),
-    }));
+    found.extend(findings.force.untestable.iter().cloned());
     found
 }
 
@@ -213,9 +191,9 @@ pub(crate) fn candidates(findings: &Findings<'_>) -> Vec<CandidateAnswer> {
     let rivals = findings.rivals.first().into_iter().flatten().take(8);
     let context = &findings.engine().context;
     let own = findings.selection.causes().first();
-    let numbers = |(place, rival): &(usize, &Rival)| {
+    let numbers = |place: usize, rival: &Rival| {
         // the cause itself comes first, and is no rival that was fitted anew
-        let fitted = rival.cause.as_ref().or(own.filter(|_| *place == 0));
+        let fitted = rival.cause.as_ref().or(own.filter(|_| place == 0));
         fitted.map_or_else(BTreeMap::new, |cause| {
             numbers_of(findings.selection.effect(cause), cause, context)
         })
@@ -224,7 +202,7 @@ pub(crate) fn candidates(findings: &Findings<'_>) -> Vec<CandidateAnswer> {
         .enumerate()
         .map(|(place, rival)| CandidateAnswer {
             parameters: match rival.has_converged {
-                true => numbers(&(place, rival)),
+                true => numbers(place, rival),
                 false => BTreeMap::new(),
             },
             refused: (!rival.has_converged).then(|| NOT_CONVERGED.to_owned()),
@@ -269,3 +247,20 @@ fn unconverged(findings: &Findings<'_>, listed: &[CandidateAnswer]) -> Vec<Candi
 
 /// Why a candidate has no numbers.
 const NOT_CONVERGED: &str = "fit did not converge";
+
+/// Every step of every cause that is an event.
+pub(crate) fn steps(selection: &Selection<'_>) -> Vec<StepAnswer> {
+    let mut steps = Vec::new();
+    for cause in selection.causes() {
+        let effect = selection.effect(cause);
+        for (time, size) in cause.times.iter().zip(&cause.amplitudes) {
+            steps.push(StepAnswer {
+                effect: effect.name().to_owned(),
+                joint: effect.joint().map(|joint| joint + 1),
+                first_row: [*time as usize; 2],
+                size: *size,
+            });
+        }
+    }
+    steps
+}

@@ -6,11 +6,9 @@ use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
 use crate::answer::{Detectable, Hint, Invisible};
-use crate::engine::Engine;
-use crate::engine::system::dot;
-use crate::judge::findings::Findings;
-use crate::select::Selector;
-use crate::select::scan::{Candidate, Score};
+use crate::engine::{Engine, dot};
+use crate::judge::Findings;
+use crate::select::{Candidate, Score, Selector};
 use crate::thresholds::unseen::{HINT_DEVIATIONS, MOST_BIASED, NOTICED_SCORE, VISIBLE};
 
 /// Sizes that would have been noticed, and effects that never are.

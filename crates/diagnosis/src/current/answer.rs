@@ -8,10 +8,9 @@ use haptical_model::{Device, Recording};
 use super::choose::{Chosen, Fitted, choose};
 use super::rows::Rows;
 use crate::Options;
-use crate::answer::floor::Floor;
-use crate::answer::gap::reduction_percent;
 use crate::answer::{
-    CauseAnswer, ChannelGap, Diagnosis, Gap, ParameterAnswer, Place, Provenance, Trace, Verdict,
+    CauseAnswer, ChannelGap, Diagnosis, Floor, Gap, ParameterAnswer, Place, Provenance, Trace,
+    Verdict, reduction_percent,
 };
 use crate::noise::NoiseSource;
 use crate::thresholds::chance::CONFUSABLE_NATS;
@@ -132,16 +131,8 @@ impl Joint {
 
     fn trace(&self) -> Trace {
         let left = |own: &Fitted| self.rows.residual(&own.taken, &own.coefficients);
-        let [before, after] = self.models().map(left);
-        Trace {
-            channel: self.channel(),
-            unit: "N m".to_owned(),
-            covariate: "t_s".to_owned(),
-            is_held_out: false,
-            at: self.rows.time_s.clone(),
-            before,
-            after,
-        }
+        let rest = self.models().map(left);
+        Trace::over_time(self.channel(), "N m", &self.rows.time_s, rest)
     }
 
     fn warning(&self) -> Option<String> {
@@ -191,15 +182,8 @@ pub(super) fn answer(
     let second = (options.validation)
         .map(|_| "the currents of the second recording were not compared".to_owned());
     let warnings = joints.iter().filter_map(Joint::warning).chain(second);
-    let provenance = Provenance {
-        rows: recording.len(),
-        base_parameters: joints.len(),
-        base_identifiable: joints.len(),
-        tested: joints.iter().map(|own| own.rows.terms.len()).sum(),
-        thresholds: crate::version::version(),
-        last_step: 0.0,
-        without: options.without.clone(),
-    };
+    let tested = joints.iter().map(|own| own.rows.terms.len()).sum();
+    let provenance = Provenance::new(recording.len(), joints.len(), tested, options);
     let model = options.model.unwrap_or(device).clone();
     let gap = Gap::new(verdict, name.as_deref(), gaps.collect());
     let not_held = |own: &CauseAnswer| {
@@ -211,13 +195,12 @@ pub(super) fn answer(
     };
     let with_gap = joints.iter().filter(|own| own.verdict != Verdict::NoGap);
     Diagnosis {
-        place: located.map(|own| Place {
-            channel: own.channel(),
-            joint: Some(own.index + 1),
-            depends_on: vec![format!("current{}_a", own.index + 1)],
-            region: format!("torque of joint {} against its current", own.index + 1),
-            explained: vec![causes.first().map_or(0.0, |_| own.closed.share)],
-            dependence: Vec::new(),
+        place: located.map(|own| {
+            let number = own.index + 1;
+            let region = format!("torque of joint {number} against its current");
+            let share = causes.first().map_or(0.0, |_| own.closed.share);
+            let on = [(format!("current{number}_a"), share)];
+            Place::new(own.channel(), Some(own.index), region, on)
         }),
         unexplained_share: located.map_or(0.0, |_| 1.0 - closed),
         closed_unseen_share: (verdict.has_causes() && closed < LEAST_CLOSED).then_some(closed),

@@ -23,7 +23,6 @@ pub(super) struct Fitted {
     pub(super) unseen: Vec<f64>,
 }
 
-/// What was found.
 pub(super) struct Chosen {
     pub(super) before: Fitted,
     pub(super) fitted: Fitted,
@@ -32,10 +31,7 @@ pub(super) struct Chosen {
     pub(super) rivals: Vec<Vec<Rival<&'static str, ()>>>,
 }
 
-/// The search for laws.
 struct Search<'r>(&'r Rows);
-
-/// Chooses laws.
 pub(super) fn choose(rows: &Rows) -> Chosen {
     let mut search = Search(rows);
     let before = search.fit(Vec::new());

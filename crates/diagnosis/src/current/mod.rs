@@ -2,31 +2,26 @@
 
 mod answer;
 mod choose;
-mod read;
 mod rows;
 
 use haptical_effects::force::{MAGNETIC_SATURATION, TORQUE_CONSTANT_DRIFT};
 use haptical_model::{Device, Recording};
 
 use self::answer::{Joint, answer};
-use self::read::read;
-pub(crate) use self::read::without_currents;
-use self::rows::Rows;
+pub(crate) use self::rows::without_currents;
+use self::rows::{Rows, read};
 use crate::answer::Diagnosis;
-use crate::{DiagnosisError, Options};
+use crate::{DiagnosisError, Options, Result};
 
 /// Effects that this view alone tests.
 pub(crate) const NAMES: [&str; 2] = [MAGNETIC_SATURATION.name, TORQUE_CONSTANT_DRIFT.name];
 
 /// Diagnoses each joint's torque by its current.
-///
-/// # Errors
-/// [`DiagnosisError::Currents`] where no joint can be tested, and why.
 pub(crate) fn diagnose(
     device: &Device,
     recording: &Recording,
     options: &Options<'_>,
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<Diagnosis> {
     let with = (0..device.joints.len()).filter(|joint| recording.current(*joint).is_some());
     let asked = haptical_parallel::map(with, |joint| {
         let place = (joint, device.joints[joint].joint_type);

@@ -2,12 +2,12 @@
 //! and effects alike, which keeps what varies slowly and costs a fraction of the arithmetic.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use haptical_calibration::Channel;
-use haptical_effects::Context;
+use haptical_effects::{Context, Signal};
 
-use crate::engine::layout::Layout;
-use crate::noise::Noise;
+use crate::noise::{KnownNoise, Noise};
 use crate::thresholds::engine::SURVIVING;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
@@ -47,14 +47,12 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Cuts every stream's usable rows into blocks. `own` is the sensor's stated standard deviation per
-    /// stream, `scale` what the speed makes of it at each row.
+    /// Cuts every stream's usable rows into blocks. `own` is the sensor's stated standard deviation per stream.
     pub(crate) fn new(
         context: &Context<'_>,
         usable: &[Vec<bool>],
-        scale: &[Option<Vec<f64>>],
         own: &[f64],
-        noise: &[Noise],
+        KnownNoise { noise, scale }: &KnownNoise,
     ) -> Self {
         let size = if context.ordered {
             context.rows().div_ceil(BLOCKS).max(1)
@@ -128,7 +126,7 @@ impl Blocks {
     }
 
     /// Where a stream's blocks are among all.
-    pub(crate) fn range(&self, stream: usize) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self, stream: usize) -> Range<usize> {
         let blocks = &self.streams[stream];
         blocks.first..blocks.first + blocks.entries.len()
     }
@@ -171,6 +169,26 @@ impl Blocks {
     }
 }
 
+impl Blocks {
+    /// A signal on all blocks; what no channel shows is left out.
+    pub(crate) fn dense(&self, signal: &Signal) -> Vec<f64> {
+        let mut dense = vec![0.0; self.count()];
+        for (stream, values) in &signal.parts {
+            let compressed = self.compress(*stream, |row| values[row]);
+            dense[self.range(*stream)].copy_from_slice(&compressed);
+        }
+        dense
+    }
+
+    /// Values of all streams' rows on all blocks.
+    pub(crate) fn compress_rows(&self, rows: &[Vec<f64>]) -> Vec<f64> {
+        let streams = rows.iter().enumerate();
+        let of_stream =
+            |(stream, values): (usize, &Vec<f64>)| self.compress(stream, |row| values[row]);
+        streams.flat_map(of_stream).collect()
+    }
+}
+
 /// Rows of a block within which a channel's fastest line turns by at most a share of its period; none without one.
 fn longest_of_lines(context: &Context<'_>, channel: Channel) -> Option<usize> {
     let lines = context.lines_of(channel);
@@ -187,7 +205,7 @@ impl Layout for Blocks {
         self.count()
     }
 
-    fn range(&self, stream: usize) -> std::ops::Range<usize> {
+    fn range(&self, stream: usize) -> Range<usize> {
         self.range(stream)
     }
 }
@@ -265,6 +283,18 @@ fn correlation(noise: &Noise, before: &[usize], rows: &[usize]) -> f64 {
 
 fn power(colour: f64, rows: usize) -> f64 {
     colour.powi(rows as i32)
+}
+
+/// Where the entries of streams are in a vector over all of them.
+pub(crate) trait Layout {
+    /// Squared share of a direction that must survive a projection to count.
+    const SURVIVING: f64;
+
+    /// Entries of all streams.
+    fn count(&self) -> usize;
+
+    /// Entries of a stream.
+    fn range(&self, stream: usize) -> Range<usize>;
 }
 
 #[cfg(test)]

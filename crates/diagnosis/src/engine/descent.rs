@@ -1,4 +1,4 @@
-//! Base model and causes together as one least-squares problem, and the search for its minimum.
+//! Base model, alone or with causes, as one least-squares problem, and the search for its minimum.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -6,23 +6,19 @@ use std::sync::Arc;
 use haptical_effects::{Context, Effect, Shape, Signal};
 use haptical_identification::Convergence;
 
-use crate::DiagnosisError;
-use crate::engine::base::Base;
-use crate::engine::base::problem::BaseProblem;
-use crate::engine::model::{Cause, Model, Refit};
-use crate::engine::part::{Part, Step, dense, square};
-use crate::engine::with_causes;
+use super::prepared::BaseFit;
+use crate::Result;
+use crate::engine::{Base, Blocks, Cause, Model, Part, Prepared, Refit, Step, square, with_causes};
+use crate::noise::KnownNoise;
 use crate::thresholds::engine::WIDTH_STEP;
 use crate::thresholds::fit::{
-    FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER, STILL_SD,
+    BASE_PASSES, FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER, STILL_SD,
 };
 
 /// What a fit of base model and causes is made of.
 #[derive(Clone, Copy)]
 pub(crate) struct Fitting<'r> {
-    pub(crate) context: &'r Context<'r>,
-    pub(crate) problem: &'r BaseProblem<'r>,
-    pub(crate) base: &'r Base,
+    pub(crate) data: &'r Prepared<'r>,
     pub(crate) effects: &'r [Box<dyn Effect>],
     /// The rows that it sees.
     pub(crate) part: &'r Part,
@@ -40,22 +36,22 @@ impl Fitting<'_> {
     /// problem promises next to nothing. The base model's derivatives are those of the part until a step calls for new ones. The
     /// causes' columns are projected across the base model's directions, which gives their steps and covariance; what they leave
     /// gives the base model's step.
-    pub(crate) fn descend(&self, model: &Model) -> Result<Refit, DiagnosisError> {
+    pub(crate) fn descend(&self, model: &Model) -> Result<Refit> {
         let mut here = self.evaluated(self.part, model.clone());
         let mut part = Cow::Borrowed(self.part);
         let owners = owners(self.effects, &model.causes);
         let rows = self.part.blocks.count();
         let freedom = rows
-            .saturating_sub(self.base.free.len() + owners.len())
+            .saturating_sub(self.data.base.free.len() + owners.len())
             .max(1) as f64;
         let (mut covariance, mut promised, mut last_step) = (None, f64::INFINITY, f64::INFINITY);
         let mut convergence = Convergence::IterationLimit;
         // how far the predictions moved since the derivatives were taken, in noise deviations; new ones at once are none of the part
         let (mut moved, mut is_fresh) = (0.0, false);
         for _ in 0..PASSES {
-            self.base.interrupt.check()?;
+            self.data.base.interrupt.check()?;
             let columns = by_cause(self, &here.model);
-            let pull = self.base.pull(&here.model.values);
+            let pull = self.data.base.pull(&here.model.values);
             let step = part.step(&columns, &here.residual, &pull)?;
             let are_causes_still = self.are_causes_still(&step, here.cost / freedom);
             covariance = step.covariance.or(covariance);
@@ -86,7 +82,9 @@ impl Fitting<'_> {
             }
             is_fresh = is_slow;
             if is_slow {
-                part = Cow::Owned(self.part_at(&part, &here.model.values)?);
+                let there = self.data.problem.evaluate(&here.model.values, true)?;
+                let blocks = part.blocks.clone();
+                part = Cow::Owned(self.data.part_of(blocks, there.derivatives.as_ref())?);
                 moved = 0.0;
             }
         }
@@ -102,7 +100,7 @@ impl Fitting<'_> {
 
     /// Whether a step moves no number of the causes by more than a tenth of its standard deviation, by the variance of what is left.
     fn are_causes_still(&self, step: &Step, variance: f64) -> bool {
-        let changes = step.values.iter().skip(self.base.free.len());
+        let changes = step.values.iter().skip(self.data.base.free.len());
         let mut changes = changes.enumerate();
         let sd = |index: usize| {
             let own = step.covariance.as_ref()?[(index, index)];
@@ -114,8 +112,8 @@ impl Fitting<'_> {
     /// A model whose residuals without causes are known.
     fn evaluated(&self, part: &Part, model: Model) -> Here {
         let bare = model.bare.to_vec();
-        let residual = with_causes(bare, self.context, self.effects, &model.causes);
-        let cost = square(part, &residual, &self.base.pull(&model.values));
+        let residual = with_causes(bare, &self.data.context, self.effects, &model.causes);
+        let cost = square(part, &residual, &self.data.base.pull(&model.values));
         Here {
             model,
             residual,
@@ -123,31 +121,18 @@ impl Fitting<'_> {
         }
     }
 
-    /// The same rows with the base model's derivatives at other values.
-    fn part_at(&self, part: &Part, values: &[f64]) -> Result<Part, DiagnosisError> {
-        let derivatives = self.problem.evaluate(values, true)?.derivatives;
-        let blocks = part.blocks.clone();
-        Part::new(
-            self.context,
-            self.problem,
-            blocks,
-            derivatives.as_ref(),
-            self.base,
-        )
-    }
-
     /// The model after the longest share of a step that lowers the cost; none where none does.
     fn shortened(&self, part: &Part, here: &Here, owners: &[Owner], step: &[f64]) -> Option<Here> {
         let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
         shares.take(SHORTENED_STEPS).find_map(|share| {
             let mut next = here.model.clone();
-            for (&parameter, change) in self.base.free.iter().zip(step) {
+            for (&parameter, change) in self.data.base.free.iter().zip(step) {
                 next.values[parameter] += share * change;
             }
-            for (owner, change) in owners.iter().zip(&step[self.base.free.len()..]) {
+            for (owner, change) in owners.iter().zip(&step[self.data.base.free.len()..]) {
                 apply(&mut next.causes, *owner, share * change);
             }
-            let bare = self.problem.evaluate(&next.values, false).ok()?;
+            let bare = self.data.problem.evaluate(&next.values, false).ok()?;
             next.bare = Arc::new(bare.residual);
             let next = self.evaluated(part, next);
             (next.cost < here.cost).then_some(next)
@@ -191,7 +176,7 @@ fn apply(causes: &mut [Cause], owner: Owner, change: f64) {
 
 /// Whitened derivatives of all causes' numbers, in the order of their owners.
 fn by_cause(fitting: &Fitting<'_>, model: &Model) -> Vec<Vec<f64>> {
-    let (context, effects) = (fitting.context, fitting.effects);
+    let (context, effects) = (&fitting.data.context, fitting.effects);
     let of_cause = |cause: &Cause| {
         let effect = &effects[cause.effect];
         let mut signals = match effect.spec().shape {
@@ -213,7 +198,7 @@ fn by_cause(fitting: &Fitting<'_>, model: &Model) -> Vec<Vec<f64>> {
         signals
     };
     let signals = model.causes.iter().flat_map(of_cause);
-    signals.map(|signal| dense(fitting.part, &signal)).collect()
+    signals.map(|own| fitting.part.blocks.dense(&own)).collect()
 }
 
 /// Change of a play per change of its width: its column, the output per width, is another one while the play is crossed.
@@ -234,9 +219,102 @@ fn by_differences(
     (0..cause.amplitudes.len()).map(of_amplitude).collect()
 }
 
-fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
+/// Change of a signal per step of a number.
+pub(crate) fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
     let mut slope = Signal::default();
     slope.add(higher, 1.0 / step);
     slope.add(lower, -1.0 / step);
     slope
+}
+
+impl Prepared<'_> {
+    /// Fits the base model; the noise is estimated anew where the start was far from it.
+    pub(super) fn base_fit(
+        &self,
+        mut residual: Vec<Vec<f64>>,
+        known: Option<&KnownNoise>,
+    ) -> Result<BaseFit> {
+        let mut values = self.problem.start();
+        let mut pass = 0;
+        loop {
+            let known = known.cloned().unwrap_or_else(|| self.noise_of(&residual));
+            let blocks = Blocks::new(&self.context, &self.usable, &self.own, &known);
+            let whole = self.part_of(blocks, self.derivatives.as_ref())?;
+            let evaluate = |values: &[f64]| Ok(self.problem.evaluate(values, false)?.residual);
+            let mut fit = nearby(&whole, self.base, (values, residual), &evaluate)?;
+            let is_near = fit.has_converged();
+            // where the calibration's own search found no minimum, another one leads away from what causes can mend
+            if !is_near && self.base.unfinished.is_none() {
+                // the derivatives of the start may not lead to the minimum
+                let found = Fitting {
+                    data: self,
+                    effects: &[],
+                    part: &whole,
+                };
+                let found = found.descend(&fit.model)?;
+                fit = if found.has_converged() { found } else { fit };
+            }
+            pass += 1;
+            // a start far away has shown noise that is partly the way's
+            if pass > 1 || is_near {
+                return Ok(BaseFit { known, whole, fit });
+            }
+            (values, residual) = (fit.model.values, fit.residual);
+        }
+    }
+}
+
+/// Residuals of the base model at its values, per stream and row.
+type Evaluate<'e> = dyn Fn(&[f64]) -> Result<Vec<Vec<f64>>> + 'e;
+
+/// The base model's minimum by Gauss-Newton with the derivatives of a part, from values and their residuals: a few steps with one
+/// decomposition, as long as the cost falls.
+pub(crate) fn nearby(
+    part: &Part,
+    base: &Base,
+    (values, residual): (Vec<f64>, Vec<Vec<f64>>),
+    evaluate: &Evaluate<'_>,
+) -> Result<Refit> {
+    let rows = part.blocks.count() as f64;
+    let freedom = (rows - base.free.len() as f64).max(1.0);
+    let mut near = Refit {
+        model: Model {
+            values,
+            bare: Arc::default(),
+            causes: Vec::new(),
+        },
+        residual,
+        covariance: None,
+        promised: 0.0,
+        convergence: Convergence::IterationLimit,
+        last_step: 0.0,
+    };
+    let mut cost = square(part, &near.residual, &base.pull(&near.model.values));
+    for _ in 0..=BASE_PASSES {
+        base.interrupt.check()?;
+        let Some((step, promised)) =
+            part.base_step(&near.residual, &base.pull(&near.model.values))?
+        else {
+            near.convergence = Convergence::SmallCostChange;
+            break;
+        };
+        near.promised = promised;
+        near.last_step = (promised / rows.max(1.0)).sqrt();
+        if has_settled(promised, cost, freedom) {
+            near.convergence = Convergence::SmallCostChange;
+            break;
+        }
+        let mut next = near.model.values.clone();
+        for (&parameter, change) in base.free.iter().zip(&step) {
+            next[parameter] += change;
+        }
+        let Ok(rest) = evaluate(&next) else { break };
+        let less = square(part, &rest, &base.pull(&next));
+        if less.is_nan() || less >= cost {
+            break;
+        }
+        (near.model.values, near.residual, cost) = (next, rest, less);
+    }
+    near.model.bare = Arc::new(near.residual.clone());
+    Ok(near)
 }

@@ -5,9 +5,7 @@ use haptical_effects::{Effect, Signal};
 use haptical_linalg::{Information, dot};
 use haptical_model::{Device, Recording};
 
-use crate::engine::Engine;
-use crate::engine::model::Cause;
-use crate::engine::part::{Part, dense};
+use crate::engine::{Cause, Engine, Part};
 use crate::thresholds::recording::{ERROR_OF_GAP, MOST_LEVERAGE};
 
 /// A fit: its engine, the rows that it saw, and its causes.
@@ -35,7 +33,7 @@ impl Fit<'_, '_> {
         let mut signals: Vec<Signal> = Vec::new();
         for (fitted, predicting) in &self.causes {
             let own = fitted.derivative(self.effects, context);
-            columns.extend(own.iter().map(|signal| dense(self.part, signal)));
+            columns.extend(own.iter().map(|signal| self.part.blocks.dense(signal)));
             signals.extend(predicting.derivative(self.effects, &there.context));
         }
         let stiffness = here.base.stiffness();

@@ -1,78 +1,75 @@
 //! One recording made ready for questions: base model fitted, outliers out, noise known, blocks cut.
 
-pub(crate) mod base;
-pub(crate) mod base_fit;
-pub(crate) mod blocks;
-pub(crate) mod descent;
-pub(crate) mod determined;
-pub(crate) mod earlier_model;
-pub(crate) mod layout;
-pub(crate) mod least;
-pub(crate) mod model;
-pub(crate) mod onto_touches;
-pub(crate) mod own_sizes;
-pub(crate) mod part;
-pub(crate) mod refit;
-pub(crate) mod regression;
-pub(crate) mod segments;
-pub(crate) mod system;
-
+mod base;
+mod blocks;
+mod descent;
+mod determined;
+mod earlier_model;
+mod measured;
+mod model;
+mod onto_touches;
+mod part;
 mod prepared;
+mod regression;
+mod segments;
+mod system;
+
+use std::ops::Deref;
 
 use haptical_effects::{Context, Effect, Signal, Stream};
 use haptical_linalg::SparseColumns;
 
-use crate::DiagnosisError;
-use crate::engine::base::Base;
-use crate::engine::base::problem::{BaseProblem, Derivatives};
-use crate::engine::blocks::Blocks;
-use crate::engine::model::{Cause, Model, Refit};
-use crate::engine::part::{Part, root_mean_square};
-use crate::engine::system::{System, compress_rows};
-use crate::noise::measured::{KnownNoise, estimate_noise, over_stated};
-use crate::noise::stated::is_stated;
-use crate::noise::{Noise, with_memory};
+use crate::Result;
+use crate::noise::{KnownNoise, Noise, is_stated, with_memory};
 use crate::thresholds::noise::OTHER_LEVEL;
 
+pub(crate) use self::base::problem::{BaseProblem, Derivatives};
+pub(crate) use self::base::{Base, Unfinished};
+pub(crate) use self::blocks::{Blocks, Layout};
+pub(crate) use self::descent::{Fitting, difference, nearby};
+pub(crate) use self::determined::{Fit, Predicted};
+pub(crate) use self::earlier_model::{own_sizes, placed, places};
+pub(crate) use self::model::{Cause, Model, Refit};
+pub(crate) use self::onto_touches::onto_touches;
+pub(crate) use self::part::{Part, Step, root_mean_square, square};
 pub(crate) use self::prepared::Prepared;
+pub(crate) use self::regression::{Columns, Regression};
+pub(crate) use self::segments::{Segments, Unseen};
+pub(crate) use self::system::{
+    ALWAYS, Column, SlowEnergy, System, across, dot, mask, oscillations, take_off, take_off_all,
+    windows,
+};
 
 /// One recording with its base model.
 #[derive(Debug)]
 pub(crate) struct Engine<'a> {
-    pub(crate) context: Context<'a>,
-    pub(crate) problem: BaseProblem<'a>,
-    pub(crate) base: &'a Base,
+    data: Prepared<'a>,
     pub(crate) noise: Vec<Noise>,
+    /// What the speed makes of the stated deviations at each row, where it does.
+    scale: Vec<Option<Vec<f64>>>,
     /// Noise floor per stream: root mean square in the stream's unit.
     pub(crate) floor: Vec<f64>,
-    /// Rows with a usable reading, per stream.
-    pub(crate) usable: Vec<Vec<bool>>,
     pub(crate) system: System,
-    /// The sensors' own stated deviations, per stream.
-    own: Vec<f64>,
-    /// What the speed makes of them at each row, where it does.
-    scale: Vec<Option<Vec<f64>>>,
-    /// Derivatives of all parameters at every row.
-    derivatives: Option<Derivatives>,
     /// What refits are made with.
     pub(crate) whole: Part,
     /// The base model alone.
     pub(crate) start: Refit,
 }
 
+impl<'a> Deref for Engine<'a> {
+    type Target = Prepared<'a>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.data
+    }
+}
+
 impl Engine<'_> {
-    /// The noise by other residuals than the base model's: with the causes in the model, fast parts of
-    /// their gap no longer pass for noise.
-    pub(crate) fn noise_of(&self, residual: &[Vec<f64>]) -> KnownNoise {
-        let (noise, scale) = estimate_noise(
-            &self.context,
-            &self.problem,
-            residual,
-            &self.usable,
-            &self.own,
-            self.base.free.len(),
-        );
-        KnownNoise { noise, scale }
+    fn known(&self) -> KnownNoise {
+        KnownNoise {
+            noise: self.noise.clone(),
+            scale: self.scale.clone(),
+        }
     }
 
     /// The noise with a memory that other residuals show, of the size that the file states where it does, in the streams
@@ -81,14 +78,10 @@ impl Engine<'_> {
         if !self.context.ordered {
             return None;
         }
-        let mut known = KnownNoise {
-            noise: self.noise.clone(),
-            scale: self.scale.clone(),
-        };
+        let mut known = self.known();
         let mut is_other = false;
         for (stream, noise) in known.noise.iter_mut().enumerate() {
-            let (sd, usable) = (&self.problem.sd[stream], &self.usable[stream]);
-            let scaled = over_stated(&self.context, stream, &residual[stream], sd, usable);
+            let scaled = self.over_stated(stream, &residual[stream]);
             let stated = is_stated(self.context.device, self.context.streams[stream].channel);
             let Some(slow) = with_memory(&scaled, &self.context.runs, stated) else {
                 continue;
@@ -112,18 +105,14 @@ impl Engine<'_> {
     }
 
     /// The rows of this recording that `seen` picks.
-    pub(crate) fn part(&self, seen: &dyn Fn(usize) -> bool) -> Result<Part, DiagnosisError> {
-        let usable: Vec<Vec<bool>> = self
-            .usable
-            .iter()
-            .map(|rows| {
-                let rows = rows.iter().enumerate();
-                rows.map(|(row, usable)| *usable && seen(row)).collect()
-            })
-            .collect();
-        let blocks = Blocks::new(&self.context, &usable, &self.scale, &self.own, &self.noise);
-        let derivatives = self.derivatives.as_ref();
-        Part::new(&self.context, &self.problem, blocks, derivatives, self.base)
+    pub(crate) fn part(&self, seen: &dyn Fn(usize) -> bool) -> Result<Part> {
+        let seen = |rows: &Vec<bool>| {
+            let rows = rows.iter().enumerate();
+            rows.map(|(row, usable)| *usable && seen(row)).collect()
+        };
+        let usable: Vec<Vec<bool>> = self.usable.iter().map(seen).collect();
+        let blocks = Blocks::new(&self.context, &usable, &self.own, &self.known());
+        self.part_of(blocks, self.derivatives.as_ref())
     }
 
     /// Whitened derivatives of the base model's free parameters.
@@ -134,12 +123,8 @@ impl Engine<'_> {
     /// Root mean square change of the base model's predictions from its own fit to another, whose residuals
     /// are given, in noise deviations.
     pub(crate) fn moved(&self, there: &[Vec<f64>]) -> f64 {
-        let change: Vec<Vec<f64>> = there
-            .iter()
-            .zip(&self.start.residual)
-            .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
-            .collect();
-        root_mean_square(&compress_rows(&self.system.layout, &change))
+        let change = differences(there, &self.start.residual);
+        root_mean_square(&self.system.layout.compress_rows(&change))
     }
 
     /// Squared residuals of the base model's own fit, in stated standard deviations.
@@ -165,7 +150,7 @@ impl Engine<'_> {
         effects: &[Box<dyn Effect>],
         values: &[f64],
         causes: &[Cause],
-    ) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+    ) -> Result<Vec<Vec<f64>>> {
         let bare = self.problem.evaluate(values, false)?.residual;
         Ok(with_causes(bare, &self.context, effects, causes))
     }
@@ -179,6 +164,59 @@ impl Engine<'_> {
         let shown = |cause: &Cause| cause.exact_contribution(effects, &self.context);
         without(model.bare.to_vec(), model.causes.iter().map(shown))
     }
+
+    /// Refits base model and causes together on all rows.
+    pub(crate) fn refit(&self, effects: &[Box<dyn Effect>], model: &Model) -> Result<Refit> {
+        self.refit_on(&self.whole, effects, model)
+    }
+
+    /// Refits base model and causes together from `model`; where that ends above the base model alone, from the
+    /// base model with the causes at nothing, from where no step leads up.
+    pub(crate) fn refit_on(
+        &self,
+        part: &Part,
+        effects: &[Box<dyn Effect>],
+        model: &Model,
+    ) -> Result<Refit> {
+        let fitting = Fitting {
+            data: self,
+            effects,
+            part,
+        };
+        let fitted = fitting.descend(model)?;
+        let cost = |refit: &Refit| self.cost_on(part, refit);
+        let alone = &self.start;
+        if model.causes.is_empty() || cost(&fitted) <= cost(alone) {
+            return Ok(fitted);
+        }
+        let mut nothing = alone.model.clone();
+        nothing.causes.clone_from(&model.causes);
+        for cause in &mut nothing.causes {
+            cause.amplitudes.fill(0.0);
+        }
+        let again = fitting.descend(&nothing)?;
+        Ok(if cost(&again) < cost(&fitted) {
+            again
+        } else {
+            fitted
+        })
+    }
+
+    /// Squared residuals of a refit on all rows, and of its anchors.
+    pub(crate) fn cost(&self, refit: &Refit) -> f64 {
+        self.cost_on(&self.whole, refit)
+    }
+
+    fn cost_on(&self, part: &Part, refit: &Refit) -> f64 {
+        square(part, &refit.residual, &self.base.pull(&refit.model.values))
+    }
+}
+
+/// Residuals of one model less those of another, per stream and row.
+pub(crate) fn differences(one: &[Vec<f64>], other: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let streams = one.iter().zip(other);
+    let rows = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a - b).collect();
+    streams.map(rows).collect()
 }
 
 /// Residuals once the causes are in the model.

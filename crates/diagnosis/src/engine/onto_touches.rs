@@ -5,9 +5,8 @@ use haptical_effects::{Touches, streams};
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Evaluation, Recording};
 
-use crate::DiagnosisError;
-use crate::engine::base::Base;
-use crate::engine::base::problem::BaseProblem;
+use crate::Result;
+use crate::engine::{Base, BaseProblem};
 use crate::thresholds::engine::TOUCHES_RIDGE;
 
 /// The recording with each touch's joints moved by the least angles that take the handle to what it touches, by a base
@@ -17,10 +16,7 @@ use crate::thresholds::engine::TOUCHES_RIDGE;
 /// are correlated, and the sum of their products is not zero without a gap but N tr((dC/dq) J^+ V), with V the noise's
 /// covariance (errors in variables; Fuller, *Measurement Error Models*, 1987, chapter 3). With touches of 2 mm it is
 /// several standard deviations. To the first order the posture on the target has none of the noise: q - J^+ r.
-pub(crate) fn onto_touches(
-    base: &Base,
-    recording: &Recording,
-) -> Result<Option<Recording>, DiagnosisError> {
+pub(crate) fn onto_touches(base: &Base, recording: &Recording) -> Result<Option<Recording>> {
     let streams = streams(&base.device, &base.channels);
     let touched: Vec<usize> = (0..streams.len())
         .filter(|&s| streams[s].is_touch())

@@ -1,14 +1,11 @@
 //! Rows that a fit sees, and one Gauss-Newton step on them.
 
-use haptical_effects::{Context, Signal};
+use haptical_effects::Context;
 use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns};
 
-use crate::DiagnosisError;
-use crate::engine::base::Base;
-use crate::engine::base::problem::{BaseProblem, Derivatives};
-use crate::engine::blocks::Blocks;
-use crate::engine::system::{System, compress_columns, compress_rows, dot, oscillations, windows};
+use crate::Result;
+use crate::engine::{Blocks, System, dot, oscillations, take_off_all, windows};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
@@ -35,14 +32,14 @@ pub(crate) struct Step {
 }
 
 impl Part {
-    pub(crate) fn new(
-        context: &Context<'_>,
-        problem: &BaseProblem<'_>,
+    /// The rows of blocks with the derivatives of the free parameters on them, none without such, and one over the deviations of
+    /// their anchors.
+    pub(super) fn new(
         blocks: Blocks,
-        derivatives: Option<&Derivatives>,
-        base: &Base,
-    ) -> Result<Self, DiagnosisError> {
-        let Some(derivatives) = derivatives.filter(|_| !base.free.is_empty()) else {
+        free: Option<SparseColumns>,
+        stiffness: &[f64],
+    ) -> Result<Self> {
+        let Some(free) = free else {
             return Ok(Self {
                 free: SparseColumns::new(blocks.count(), Vec::new()),
                 basis: None,
@@ -50,8 +47,7 @@ impl Part {
                 stiffness: Vec::new(),
             });
         };
-        let free = compress_columns(context, problem, &blocks, derivatives, &base.free);
-        let stiffness = base.stiffness().to_vec();
+        let stiffness = stiffness.to_vec();
         let rows = free.rows();
         let anchored = (!stiffness.is_empty()).then(|| {
             let lengthened = stiffness.iter().enumerate().map(|(column, stiffness)| {
@@ -73,7 +69,7 @@ impl Part {
     }
 
     /// Orthonormal directions of the free parameters, whatever anchors them.
-    fn directions(&self) -> Result<Vec<Direction>, DiagnosisError> {
+    fn directions(&self) -> Result<Vec<Direction>> {
         let columns = |basis: &OrthonormalBasis| basis.directions().cloned().collect();
         Ok(match &self.basis {
             None => Vec::new(),
@@ -88,7 +84,7 @@ impl Part {
         context: &Context<'_>,
         other: Option<&SparseColumns>,
         residual: &[Vec<f64>],
-    ) -> Result<System, DiagnosisError> {
+    ) -> Result<System> {
         let windows = windows(context, &self.blocks);
         let reading = vec![0.0; self.blocks.count()];
         let mut system = System::bare(self.blocks.clone(), windows, reading);
@@ -108,11 +104,11 @@ impl Part {
         &self,
         residual: &[Vec<f64>],
         pull: &[f64],
-    ) -> Result<Option<(Vec<f64>, f64)>, DiagnosisError> {
+    ) -> Result<Option<(Vec<f64>, f64)>> {
         let Some(basis) = &self.basis else {
             return Ok(None);
         };
-        let mut target = compress_rows(&self.blocks, residual);
+        let mut target = self.blocks.compress_rows(residual);
         target.extend_from_slice(pull);
         let along = basis
             .directions()
@@ -127,8 +123,8 @@ impl Part {
         columns: &[Vec<f64>],
         residual: &[Vec<f64>],
         pull: &[f64],
-    ) -> Result<Step, DiagnosisError> {
-        let mut target = compress_rows(&self.blocks, residual);
+    ) -> Result<Step> {
+        let mut target = self.blocks.compress_rows(residual);
         target.extend_from_slice(pull);
         let target = target.as_slice();
         let lengthened = |column: &Vec<f64>| {
@@ -142,9 +138,11 @@ impl Part {
         let mut numbers = Vec::new();
         let mut covariance = None;
         if !columns.is_empty() {
-            let projected: Vec<Vec<f64>> = (columns.iter())
-                .map(|column| across(self.basis.as_ref(), column))
-                .collect();
+            let mut projected = columns.to_vec();
+            for column in &mut projected {
+                let directions = || self.basis.iter().flat_map(OrthonormalBasis::directions);
+                take_off_all(column, directions);
+            }
             let matrix = Matrix::from_fn(target.len(), columns.len(), |row, column| {
                 projected[column][row]
             });
@@ -183,30 +181,10 @@ impl Part {
 
 /// Squared residuals of a part's rows, and of the anchors.
 pub(crate) fn square(part: &Part, rows: &[Vec<f64>], pull: &[f64]) -> f64 {
-    let whitened = compress_rows(&part.blocks, rows);
+    let whitened = part.blocks.compress_rows(rows);
     dot(&whitened, &whitened) + dot(pull, pull)
 }
 
 pub(crate) fn root_mean_square(values: &[f64]) -> f64 {
     (dot(values, values) / values.len().max(1) as f64).sqrt()
-}
-
-pub(crate) fn dense(part: &Part, signal: &Signal) -> Vec<f64> {
-    let mut dense = vec![0.0; part.blocks.count()];
-    for (stream, values) in &signal.parts {
-        let compressed = part.blocks.compress(*stream, |row| values[row]);
-        dense[part.blocks.range(*stream)].copy_from_slice(&compressed);
-    }
-    dense
-}
-
-/// The part of a vector across a basis.
-pub(crate) fn across(basis: Option<&OrthonormalBasis>, vector: &[f64]) -> Vec<f64> {
-    let mut rest = vector.to_vec();
-    for _ in 0..2 {
-        for direction in basis.iter().flat_map(|basis| basis.directions()) {
-            direction.take_off(&mut rest);
-        }
-    }
-    rest
 }

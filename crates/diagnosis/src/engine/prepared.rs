@@ -1,47 +1,35 @@
 //! A recording with the base model's residuals, before anything is fitted to it.
 
-use std::sync::Arc;
-
 use haptical_calibration::{Channel, Weights};
-use haptical_effects::{Context, Effect, streams};
-use haptical_identification::Convergence;
-use haptical_linalg::SparseColumns;
+use haptical_effects::{Context, Effect, Stream, streams};
+use haptical_linalg::{Direction, SparseColumns};
 use haptical_model::Recording;
 
 use super::{Engine, with_causes};
-use crate::DiagnosisError;
-use crate::engine::base::Base;
-use crate::engine::base::problem::{BaseProblem, Derivatives};
-use crate::engine::blocks::Blocks;
-use crate::engine::model::{Model, Refit};
-use crate::engine::part::Part;
-use crate::engine::system::compress_columns;
-use crate::noise::Noise;
-use crate::noise::measured::{KnownNoise, floors};
-use crate::noise::{self, cleaning::outlying_rows};
+use crate::engine::{Base, BaseProblem, Blocks, Derivatives, Model, Part, Refit};
+use crate::noise::{KnownNoise, Noise};
+use crate::{DiagnosisError, Result, noise};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
 #[derive(Debug)]
 pub(crate) struct Prepared<'a> {
     pub(crate) context: Context<'a>,
-    pub(super) problem: BaseProblem<'a>,
-    pub(super) base: &'a Base,
+    pub(crate) problem: BaseProblem<'a>,
+    pub(crate) base: &'a Base,
+    /// The sensors' own stated deviations, per stream.
     pub(super) own: Vec<f64>,
-    pub(super) usable: Vec<Vec<bool>>,
+    /// Rows with a usable reading, per stream.
+    pub(crate) usable: Vec<Vec<bool>>,
+    /// Derivatives of all parameters at every row.
     pub(super) derivatives: Option<Derivatives>,
     pub(super) residual: Vec<Vec<f64>>,
 }
 
-/// Outcome of a base fit.
+/// A fit of the base model, with the noise and the rows that it was made with.
 pub(super) struct BaseFit {
-    pub(super) noise: Vec<Noise>,
-    pub(super) scale: Vec<Option<Vec<f64>>>,
+    pub(super) known: KnownNoise,
     pub(super) whole: Part,
-    pub(super) values: Vec<f64>,
-    pub(super) residual: Vec<Vec<f64>>,
-    pub(super) promised: f64,
-    pub(super) convergence: Convergence,
-    pub(super) last_step: f64,
+    pub(super) fit: Refit,
 }
 
 impl<'a> Prepared<'a> {
@@ -51,41 +39,29 @@ impl<'a> Prepared<'a> {
         base: &'a Base,
         recording: &'a Recording,
         postures: &'a Recording,
-    ) -> Result<Self, DiagnosisError> {
+    ) -> Result<Self> {
         let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
         let (context, evaluated) = rayon::join(
             || Context::new(&base.device, postures, &streams),
-            || {
+            || -> Result<_> {
                 let problem = BaseProblem::new(base, recording, postures, &streams, &weights)?;
                 let first = problem.evaluate(&problem.start(), true)?;
-                Ok::<_, DiagnosisError>((problem, first))
+                Ok((problem, first))
             },
         );
         let (problem, first) = evaluated?;
-        let own: Vec<f64> = streams
-            .iter()
-            .map(|stream| {
-                weights
-                    .channel_sd
-                    .get(&stream.channel)
-                    .copied()
-                    .unwrap_or(1e-4)
-            })
-            .collect();
-        let usable = first
-            .residual
-            .iter()
-            .map(|rows| rows.iter().map(|value| value.is_finite()).collect())
-            .collect();
+        let stated = |stream: &Stream| weights.channel_sd.get(&stream.channel).copied();
+        let own = streams.iter().map(|stream| stated(stream).unwrap_or(1e-4));
+        let usable = |rows: &Vec<f64>| rows.iter().map(|value| value.is_finite()).collect();
         let mut context = context?;
         context.lines = noise::lines(&context, &first.residual);
         Ok(Self {
             context,
             problem,
             base,
-            own,
-            usable,
+            own: own.collect(),
+            usable: first.residual.iter().map(usable).collect(),
             derivatives: first.derivatives,
             residual: first.residual,
         })
@@ -94,14 +70,10 @@ impl<'a> Prepared<'a> {
     /// Sums over a channel's readings of their squared residuals and of their stated variances, and their number.
     pub(crate) fn squares(&self, channel: Channel) -> Option<(f64, f64, f64)> {
         let (mut squares, mut stated, mut count) = (0.0, 0.0, 0.0);
-        for (index, _) in (self.context.streams.iter().enumerate())
-            .filter(|(_, stream)| stream.channel == channel)
-        {
+        for index in self.context.streams_of(channel) {
             let pairs = self.residual[index].iter().zip(&self.problem.sd[index]);
-            for ((residual, sd), _) in pairs
-                .zip(&self.usable[index])
-                .filter(|(_, usable)| **usable)
-            {
+            let pairs = pairs.zip(&self.usable[index]);
+            for ((residual, sd), _) in pairs.filter(|(_, usable)| **usable) {
                 squares += residual * residual;
                 stated += sd * sd;
                 count += 1.0;
@@ -113,27 +85,62 @@ impl<'a> Prepared<'a> {
     /// The recording in blocks, whitened by a noise that is known from another recording of the same streams, with the
     /// derivatives of all parameters of the base model on them.
     pub(crate) fn whitened(&self, noise: &[Noise]) -> (Blocks, SparseColumns) {
-        let scale = vec![None; self.context.streams.len()];
-        let blocks = Blocks::new(&self.context, &self.usable, &scale, &self.own, noise);
-        let all: Vec<usize> = (0..self.base.parameters.len()).collect();
-        let columns = match &self.derivatives {
-            Some(derivatives) => {
-                compress_columns(&self.context, &self.problem, &blocks, derivatives, &all)
-            }
-            None => SparseColumns::new(blocks.count(), Vec::new()),
+        let known = KnownNoise {
+            noise: noise.to_vec(),
+            scale: vec![None; noise.len()],
         };
+        let blocks = Blocks::new(&self.context, &self.usable, &self.own, &known);
+        let all: Vec<usize> = (0..self.base.parameters.len()).collect();
+        let columns = self.derivatives.as_ref();
+        let columns = columns.map(|own| self.columns(&blocks, own, &all));
+        let nothing = || SparseColumns::new(blocks.count(), Vec::new());
+        let columns = columns.unwrap_or_else(nothing);
         (blocks, columns)
     }
 
+    /// Derivatives of `chosen` parameters on blocks.
+    fn columns(
+        &self,
+        blocks: &Blocks,
+        derivatives: &Derivatives,
+        chosen: &[usize],
+    ) -> SparseColumns {
+        let of_parameter = |&parameter: &usize| {
+            // from the first stream that depends on it to the last
+            let mut first = 0;
+            let mut column: Vec<f64> = Vec::new();
+            for stream in 0..self.context.streams.len() {
+                let range = blocks.range(stream);
+                let derivative = self.problem.derivative(derivatives, stream, parameter);
+                if let Some(derivative) = derivative {
+                    if column.is_empty() {
+                        first = range.start;
+                    }
+                    column.resize(range.start - first, 0.0);
+                    column.extend(blocks.compress(stream, derivative));
+                }
+            }
+            Direction::from_part(first, column)
+        };
+        let columns: Vec<Direction> = haptical_parallel::map(chosen, of_parameter);
+        SparseColumns::new(blocks.count(), columns)
+    }
+
+    /// Rows that a fit sees, with the base model's derivatives on them.
+    pub(super) fn part_of(
+        &self,
+        blocks: Blocks,
+        derivatives: Option<&Derivatives>,
+    ) -> Result<Part> {
+        let free = &self.base.free;
+        let columns = derivatives.filter(|_| !free.is_empty());
+        let columns = columns.map(|own| self.columns(&blocks, own, free));
+        Part::new(blocks, columns, self.base.stiffness())
+    }
+
     /// Readings that stand alone.
-    pub(crate) fn outlying(&self, limit: f64) -> Vec<(Channel, usize)> {
-        outlying_rows(
-            &self.context,
-            &self.problem,
-            &self.residual,
-            &self.own,
-            limit,
-        )
+    pub(crate) fn outlying(&self) -> Vec<(Channel, usize)> {
+        self.outlying_in(&self.residual)
     }
 
     /// Readings that stand alone once causes are in the model.
@@ -141,25 +148,14 @@ impl<'a> Prepared<'a> {
         &self,
         effects: &[Box<dyn Effect>],
         model: &Model,
-        limit: f64,
-    ) -> Result<Vec<(Channel, usize)>, DiagnosisError> {
+    ) -> Result<Vec<(Channel, usize)>> {
         let residual = self.problem.evaluate(&model.values, false)?.residual;
         let residual = with_causes(residual, &self.context, effects, &model.causes);
-        Ok(outlying_rows(
-            &self.context,
-            &self.problem,
-            &residual,
-            &self.own,
-            limit,
-        ))
+        Ok(self.outlying_in(&residual))
     }
 
     /// The same after some readings were taken out, `cleaned` its postures without them.
-    pub(crate) fn without(
-        mut self,
-        gone: &[(Channel, usize)],
-        cleaned: &'a Recording,
-    ) -> Prepared<'a> {
+    pub(crate) fn without(mut self, gone: &[(Channel, usize)], cleaned: &'a Recording) -> Self {
         self.context.recording = cleaned;
         for &(channel, row) in gone {
             for (index, stream) in self.context.streams.iter().enumerate() {
@@ -174,7 +170,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Fits the base model; the noise is estimated where it is not `known`.
-    pub(crate) fn fit(mut self, known: Option<&KnownNoise>) -> Result<Engine<'a>, DiagnosisError> {
+    pub(crate) fn fit(mut self, known: Option<&KnownNoise>) -> Result<Engine<'a>> {
         let readings = self.usable.iter().flatten();
         let readings: usize = readings.filter(|usable| **usable).count();
         let free = self.base.free.len();
@@ -186,57 +182,20 @@ impl<'a> Prepared<'a> {
             });
         }
         let residual = std::mem::take(&mut self.residual);
-        let BaseFit {
-            noise,
-            scale,
-            whole,
-            values,
-            residual,
-            promised,
-            convergence,
-            last_step,
-        } = self.base_fit(residual, known)?;
-        let Self {
-            context,
-            problem,
-            base,
-            own,
-            usable,
-            derivatives,
-            ..
-        } = self;
-        let floor = floors(&problem, &noise, &usable);
-        let held: Vec<usize> = (0..base.parameters.len())
-            .filter(|parameter| !base.free.contains(parameter))
+        let BaseFit { known, whole, fit } = self.base_fit(residual, known)?;
+        let held: Vec<usize> = (0..self.base.parameters.len())
+            .filter(|parameter| !self.base.free.contains(parameter))
             .collect();
-        let other = derivatives
-            .as_ref()
-            .map(|all| compress_columns(&context, &problem, &whole.blocks, all, &held));
-        let system = whole.system(&context, other.as_ref(), &residual)?;
+        let other = self.derivatives.as_ref();
+        let other = other.map(|all| self.columns(&whole.blocks, all, &held));
         Ok(Engine {
-            context,
-            problem,
-            base,
-            noise,
-            floor,
-            usable,
-            system,
-            own,
-            scale,
-            derivatives,
+            floor: self.floors(&known.noise),
+            system: whole.system(&self.context, other.as_ref(), &fit.residual)?,
+            noise: known.noise,
+            scale: known.scale,
             whole,
-            start: Refit {
-                model: Model {
-                    values,
-                    bare: Arc::new(residual.clone()),
-                    causes: Vec::new(),
-                },
-                residual,
-                covariance: None,
-                promised,
-                convergence,
-                last_step,
-            },
+            start: fit,
+            data: self,
         })
     }
 }

@@ -6,7 +6,7 @@ use haptical_judge::{Gain, closed_share};
 use haptical_linalg::Direction;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use crate::engine::system::System;
+use crate::engine::System;
 use crate::thresholds::partial::{RIDGE, SEGMENTS};
 
 /// The segments of a recording, with what its base model has in each.

@@ -3,12 +3,10 @@
 use std::ops::Range;
 
 use haptical_effects::{Context, Signal};
-use haptical_linalg::{Direction, SparseColumns};
+use haptical_linalg::Direction;
 pub(crate) use haptical_linalg::{dot, take_off};
 
-use crate::engine::base::problem::{BaseProblem, Derivatives};
-use crate::engine::blocks::Blocks;
-use crate::engine::layout::Layout;
+use crate::engine::{Blocks, Layout};
 use crate::thresholds::engine::ABSENT_DIRECTION;
 use crate::thresholds::fit::WINDOW_S;
 
@@ -41,7 +39,7 @@ pub(crate) type Oscillation = (Range<usize>, Vec<f64>);
 impl System {
     /// Takes physical residuals per stream and row, and projects them.
     pub(crate) fn set_residual(&mut self, residual: &[Vec<f64>]) {
-        self.project_reading(compress_rows(&self.layout, residual));
+        self.project_reading(self.layout.compress_rows(residual));
     }
 
     pub(crate) fn column(&self, signal: &Signal) -> Column {
@@ -51,6 +49,11 @@ impl System {
             .map(|(stream, values)| (*stream, self.layout.compress(*stream, |row| values[row])))
             .collect();
         Column { parts }
+    }
+
+    /// Removes a signal from the residual and from everything later.
+    pub(crate) fn project_out(&mut self, signal: &Signal) {
+        self.take(self.layout.dense(signal));
     }
 
     /// The same with nothing of the other streams in it.
@@ -98,12 +101,7 @@ impl<L: Layout> System<L> {
 
     /// Takes whitened readings, and projects them.
     pub(crate) fn project_reading(&mut self, mut whitened: Vec<f64>) {
-        // twice: one pass leaves the rounding of large coefficients
-        for _ in 0..2 {
-            for direction in &self.basis {
-                direction.take_off(&mut whitened);
-            }
-        }
+        take_off_all(&mut whitened, || self.basis.iter());
         self.residual = whitened;
     }
 
@@ -134,12 +132,7 @@ impl<L: Layout> System<L> {
         dense
     }
 
-    /// Removes a column from the residual and from everything later.
-    pub(crate) fn project_out(&mut self, column: &Column) {
-        self.take(self.dense(column));
-    }
-
-    /// The same of a column over all blocks.
+    /// Removes a column over all blocks from the residual and from everything later.
     pub(crate) fn take(&mut self, dense: Vec<f64>) {
         self.take_again_below(ALWAYS, dense);
     }
@@ -153,7 +146,6 @@ impl<L: Layout> System<L> {
         Some(across.products)
     }
 
-    /// Windows of a stream.
     pub(crate) fn windows(&self, stream: usize) -> usize {
         self.windows[stream].len()
     }
@@ -232,6 +224,16 @@ pub(crate) fn across<'d, D: Iterator<Item = &'d Direction>>(
     })
 }
 
+/// Takes the parts along orthonormal directions off a vector, twice: one pass leaves the rounding of large coefficients.
+pub(crate) fn take_off_all<'d, D: Iterator<Item = &'d Direction>>(
+    vector: &mut [f64],
+    directions: impl Fn() -> D,
+) {
+    for direction in directions().chain(directions()) {
+        direction.take_off(vector);
+    }
+}
+
 /// Sets everything but a range to zero.
 pub(crate) fn mask(vector: &mut [f64], range: Range<usize>) {
     vector[..range.start].fill(0.0);
@@ -250,42 +252,6 @@ impl SlowEnergy {
     pub(crate) fn excess(self) -> f64 {
         self.energy - self.freedom
     }
-}
-
-pub(crate) fn compress_rows(blocks: &Blocks, rows: &[Vec<f64>]) -> Vec<f64> {
-    let mut all = Vec::with_capacity(blocks.count());
-    for (stream, values) in rows.iter().enumerate() {
-        all.extend(blocks.compress(stream, |row| values[row]));
-    }
-    all
-}
-
-/// Compresses the derivatives of `chosen` parameters.
-pub(crate) fn compress_columns(
-    context: &Context<'_>,
-    problem: &BaseProblem<'_>,
-    blocks: &Blocks,
-    derivatives: &Derivatives,
-    chosen: &[usize],
-) -> SparseColumns {
-    let of_parameter = |&parameter: &usize| {
-        // from the first stream that depends on it to the last
-        let mut first = 0;
-        let mut column: Vec<f64> = Vec::new();
-        for stream in 0..context.streams.len() {
-            let range = blocks.range(stream);
-            if let Some(derivative) = problem.derivative(derivatives, stream, parameter) {
-                if column.is_empty() {
-                    first = range.start;
-                }
-                column.resize(range.start - first, 0.0);
-                column.extend(blocks.compress(stream, derivative));
-            }
-        }
-        Direction::from_part(first, column)
-    };
-    let columns: Vec<Direction> = haptical_parallel::map(chosen, of_parameter);
-    SparseColumns::new(blocks.count(), columns)
 }
 
 /// Cosine and sine of every line of every stream, each run's alone.

@@ -12,10 +12,10 @@ use super::Means;
 use super::posture::{PER_LINK, Posture};
 use super::recorded::{Besides, Recorded};
 use super::rows::Whitener;
-use crate::DiagnosisError;
 use crate::thresholds::torque::{
     ANGLE_SD_RAD, COLUMN_ROUNDING, DELAY_SD_S, FORCE_PRIOR, LEAST_SCALE_SD, LENGTH_SD_M,
 };
+use crate::{DiagnosisError, Result};
 
 /// Half a block: the chain is taken for its mean posture.
 #[derive(Debug)]
@@ -47,7 +47,7 @@ pub(super) struct Along<'a> {
 impl<'a> Along<'a> {
     /// # Errors
     /// [`DiagnosisError::Row`] where the arm has no torques.
-    pub(super) fn new(recorded: Recorded<'a>) -> Result<Self, DiagnosisError> {
+    pub(super) fn new(recorded: Recorded<'a>) -> Result<Self> {
         let context = recorded.context;
         let chain = DeviceChain::of_hand(context.device, 0);
         let joints = context.device.joints.len();

@@ -15,11 +15,10 @@ use super::answer::Sizes;
 use super::effects::is_scale;
 use super::recorded::{Recorded, may_be_held};
 use super::select::Pick;
-use crate::DiagnosisError;
-use crate::answer::HeldOutAnswer;
-use crate::answer::gap::held_out;
+use crate::answer::{HeldOutAnswer, held_out};
 use crate::select::misfit;
 use crate::thresholds::torque::UNSEEN_PART;
+use crate::{DiagnosisError, Result};
 
 /// What the torques say of an effect that was asked for.
 #[derive(Debug, Clone)]
@@ -84,7 +83,7 @@ fn fitted(
     recording: &Recording,
     second: Option<&Recording>,
     wanted: &[&DeviceEffect],
-) -> Result<Vec<AskedOfTorques>, DiagnosisError> {
+) -> Result<Vec<AskedOfTorques>> {
     let channels = channels(rigid, recording).unwrap_or_default();
     let context = Context::new(rigid, recording, &streams(rigid, &channels))?;
     let mut model = match Model::new(&context, may_be_held(&context), &[])? {
@@ -128,7 +127,7 @@ fn fitted(
 impl Model<'_> {
     /// What the effects close on a second recording, for the torque with the largest gap there. That gap is what the
     /// base model alone leaves.
-    fn closed_on(&self, second: &Recording) -> Result<Option<HeldOutAnswer>, DiagnosisError> {
+    fn closed_on(&self, second: &Recording) -> Result<Option<HeldOutAnswer>> {
         let context = Context::new(self.effects.along.recorded.context.device, second, &[])?;
         let Ok(recorded) = Recorded::new(&context, false) else {
             return Ok(None);

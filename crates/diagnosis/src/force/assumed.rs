@@ -5,7 +5,7 @@ use haptical_model::{RowBody, Segments};
 use super::along::Along;
 use super::posture::PER_LINK;
 use super::rows::TorqueRows;
-use crate::engine::regression::Regression;
+use crate::engine::Regression;
 use crate::thresholds::torque::{CENTRE_SD_M, LEAST_MASS_SD_KG, MASS_SD, ROD_SD};
 
 /// An inertial number: its place, its assumed value and the standard deviation of that value.

@@ -10,9 +10,8 @@ use super::along::Along;
 use super::assumed::with_assumed;
 use super::recorded::Besides;
 use super::rows::{FastRows, TorqueRows};
-use crate::engine::regression::Regression;
-use crate::engine::system::{SlowEnergy, dot};
-use crate::select::scan::{Candidate, Score};
+use crate::engine::{Regression, SlowEnergy, dot};
+use crate::select::{Candidate, Score};
 use crate::thresholds::torque::{KNOWN_BEFOREHAND, SCALE_ROUNDS};
 
 /// The base model fitted, with effects.
@@ -20,7 +19,6 @@ use crate::thresholds::torque::{KNOWN_BEFOREHAND, SCALE_ROUNDS};
 pub(super) struct Base {
     /// The links' columns first, one for each inertial number.
     pub(super) regression: Regression<TorqueRows>,
-    /// Columns of the geometry.
     pub(super) geometry: Range<usize>,
     /// Columns of the torque scales, one per channel, after all others of the base model.
     pub(super) scales: Range<usize>,

@@ -5,7 +5,7 @@ use haptical_effects::{Absorbed, Effect, Family, Follows, Hook, Shape, drive_cat
 
 use super::along::Along;
 use super::base::Base;
-use crate::select::scan::{Candidate, Score};
+use crate::select::{Candidate, Score};
 
 /// The catalogue of a device, and what of it a recording can test.
 #[derive(Debug)]

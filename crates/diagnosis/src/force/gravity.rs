@@ -9,9 +9,9 @@ use super::along::Along;
 use super::assumed::{Assumed, Known, assumed, with_knowledge};
 use super::base::Base;
 use super::posture::PER_LINK;
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::{CauseAnswer, ParameterAnswer};
-use crate::select::scan::Candidate;
+use crate::select::Candidate;
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{FAMILY_WISE_P, LEAST_WEIGHT, LISTED_PROBABILITY};
 
@@ -22,7 +22,7 @@ pub(super) fn unbalanced(
     along: &Along<'_>,
     base: &Base,
     (rest, may_be_payload): (f64, bool),
-) -> Result<Option<(CauseAnswer, Means)>, DiagnosisError> {
+) -> Result<Option<(CauseAnswer, Means)>> {
     let mut links = assumed(along);
     links.retain(|link| link.is_in_file && !link.shown.is_empty());
     let known: Vec<Known> = links.iter().flat_map(|link| link.shown.clone()).collect();

@@ -23,8 +23,6 @@ pub(super) fn harmonics(angle: &[f64], ratio: f64) -> Vec<Vec<f64>> {
     }
     columns
 }
-
-/// The matrix of these columns.
 pub(super) fn matrix(
     columns: impl ExactSizeIterator<Item = Vec<f64>>,
     rows: usize,

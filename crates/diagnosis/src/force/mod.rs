@@ -24,7 +24,6 @@ mod second;
 mod select;
 #[cfg(test)]
 mod tests;
-mod trust;
 
 use haptical_effects::Context;
 use haptical_model::Recording;
@@ -37,45 +36,27 @@ use self::changes::Carried;
 use self::effects::Effects;
 use self::recorded::{Besides, Recorded, may_be_held};
 use self::select::Selection;
-use crate::DiagnosisError;
-use crate::answer::second::OnSecond;
+use crate::Result;
 
 /// Means over blocks: a row for each block, a column for each channel.
 type Means = nalgebra::DMatrix<f64>;
 
-/// Tests the recorded torques and forces for effects of their own, with some of them left out of
-/// the catalogue.
-///
-/// # Errors
-/// [`DiagnosisError`] for a statistic that is not a number.
+/// Tests the recorded torques and forces for effects of their own, with some of them left out of the catalogue, and what the model of the
+/// torques leaves of a second recording. A hand on the handle that nobody measures leaves its forces in the torques: where these are
+/// explained without one, nobody held the arm (docs/assumptions.md, A305).
 pub(crate) fn examine(
-    context: &Context<'_>,
-    without: &[String],
-) -> Result<ForceAnswer, DiagnosisError> {
-    Ok(examine_both(context, None, without)?.0)
-}
-
-/// What the torques say, and what is left of those of a second recording.
-type Examined = (ForceAnswer, Option<OnSecond>);
-
-/// The same, with what the model of the torques leaves of a second recording. A hand on the handle that nobody measures leaves its
-/// forces in the torques: where these are explained without one, nobody held the arm (docs/assumptions.md, A305).
-///
-/// # Errors
-/// As [`examine`]; a row of the second recording at which the device has no value.
-pub(crate) fn examine_both(
     context: &Context<'_>,
     second: Option<&Recording>,
     without: &[String],
-) -> Result<Examined, DiagnosisError> {
+) -> Result<ForceAnswer> {
     let free = examined(context, false, (second, without))?;
-    if !may_be_held(context) || free.0.is_explained() {
+    if !may_be_held(context) || free.is_explained() {
         return Ok(free);
     }
     let held = examined(context, true, (second, without))?;
-    let is_by_hand = free.0.significant && !held.0.significant && held.0.findings.is_empty();
+    let is_by_hand = free.significant && !held.significant && held.findings.is_empty();
     Ok(match is_by_hand {
-        true => (free.0.caused_by_hand(held.0), held.1),
+        true => free.caused_by_hand(held),
         false => held,
     })
 }
@@ -84,18 +65,21 @@ fn examined(
     context: &Context<'_>,
     is_held: bool,
     (second, without): (Option<&Recording>, &[String]),
-) -> Result<Examined, DiagnosisError> {
+) -> Result<ForceAnswer> {
     let mut model = match Model::new(context, is_held, without)? {
         Ok(model) => model,
         Err(why) => {
             let mut joints = 0..context.device.joints.len();
             let has_torques = joints.any(|joint| context.torque_stream(joint).is_some());
-            return Ok((ForceAnswer::untestable(&why, has_torques), None));
+            return Ok(ForceAnswer::untestable(&why, has_torques));
         }
     };
     model.selection = model.effects.select(&mut model.base)?;
-    let seen = second.map(|second| model.on_second(second)).transpose()?;
-    Ok((model.answer()?, seen))
+    let second = second.map(|second| model.on_second(second)).transpose()?;
+    Ok(ForceAnswer {
+        second,
+        ..model.answer()?
+    })
 }
 
 /// The torques of a recording, and what explains them.
@@ -114,7 +98,7 @@ impl<'a> Model<'a> {
         context: &'a Context<'a>,
         is_held: bool,
         without: &'a [String],
-    ) -> Result<Result<Self, String>, DiagnosisError> {
+    ) -> Result<Result<Self, String>> {
         let mut along = match Recorded::new(context, is_held) {
             Ok(recorded) => Along::new(recorded)?,
             Err(why) => return Ok(Err(why)),

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use haptical_calibration::Channel;
 use haptical_effects::signal::LocalMotion;
 use haptical_effects::{Context, Signal, Stream};
 use haptical_model::{RigidBodies, varies};
@@ -11,10 +12,11 @@ use nalgebra::{DMatrix, Matrix3, MatrixXx3, Vector3};
 
 use super::Means;
 use super::harmonics::{harmonics, without_harmonics};
-use crate::noise::{self, Known, NoiseSource};
+use crate::noise;
+use crate::noise::{Known, NoiseSource};
 use crate::thresholds::torque::{
-    BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, READINGS_PER_PARAMETER, SLOWEST_S,
-    UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
+    BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, POSITION_GAP, READINGS_PER_PARAMETER,
+    SLOWEST_S, UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
 
 /// Whether a hand that nobody measures may hold the handle: where one may, it also moves the handle against a gauge, which is a cable, a
@@ -414,4 +416,36 @@ fn inflation(colour: f64, size: f64) -> f64 {
         sum += 2.0 * (1.0 - lag as f64 / size) * power;
     }
     sum.max(0.05)
+}
+
+/// Whether the base model leaves more of an external encoder or of the cable than successive rows
+/// differ by, and than the sensor's counts hide of it: of a slow motion most rows repeat.
+pub(super) fn positions_show_a_gap(context: &Context<'_>) -> bool {
+    let recording = context.recording;
+    let rest = |stream: &Stream| -> Option<Vec<f64>> {
+        let (read, model) = match stream.channel {
+            Channel::Output { joint } => (
+                recording.output.get(joint)?.as_ref()?,
+                context.output.get(joint)?,
+            ),
+            Channel::Cable { index: 0 } => (
+                recording.cable_m.first()?.as_ref()?,
+                &context.cable.as_ref()?.length_m,
+            ),
+            _ => return None,
+        };
+        Some(read.iter().zip(model).map(|(a, b)| a - b).collect())
+    };
+    let shows_gap = |stream: &Stream| {
+        let rest = rest(stream)?;
+        let usable = rest.iter().filter(|value| value.is_finite());
+        let count = usable.clone().count().max(1) as f64;
+        let rms = (usable.map(|value| value * value).sum::<f64>() / count).sqrt();
+        // the standard deviation of rounding to whole counts
+        let rounding = noise::rounding::own_count(context, stream) / 12.0_f64.sqrt();
+        let sd = noise::difference_sd(&rest, &context.runs)?;
+        Some(rms > POSITION_GAP * sd.hypot(rounding))
+    };
+    let mut streams = context.streams.iter();
+    streams.any(|stream| shows_gap(stream) == Some(true))
 }

@@ -6,8 +6,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::Means;
-use crate::engine::layout::Layout;
-use crate::engine::system::Column;
+use crate::engine::{Column, Layout};
 use crate::thresholds::torque::{ABSENT_HARMONIC, SURVIVING};
 
 /// What whitens blocks: lower Cholesky factors of the covariances of their mean torques.
@@ -23,7 +22,6 @@ impl Whitener {
         Some(Self(factors.collect::<Option<_>>()?))
     }
 
-    /// The factor of a block.
     pub(super) fn factor(&self, block: usize) -> &DMatrix<f64> {
         &self.0[block]
     }

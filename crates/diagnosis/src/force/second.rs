@@ -9,14 +9,13 @@ use super::along::Along;
 use super::changes::Payload;
 use super::effects::is_scale;
 use super::recorded::Recorded;
-use crate::DiagnosisError;
-use crate::answer::gap::held_out;
-use crate::answer::second::{OnSecond, SecondChannel};
+use crate::Result;
+use crate::answer::{OnSecond, SecondChannel, held_out};
 
 impl Model<'_> {
     /// Predicts a second recording, and compares what the arm carries in both by one model whose runs are those of
     /// both recordings.
-    pub(super) fn on_second(&self, second: &Recording) -> Result<OnSecond, DiagnosisError> {
+    pub(super) fn on_second(&self, second: &Recording) -> Result<OnSecond> {
         let first = &self.effects.along.recorded;
         let (device, log) = (first.context.device, first.context.recording);
         let context = Context::new(device, second, &[])?;

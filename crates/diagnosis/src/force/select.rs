@@ -10,16 +10,14 @@ use haptical_linalg::golden_section;
 use super::Means;
 use super::base::Base;
 use super::effects::{Effects, is_harmonic, is_scale, is_sensor_loop};
-use crate::DiagnosisError;
-use crate::engine::system::SlowEnergy;
-use crate::select::chance::family_wise_p;
-use crate::select::scan::{Candidate, Score};
-use crate::select::{excess, misfit};
+use crate::engine::SlowEnergy;
+use crate::select::{Candidate, Score, excess, family_wise_p, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::torque::{
     FAMILY_WISE_P, LEAST_LOOP, LEAST_RETAINED, LEAST_SHARE_OF_NOISE, MOST_NAMES, MOST_ORDERS,
     MOST_RIPPLES, SHAPE_STEP, SHARE_OF_REST, TRANSITION_REACH, TRANSITION_STEPS,
 };
+use crate::{DiagnosisError, Result};
 
 /// A chosen effect.
 #[derive(Debug, Clone)]
@@ -52,7 +50,6 @@ impl Pick {
     }
 }
 
-/// What the selection came to.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Selection {
     pub(super) picks: Vec<Pick>,
@@ -79,7 +76,7 @@ impl Effects<'_> {
     }
 
     /// Chooses effects one after the other; they become base columns of `base`.
-    pub(super) fn select(&self, base: &mut Base) -> Result<Selection, DiagnosisError> {
+    pub(super) fn select(&self, base: &mut Base) -> Result<Selection> {
         let mut search = Search {
             candidates: self.candidates(base),
             effects: self,
@@ -120,7 +117,7 @@ impl Effects<'_> {
         score.score - score.rank as f64 * self.along.recorded.rows().ln() - 2.0 * shapes.ln()
     }
 
-    fn is_found(&self, score: &Score, tested: usize) -> Result<bool, DiagnosisError> {
+    fn is_found(&self, score: &Score, tested: usize) -> Result<bool> {
         let p = family_wise_p(score, 1.0, tested as f64)?;
         let is_large = is_scale(self.effect(score.effect))
             || score.score >= LEAST_SHARE_OF_NOISE * self.along.recorded.rows();
@@ -292,7 +289,7 @@ impl Needless for Search<'_, '_> {
         chosen: &Chosen,
         index: usize,
         all: &[Without<Chosen>],
-    ) -> Result<bool, DiagnosisError> {
+    ) -> Result<bool> {
         let without = &all[index];
         let Some(score) = &without.state.gone else {
             return Ok(false);
@@ -347,7 +344,7 @@ fn dispersion(chosen: &Chosen) -> f64 {
 
 impl Search<'_, '_> {
     /// The picks that are needed, with what each saves with the others kept, and who would do as well in its place.
-    fn compared(&mut self, chosen: &Chosen) -> Result<Vec<Pick>, DiagnosisError> {
+    fn compared(&mut self, chosen: &Chosen) -> Result<Vec<Pick>> {
         let kept = without_needless(self, chosen.clone(), 0)?.state;
         let mut picks = kept.selection.picks.clone();
         for (index, pick) in picks.iter_mut().enumerate() {

@@ -1,8 +1,8 @@
 //! Adequacy: do the causes found account for the gap? If not, the answer is "unknown".
 
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::Verdict;
-use crate::judge::dependence::largest_dependence;
+use crate::judge::largest_dependence;
 use crate::select::{Selection, Selector, excess, worst_excess};
 use crate::thresholds::chance::{FAMILY_WISE_P, OMNIBUS_Z};
 use crate::thresholds::rivals::{LEAST_DOUBT, MOST_DOUBT, UNKNOWN, WEAK, WEAK_DOUBT};
@@ -20,7 +20,7 @@ pub(crate) struct Adequacy {
 }
 
 /// Compares what the causes leave with noise, and with what their laws may get wrong.
-pub(crate) fn adequacy(selection: &Selection<'_>) -> Result<Adequacy, DiagnosisError> {
+pub(crate) fn adequacy(selection: &Selection<'_>) -> Result<Adequacy> {
     let (total, _) = excess(&selection.before);
     let (left, left_sd) = excess(&selection.after);
     let unexplained = if total > 0.0 {
@@ -74,7 +74,7 @@ fn of_springs(selection: &Selection<'_>, together: f64) -> f64 {
 /// Of single postures, whose noise is known to a third only: whether what the causes leave depends on a joint or
 /// on time, more surely than by chance and by more than the squares that the laws may get wrong. Noise does not,
 /// whatever its size.
-fn depends_still(selection: &Selection<'_>, wrong: f64) -> Result<bool, DiagnosisError> {
+fn depends_still(selection: &Selection<'_>, wrong: f64) -> Result<bool> {
     let context = &selection.engine().context;
     if context.ordered || selection.causes().is_empty() {
         return Ok(false);

@@ -7,30 +7,23 @@ use haptical_effects::{Context, Signal};
 use haptical_metrics::{chi_square_p_value, holm_adjusted};
 use nalgebra::{DMatrix, DVector};
 
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::Dependence;
-use crate::engine::system::{System, dot};
+use crate::engine::{System, dot, take_off_all};
+use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT, STRETCHES};
 
 use self::questions::questions;
-use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT, STRETCHES};
 
 /// Every question with its answer by the residual of `system`: first the significant ones, by what they explain,
 /// then the others by probability. Adjusted probabilities are by Holm's method over all questions.
-pub(crate) fn dependences(
-    context: &Context<'_>,
-    system: &System,
-) -> Result<Vec<Dependence>, DiagnosisError> {
+pub(crate) fn dependences(context: &Context<'_>, system: &System) -> Result<Vec<Dependence>> {
     let found = asked(context, system)?;
     Ok(found.into_iter().map(|(found, _)| found).collect())
 }
 
 /// Largest squared residual of `system` that one question explains beyond chance, of those whose adjusted
 /// probability by chance is below `p`.
-pub(crate) fn largest_dependence(
-    context: &Context<'_>,
-    system: &System,
-    p: f64,
-) -> Result<f64, DiagnosisError> {
+pub(crate) fn largest_dependence(context: &Context<'_>, system: &System, p: f64) -> Result<f64> {
     let square = dot(&system.residual, &system.residual);
     let found = asked(context, system)?;
     let sure = found.iter().filter(|(found, _)| found.p_adjusted < p);
@@ -39,7 +32,7 @@ pub(crate) fn largest_dependence(
 
 /// Every question with its answer, and its share of the squared residual beyond chance, in the order of
 /// [`dependences`].
-fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)>, DiagnosisError> {
+fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)>> {
     let mut asked = Vec::new();
     for question in questions(context) {
         if let Some(answer) = ask(context, system, &question.signals)? {
@@ -80,7 +73,6 @@ fn asked(context: &Context<'_>, system: &System) -> Result<Vec<(Dependence, f64)
     Ok(found)
 }
 
-/// The answer to a question.
 struct Answer {
     /// Probability by chance of what its columns explain.
     p_value: f64,
@@ -92,20 +84,12 @@ struct Answer {
 
 /// What columns explain; none where the base model takes them up. A score test that sums within postures first (Liang & Zeger 1986): one disturbed joint
 /// moves all three coordinates of a touch.
-fn ask(
-    context: &Context<'_>,
-    system: &System,
-    signals: &[Signal],
-) -> Result<Option<Answer>, DiagnosisError> {
+fn ask(context: &Context<'_>, system: &System, signals: &[Signal]) -> Result<Option<Answer>> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for signal in signals {
-        let mut column = system.dense(&system.column(signal));
+        let mut column = system.layout.dense(signal);
         let length = dot(&column, &column).sqrt();
-        for _ in 0..2 {
-            for direction in &system.basis {
-                direction.take_off(&mut column);
-            }
-        }
+        take_off_all(&mut column, || system.basis.iter());
         let left = dot(&column, &column).sqrt();
         if left > ASKED_SHARE * length && left > 0.0 {
             column.iter_mut().for_each(|entry| *entry /= left);

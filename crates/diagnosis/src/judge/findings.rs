@@ -4,25 +4,16 @@ use haptical_calibration::Channel;
 use haptical_effects::Effect;
 use haptical_model::{Device, Recording};
 
-use crate::answer::AbsorbedAnswer;
-use crate::answer::floor::Floor;
-use crate::answer::floors::floors;
-use crate::answer::second::OnSecond;
-use crate::answer::shrink::{Shrink, Unseen, model_residual, on_held_back, on_second};
-use crate::engine::Engine;
-use crate::engine::base::Base;
+use crate::answer::{
+    AbsorbedAnswer, Floor, Shrink, Unseen, floors, model_residual, on_held_back, on_second,
+};
+use crate::engine::{Base, Engine};
 use crate::force::answer::ForceAnswer;
-use crate::force::examine_both;
-use crate::judge::adequacy::{Adequacy, adequacy};
-use crate::judge::earlier_model::absorbed::take_absorbed;
-use crate::judge::earlier_model::{Difference, difference};
-use crate::judge::rivals::settle;
-use crate::judge::wrong_angles::torque_nm;
-use crate::select::partial::Partial;
-use crate::select::rival::Rival;
-use crate::select::{Selection, excess};
+use crate::force::examine;
+use crate::judge::{Adequacy, Difference, adequacy, difference, settle, take_absorbed, torque_nm};
+use crate::select::{Partial, Rival, Selection, excess};
 use crate::thresholds::earlier_model::CONFIRMED_SD;
-use crate::{DiagnosisError, Options};
+use crate::{Options, Result};
 
 /// Inputs of a diagnosis in addition to the fitted base model.
 #[derive(Clone, Copy)]
@@ -38,7 +29,7 @@ pub(crate) struct Inputs<'i> {
     pub(crate) earlier: Option<&'i Base>,
     pub(crate) options: &'i Options<'i>,
     /// What the torques say, where they are those of a moving arm.
-    pub(crate) moving: Option<&'i (ForceAnswer, Option<OnSecond>)>,
+    pub(crate) moving: Option<&'i ForceAnswer>,
 }
 
 /// A selection with the judgements on it.
@@ -60,19 +51,11 @@ pub(crate) struct Findings<'f> {
     /// Noise of the channels, checked against all that is left.
     pub(crate) floors: Vec<Floor>,
     pub(crate) force: ForceAnswer,
-    /// What the torques of the second recording show.
-    pub(crate) torques_of_second: Option<OnSecond>,
 }
 
 impl<'f> Findings<'f> {
     /// Judges a selection.
-    ///
-    /// # Errors
-    /// [`DiagnosisError`] where a refit or a prediction of unseen rows fails.
-    pub(crate) fn new(
-        mut selection: Selection<'f>,
-        inputs: Inputs<'f>,
-    ) -> Result<Self, DiagnosisError> {
+    pub(crate) fn new(mut selection: Selection<'f>, inputs: Inputs<'f>) -> Result<Self> {
         let mut rivals = settle(&mut selection)?;
         let mut adequacy_of = adequacy(&selection)?;
         let engine = selection.engine();
@@ -114,20 +97,19 @@ impl<'f> Findings<'f> {
             shrink: Shrink::default(),
             floors: Vec::new(),
             force: ForceAnswer::default(),
-            torques_of_second: None,
         };
         let (shrink, force) = rayon::join(
             || findings.on_unseen_rows(),
             || match inputs.moving {
-                Some(both) => Ok(both.clone()),
+                Some(moving) => Ok(moving.clone()),
                 None => {
                     let (second, without) = (inputs.options.validation, &inputs.options.without);
-                    examine_both(&engine.context, second, without)
+                    examine(&engine.context, second, without)
                 }
             },
         );
         findings.shrink = shrink?;
-        (findings.force, findings.torques_of_second) = force?;
+        findings.force = force?;
         findings.forget_what_no_row_confirms();
         findings.floors = floors(&findings.selection, &findings.shrink.channels);
         for unseen in &mut findings.shrink.channels {
@@ -155,7 +137,7 @@ impl<'f> Findings<'f> {
         }
     }
 
-    fn on_unseen_rows(&self) -> Result<Shrink, DiagnosisError> {
+    fn on_unseen_rows(&self) -> Result<Shrink> {
         let selection = &self.selection;
         match self.inputs.options.validation {
             Some(second) => on_second(selection, second, self.inputs.earlier),
@@ -176,7 +158,6 @@ impl<'f> Findings<'f> {
         self.earlier.as_ref().unwrap_or(of_base)
     }
 
-    /// The effect of the first cause.
     pub(crate) fn first(&self) -> Option<&'f dyn Effect> {
         let first = self.selection.causes().first();
         first.map(|cause| self.selection.effect(cause))

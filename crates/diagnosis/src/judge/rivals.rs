@@ -3,19 +3,17 @@
 use haptical_effects::{Context, Effect, Family, Follows};
 use haptical_judge::{Backward, InPlace, Less, Other, Others, Without, probability};
 
-use crate::DiagnosisError;
-use crate::engine::model::{Cause, Refit};
-use crate::select::rival::Rival;
-use crate::select::scan::Score;
-use crate::select::{Selection, misfit};
+use crate::engine::{Cause, Refit};
+use crate::select::{Rival, Score, Selection, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::rivals::{
     BEHIND_NATS, COUPLED, DRIFT_LAW, EXCHANGES, LEAD, LISTED, LOOK_ALIKE, LOOK_ALIKE_NATS,
     NEAR_NATS, REFITTED, SAME_COURSE, SAME_GAIN, SETTLING_COURSES,
 };
+use crate::{DiagnosisError, Result};
 
 /// Every cause's rivals, after causes that others have overtaken were exchanged.
-pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>, DiagnosisError> {
+pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>> {
     let mut lists: Vec<Vec<Rival>> = Vec::new();
     for round in 0..=EXCHANGES {
         lists.clear();
@@ -42,10 +40,7 @@ pub(crate) fn settle(selection: &mut Selection<'_>) -> Result<Vec<Vec<Rival>>, D
 }
 
 /// The cause itself and its rivals, the best first.
-pub(crate) fn rivals(
-    selection: &mut Selection<'_>,
-    cause: usize,
-) -> Result<Vec<Rival>, DiagnosisError> {
+pub(crate) fn rivals(selection: &mut Selection<'_>, cause: usize) -> Result<Vec<Rival>> {
     let whole = selection.refit.clone();
     let mut search = InPlaceOf {
         selection,
@@ -66,24 +61,27 @@ pub(crate) fn rivals(
         nats_behind: rival.behind,
         probability: 0.0,
     });
-    let mut list: Vec<Rival> = std::iter::once(own).chain(others).collect();
-    let nearest = list.iter().map(|rival| rival.nats_behind);
-    let ahead = nearest.fold(0.0, f64::min);
-    list.iter_mut().for_each(|rival| rival.nats_behind -= ahead);
-    with_probabilities(&mut list);
-    Ok(list)
+    let others: Vec<Rival> = others.collect();
+    let ahead = others.iter().map(|rival| rival.nats_behind);
+    let ahead = ahead.fold(0.0, f64::min);
+    Ok(listed(own, others, ahead))
 }
 
-/// Gives rivals, the effect itself first, their probabilities.
-pub(crate) fn with_probabilities(list: &mut [Rival]) {
-    let behind: Vec<f64> = list.iter().map(|rival| rival.nats_behind).collect();
+/// An effect and its rivals with their probabilities; `ahead`: how far the first of all is ahead of the effect \[nats\], not above zero.
+pub(crate) fn listed(
+    own: Rival,
+    others: impl IntoIterator<Item = Rival>,
+    ahead: f64,
+) -> Vec<Rival> {
+    let mut list: Vec<Rival> = std::iter::once(own).chain(others).collect();
+    let behind: Vec<f64> = list.iter().map(|rival| rival.nats_behind - ahead).collect();
     for (index, rival) in list.iter_mut().enumerate() {
-        let others = behind
-            .iter()
-            .enumerate()
-            .filter(|(other, _)| *other != index);
+        let others = behind.iter().enumerate();
+        let others = others.filter(|(other, _)| *other != index);
+        rival.nats_behind = behind[index];
         rival.probability = probability(others.map(|(_, other)| other - behind[index]));
     }
+    list
 }
 
 /// Effects in the place of a cause.
@@ -176,8 +174,7 @@ impl InPlace for InPlaceOf<'_, '_> {
             let (fitted, cost) = selector.refit_with(&without.model, score)?;
             Ok((score.effect, fitted, cost))
         });
-        let refits: Vec<(usize, Refit, f64)> =
-            refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
+        let refits: Vec<(usize, Refit, f64)> = refits.into_iter().collect::<Result<_>>()?;
         let empty = selector.cost(without);
         let is_warming = warms_with_time(&selector.engine.context);
         let known = others.into_iter().map(|score| {

@@ -3,27 +3,18 @@
 use haptical_calibration::Channel;
 use haptical_model::Recording;
 
-use crate::DiagnosisError;
-use crate::answer::floors::channel_rms;
-use crate::answer::second::{Left, SecondAnswer, SecondChannel, not_predicted};
-use crate::answer::shrink::Unseen;
-use crate::answer::{SECOND_RECORDING, Verdict};
-use crate::engine::base::Base;
-use crate::engine::{Engine, Prepared};
-use crate::judge::findings::Findings;
-use crate::judge::wrong_angles::torque_nm;
-use crate::noise::cleaning::without_readings;
-use crate::thresholds::chance::OUTLIER_SD;
+use crate::Result;
+use crate::answer::{
+    Left, SECOND_RECORDING, SecondAnswer, SecondChannel, Unseen, Verdict, channel_rms,
+    not_predicted,
+};
+use crate::engine::{Base, Engine, Prepared};
+use crate::judge::{Findings, torque_nm};
+use crate::noise::without_readings;
 use crate::thresholds::torque::BEYOND_WRONG_ANGLES;
 
 /// What the second recording shows of positions and torques; none without one.
-///
-/// # Errors
-/// [`DiagnosisError`] where the device has no value at a row of both recordings.
-pub(crate) fn on_second(
-    findings: &Findings<'_>,
-    verdict: Verdict,
-) -> Result<Option<SecondAnswer>, DiagnosisError> {
+pub(crate) fn on_second(findings: &Findings<'_>, verdict: Verdict) -> Result<Option<SecondAnswer>> {
     let Some(second) = findings.inputs.options.validation else {
         return Ok(None);
     };
@@ -58,7 +49,7 @@ pub(crate) fn on_second(
         not_predicted: missing.collect(),
         is_gap_of_it_alone: false,
     };
-    if let Some(torques) = &findings.torques_of_second {
+    if let Some(torques) = &findings.force.second {
         let mut of_torques = match &findings.force.not_tested {
             Some(why) => SecondAnswer::not_predicted(not_predicted(why)),
             None => torques.second.clone(),
@@ -84,10 +75,7 @@ pub(crate) fn on_second(
 }
 
 /// What one fit of the base model to both recordings leaves, in the first and in the second; nothing where there is no such fit.
-fn of_both(
-    findings: &Findings<'_>,
-    second: &Recording,
-) -> Result<Vec<(Channel, [Left; 2])>, DiagnosisError> {
+fn of_both(findings: &Findings<'_>, second: &Recording) -> Result<Vec<(Channel, [Left; 2])>> {
     let inputs = &findings.inputs;
     let first = inputs.recording;
     let has_effects = !first.added.is_empty();
@@ -104,7 +92,7 @@ fn of_both(
         Err(error) => return Err(error),
     };
     let prepared = Prepared::new(&base, &both, &both)?;
-    let gone = prepared.outlying(OUTLIER_SD);
+    let gone = prepared.outlying();
     let cleaned = without_readings(&both, &gone);
     let engine = prepared.without(&gone, &cleaned).fit(None)?;
     let left = |channel: Channel, noise: f64| {

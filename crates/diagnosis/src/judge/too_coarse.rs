@@ -6,13 +6,10 @@ use std::f64::consts::TAU;
 use haptical_calibration::Channel;
 use haptical_model::{Device, Recording};
 
-use crate::DiagnosisError;
-use crate::answer::causes::noise_level;
-use crate::answer::{CauseAnswer, Diagnosis};
-use crate::engine::Prepared;
-use crate::engine::base::Base;
-use crate::noise::rounding::smallest_step;
-use crate::noise::stated::is_stated;
+use crate::Result;
+use crate::answer::{CauseAnswer, Diagnosis, noise_level};
+use crate::engine::{Base, Prepared};
+use crate::noise::{is_stated, smallest_step};
 use crate::thresholds::noise::{
     ARITHMETIC_COUNTS, COMPUTED, FINER_COUNTS, REFUTED, REFUTING_FREEDOM,
 };
@@ -42,7 +39,7 @@ impl Corrected {
         nominal: &Device,
         base: &Base,
         recording: &Recording,
-    ) -> Result<Option<Self>, DiagnosisError> {
+    ) -> Result<Option<Self>> {
         let refuted = refuted(base, recording)?;
         if refuted.is_empty() {
             return Ok(None);
@@ -66,11 +63,6 @@ impl Corrected {
             refuted,
             warnings,
         }))
-    }
-
-    /// Whether the device file's numbers were changed.
-    pub(crate) fn is_other_than(&self, nominal: &Device) -> bool {
-        self.device != *nominal
     }
 
     /// Says in the answer what was wrong.
@@ -103,7 +95,7 @@ impl Corrected {
 }
 
 /// Channels with enough readings that leave less than half of their stated noise.
-fn refuted(base: &Base, recording: &Recording) -> Result<Vec<Refuted>, DiagnosisError> {
+fn refuted(base: &Base, recording: &Recording) -> Result<Vec<Refuted>> {
     let prepared = Prepared::new(base, recording, recording)?;
     let parameters = base.free.len() as f64;
     let mut found = Vec::new();

@@ -3,12 +3,11 @@
 use haptical_calibration::Channel;
 use haptical_effects::Stream;
 
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::{Asked, Dependence, Verdict};
 use crate::engine::Engine;
-use crate::judge::dependence::dependences;
-use crate::judge::findings::Findings;
-use crate::noise::stated::is_stated;
+use crate::judge::{Findings, dependences};
+use crate::noise::is_stated;
 use crate::thresholds::chance::FAMILY_WISE_P;
 use crate::thresholds::dependence::DEPENDENCE_P;
 use crate::thresholds::noise::ROUGHEST_TOUCH_M;
@@ -33,7 +32,7 @@ pub(crate) struct Touched {
 
 impl Touched {
     /// Asks what the residuals depend on, where the verdict names no cause.
-    pub(crate) fn new(engine: &Engine<'_>, verdict: Verdict) -> Result<Self, DiagnosisError> {
+    pub(crate) fn new(engine: &Engine<'_>, verdict: Verdict) -> Result<Self> {
         let context = &engine.context;
         if context.ordered {
             return Ok(Self::default());
@@ -75,12 +74,11 @@ impl Touched {
         let mut touched = (0..context.streams.len()).filter(|&s| context.streams[s].is_touch());
         Ok(Self {
             are_postures: true,
-            is_alike: false,
-            is_by_row: false,
             is_rough: noise_is_unknown && touched.any(|s| engine.floor[s] > ROUGHEST_TOUCH_M),
             noise_is_unknown,
             dependence,
             unstated,
+            ..Self::default()
         })
     }
 

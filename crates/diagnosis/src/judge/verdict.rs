@@ -5,7 +5,7 @@ use haptical_judge::Evidence;
 
 use crate::answer::{CandidateAnswer, CauseAnswer, HeldOutAnswer, Verdict};
 use crate::force::answer::ForceAnswer;
-use crate::judge::findings::Findings;
+use crate::judge::Findings;
 use crate::select::excess;
 use crate::thresholds::chance::MOST_NAMES;
 use crate::thresholds::partial::{LEAST_PROBABILITY, MOST_LEFT_OF_SECOND};
@@ -45,12 +45,7 @@ pub(crate) fn verdict(findings: &Findings<'_>, causes: &[CauseAnswer]) -> Verdic
     judged(true, is_supported && !is_hedged && !is_void, first)
 }
 
-/// The verdict where positions show no gap: by the torques' first finding, or by their gap without one.
-pub(crate) fn of_torques(findings: &Findings<'_>) -> Verdict {
-    by_torques(&findings.force)
-}
-
-/// The same of torques alone.
+/// The verdict by torques: by their first finding, or by their gap without one.
 pub(crate) fn by_torques(force: &ForceAnswer) -> Verdict {
     let first = force.findings.first();
     judged(

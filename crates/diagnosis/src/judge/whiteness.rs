@@ -3,15 +3,12 @@
 
 use haptical_metrics::holm_adjusted;
 
-use crate::DiagnosisError;
-use crate::answer::place::Located;
-use crate::answer::place_touched::by_dependence;
-use crate::answer::{Asked, Dependence, Over, Whiteness};
+use crate::Result;
+use crate::answer::{Asked, Dependence, Located, Over, Whiteness, by_dependence};
 use crate::engine::Engine;
-use crate::judge::dependence::dependences;
+use crate::judge::dependences;
 use crate::noise::{Peak, surest_peak};
-use crate::select::Selection;
-use crate::select::generic::Covariate;
+use crate::select::{Covariate, Selection};
 use crate::thresholds::chance::FAMILY_WISE_P;
 
 /// Tests of a residual, with what they found.
@@ -26,7 +23,7 @@ pub(crate) struct Tested {
 
 impl Tested {
     /// Tests what the base model leaves, no cause taken up.
-    pub(crate) fn new(engine: &Engine<'_>) -> Result<Self, DiagnosisError> {
+    pub(crate) fn new(engine: &Engine<'_>) -> Result<Self> {
         let context = &engine.context;
         let mut dependence = dependences(context, &engine.system)?;
         let streams = 0..context.streams.len();

@@ -4,8 +4,7 @@ use haptical_calibration::Channel;
 use haptical_effects::{Context, Hook};
 use nalgebra::Vector3;
 
-use crate::engine::Engine;
-use crate::engine::model::Cause;
+use crate::engine::{Cause, Engine};
 use crate::select::Selection;
 
 /// What the holding torques are wrong by where the model's angles are \[Nm\]: about the torque times the angle, the largest

@@ -9,8 +9,7 @@ use haptical_motion::{
 };
 
 use super::words::Words;
-use crate::answer::CauseAnswer;
-use crate::answer::second::{Left, OnSecond, SecondChannel};
+use crate::answer::{CauseAnswer, Left, SecondChannel, Untestable};
 use crate::force::answer::ForceAnswer;
 use crate::thresholds::moving::STIFFNESS_SD;
 use crate::thresholds::second::ALLOWED;
@@ -188,13 +187,13 @@ impl Links {
     pub(crate) fn before(
         &self,
         device: &Device,
-        torques: Option<(ForceAnswer, Option<OnSecond>)>,
+        torques: Option<ForceAnswer>,
         effects: &[Box<dyn Effect>],
         has_second: bool,
-    ) -> (ForceAnswer, Option<OnSecond>) {
+    ) -> ForceAnswer {
         let examined = &self.found.examined;
         let words = Words::of_outputs(device, examined);
-        let (torques, of_torques) = torques.unwrap_or_default();
+        let torques = torques.unwrap_or_default();
         let mut channels = words.gaps();
         let course = words.course(&channels);
         channels.extend(torques.channels.iter().cloned());
@@ -220,11 +219,10 @@ impl Links {
             seen.second
                 .channels
                 .extend(self.on_second.iter().flatten().cloned());
-            seen.extend(of_torques.unwrap_or_default());
+            seen.extend(torques.second.unwrap_or_default());
             seen
         });
-        let answer = ForceAnswer {
-            depends_on: Vec::new(),
+        ForceAnswer {
             changes: torques.changes,
             channels,
             findings,
@@ -234,14 +232,13 @@ impl Links {
                 false => examined.unexplained_share(),
             },
             significant: !examined.findings.is_empty() || torques.significant,
-            not_tested: None,
-            closed_unseen_share: None,
             numbers: examined.numbers + torques.numbers,
             tested: examined.tried + torques.tested,
             warnings,
             course,
-        };
-        (answer, seen)
+            second: seen,
+            ..ForceAnswer::default()
+        }
     }
 
     /// The device with the causes, and with the zeros of its encoders.
@@ -328,22 +325,21 @@ impl Links {
 }
 
 /// Effects on positions that were not compared.
-fn untestable(effects: &[Box<dyn Effect>], found: &[CauseAnswer]) -> Vec<(&'static str, String)> {
-    let mut names: Vec<&'static str> = Vec::new();
+fn untestable(effects: &[Box<dyn Effect>], found: &[CauseAnswer]) -> Vec<Untestable> {
+    let mut all: Vec<Untestable> = Vec::new();
     for effect in effects {
-        let is_told = found.iter().any(|own| own.effect == effect.name());
-        if !is_told && !names.contains(&effect.name()) {
-            names.push(effect.name());
+        let name = effect.name();
+        if found.iter().all(|own| own.effect != name) {
+            let why = match effect.spec().hook {
+                Hook::Transmission | Hook::ExternalEncoder | Hook::Timing => {
+                    "delays, springs and plays explain the encoders on the links: it was not compared with them"
+                }
+                _ => {
+                    "the log has joints, encoders on their links and torques alone: nothing shows it"
+                }
+            };
+            Untestable::add(&mut all, name, None, why.to_owned());
         }
     }
-    let why = |name: &str| match spec(name).map(|spec| spec.hook) {
-        Some(Hook::Transmission | Hook::ExternalEncoder | Hook::Timing) => {
-            "delays, springs and plays explain the encoders on the links: it was not compared with them"
-        }
-        _ => "the log has joints, encoders on their links and torques alone: nothing shows it",
-    };
-    names
-        .into_iter()
-        .map(|name| (name, why(name).to_owned()))
-        .collect()
+    all
 }

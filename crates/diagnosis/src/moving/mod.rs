@@ -1,7 +1,6 @@
 //! The torques of a moving arm, as `haptical-motion` examines them, in the words of a diagnosis.
 
 pub(crate) mod between;
-mod followed;
 mod tracking;
 mod warnings;
 mod words;
@@ -11,12 +10,10 @@ use haptical_effects::law;
 use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 
-use self::followed::followed;
 pub(crate) use self::warnings::leaves_of_second;
 use self::warnings::warnings;
-use self::words::Words;
-use crate::answer::second::OnSecond;
-use crate::answer::{CauseAnswer, ChannelGap};
+use self::words::{Words, followed};
+use crate::answer::{CauseAnswer, ChannelGap, OnSecond, Untestable};
 use crate::force::answer::ForceAnswer;
 use crate::force::names;
 
@@ -26,7 +23,7 @@ pub(crate) fn of_moving_arm(
     recording: &Recording,
     second: Option<&Recording>,
     without: &[String],
-) -> Option<(ForceAnswer, Option<OnSecond>)> {
+) -> Option<ForceAnswer> {
     if !is_moving_arm(device, recording) {
         return None;
     }
@@ -35,20 +32,21 @@ pub(crate) fn of_moving_arm(
         // at rest, and of a device that cannot be evaluated, there are other ways of looking at torques
         Err(MotionError::Standstill | MotionError::Model(_)) => return None,
         Err(why) => {
-            let answer = ForceAnswer {
+            let unseen = "those of the log were not tested";
+            return Some(ForceAnswer {
                 not_tested: Some(why.to_string()),
+                second: second.map(|_| OnSecond::not_predicted(unseen)),
                 ..ForceAnswer::default()
-            };
-            let why = "those of the log were not tested";
-            let seen = second.map(|_| OnSecond::not_predicted(why));
-            return Some((answer, seen));
+            });
         }
     };
     let words = Words::of_torques(device, &examined);
-    let seen = second.is_some().then(|| words.on_second());
-    let both = (answer(&words), seen);
+    let answer = ForceAnswer {
+        second: second.is_some().then(|| words.on_second()),
+        ..answer(&words)
+    };
     let logs = (recording, second);
-    Some(tracking::beside(device, logs, &examined, without, both))
+    Some(tracking::beside(device, logs, &examined, without, answer))
 }
 
 /// Whether the drives of a moving arm carry what its links ask for: something sees the links behind the drives, and no hand that is
@@ -89,7 +87,7 @@ pub fn with_carried_loads(device: &Device, recording: &Recording) -> Option<Reco
         (0..device.joints.len()).any(yields) || device.effects.iter().any(is_between);
     let are_explained = || {
         let torques = of_moving_arm(device, recording, None, &[]);
-        torques.is_some_and(|(torques, _)| torques.is_explained())
+        torques.is_some_and(|torques| torques.is_explained())
     };
     if !follows_load
         || !is_moving_arm(device, recording)
@@ -137,8 +135,6 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
         unexplained_share: unexplained,
         significant: examined.has_gap() || !findings.is_empty(),
         findings,
-        not_tested: None,
-        closed_unseen_share: None,
         numbers: examined.numbers,
         tested: examined.tried,
         changes: match is_adequate {
@@ -148,13 +144,14 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
             false => Vec::new(),
         },
         warnings: [warnings(words.device, examined), words.not_predicted()].concat(),
+        ..ForceAnswer::default()
     }
 }
 
 /// Effects of the torques that need what a motion without a hand's force does not have.
-fn untestable() -> Vec<(&'static str, String)> {
+fn untestable() -> Vec<Untestable> {
     let of_motion = haptical_motion::effect_names();
     let others = names().filter(|name| !of_motion.contains(name) && *name != SAMPLING.name);
     let why = "the equations of motion stand in its place: friction is free, and nobody is taken to hold the arm";
-    others.map(|name| (name, why.to_owned())).collect()
+    others.map(|name| Untestable::new(name, why)).collect()
 }

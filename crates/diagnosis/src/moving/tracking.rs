@@ -5,7 +5,7 @@ use haptical_model::{Device, Recording};
 use haptical_motion::{Examined, Untracked, examine_tracking};
 
 use super::words::Words;
-use crate::answer::second::OnSecond;
+use crate::answer::Untestable;
 use crate::force::answer::ForceAnswer;
 
 /// The torques' answer with what the commands show: a delay as a cause, or why none can be told.
@@ -14,8 +14,8 @@ pub(super) fn beside(
     logs: (&Recording, Option<&Recording>),
     torques: &Examined,
     without: &[String],
-    (mut answer, seen): (ForceAnswer, Option<OnSecond>),
-) -> (ForceAnswer, Option<OnSecond>) {
+    mut answer: ForceAnswer,
+) -> ForceAnswer {
     let name = COMMAND_LATENCY.name;
     let tracking = match examine_tracking(device, logs, torques, without) {
         Ok(tracking) => tracking,
@@ -24,14 +24,15 @@ pub(super) fn beside(
                 let words = format!("the commands were not tested: {why}");
                 answer.warnings.push(words);
             }
-            answer.untestable.push((name, why.to_string()));
-            return (answer, seen);
+            let entry = Untestable::new(name, why.to_string());
+            answer.untestable.push(entry);
+            return answer;
         }
     };
     let words = Words::of_commands(device, &tracking.examined);
     let channels = words.gaps();
     if !channels.iter().any(|own| own.has_gap) {
-        return (answer, seen);
+        return answer;
     }
     answer.course = answer.course.or_else(|| words.course(&channels));
     answer.channels.extend(channels);
@@ -59,10 +60,8 @@ pub(super) fn beside(
             others.join(", ")
         ));
     }
-    let of_commands = words.on_second();
-    let seen = seen.map(|mut seen| {
-        seen.extend(of_commands);
-        seen
-    });
-    (answer, seen)
+    if let Some(second) = &mut answer.second {
+        second.extend(words.on_second());
+    }
+    answer
 }

@@ -271,7 +271,6 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
     said
 }
 
-/// Joints by their numbers.
 fn joints_of(joints: &[usize]) -> String {
     let numbers: Vec<String> = joints.iter().map(|own| (own + 1).to_string()).collect();
     let s = if joints.len() == 1 { "" } else { "s" };

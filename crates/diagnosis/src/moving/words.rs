@@ -1,16 +1,17 @@
-//! What was examined of a motion, torques or encoders on links, as channels, causes and predictions.
+//! What was examined of a motion, torques or encoders on links, as channels, causes and predictions, and what the largest gap follows.
 
 use haptical_calibration::Channel;
 use haptical_judge::probability;
 use haptical_model::{Device, JointType};
-use haptical_motion::{ChannelFit, Examined, Finding, MotionError, Unseen};
+use haptical_motion::{ChannelFit, Dependence, Examined, Finding, MotionError, Quantity, Unseen};
 
-use crate::answer::floor::{Floor, NoReduction};
-use crate::answer::gap::held_out;
-use crate::answer::second::{OnSecond, not_predicted};
-use crate::answer::{CauseAnswer, ChannelGap, HeldOutAnswer, ParameterAnswer};
-use crate::force::answer::Course;
+use crate::answer::{
+    CauseAnswer, ChannelGap, Floor, HeldOutAnswer, NoReduction, OnSecond, ParameterAnswer, Trace,
+    held_out, not_predicted,
+};
+use crate::force::answer::Followed;
 use crate::noise::NoiseSource;
+use crate::thresholds::moving::{FOLLOWED_OF_MOST, FOLLOWED_SHARE};
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What is examined of each joint.
@@ -21,7 +22,6 @@ enum Shown {
     Tracking,
 }
 
-/// An examination in words.
 pub(super) struct Words<'e> {
     pub(super) device: &'e Device,
     pub(super) examined: &'e Examined,
@@ -138,7 +138,6 @@ impl<'e> Words<'e> {
         causes.collect()
     }
 
-    /// A finding as a cause.
     pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
         let near = found.rivals.iter().filter(|own| own.is_near());
         let among_rivals = probability(found.rivals.iter().map(|own| own.behind_nats));
@@ -268,21 +267,19 @@ impl<'e> Words<'e> {
     }
 
     /// The torque with the largest gap over time.
-    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Course> {
+    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Trace> {
         let most = largest(channels)?;
         let own = &self.examined.channels[most];
-        let after = if self.is_adequate {
-            &own.after
-        } else {
-            &own.before
+        let after = match self.is_adequate {
+            true => &own.after,
+            false => &own.before,
         };
-        Some(Course {
-            channel: self.channel(own.joint),
-            unit: self.unit(own.joint),
-            time_s: self.examined.time_s.clone(),
-            before: own.before.clone(),
-            after: after.clone(),
-        })
+        Some(Trace::over_time(
+            self.channel(own.joint),
+            self.unit(own.joint),
+            &self.examined.time_s,
+            [&own.before, after].map(Clone::clone),
+        ))
     }
 }
 
@@ -305,8 +302,61 @@ fn largest_of(unseen: &[Unseen]) -> Option<&Unseen> {
     unseen.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
 }
 
-/// The channel with the largest gap.
 pub(super) fn largest(channels: &[ChannelGap]) -> Option<usize> {
     let share = |index: &usize| channels[*index].share_of_gap;
     (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))
+}
+
+/// What the largest gap depends on, in the log's columns.
+pub(super) fn followed(words: &Words<'_>, channels: &[ChannelGap]) -> Vec<Followed> {
+    let (device, examined) = (words.device, words.examined);
+    let Some(own) = largest(channels).map(|index| &examined.channels[index]) else {
+        return Vec::new();
+    };
+    let most = own.depends_on.first().map_or(0.0, |own| own.share);
+    let first = own.depends_on.first().map(|own| own.quantity);
+    // functions of time follow everything that is slow
+    let is_of_time =
+        |own: &Dependence| own.quantity == Quantity::Time && first != Some(own.quantity);
+    let is_told = |own: &&Dependence| {
+        own.share > FOLLOWED_SHARE.max(FOLLOWED_OF_MOST * most) && !is_of_time(own)
+    };
+    let joint = &device.joints[own.joint];
+    let number = own.joint + 1;
+    let position = format!("theta{number}_{}", joint.unit());
+    let told = own.depends_on.iter().filter(is_told);
+    let followed = told.map(|found| {
+        let (column, words) = match found.quantity {
+            Quantity::Position if joint.unit() == "m" => {
+                (position.clone(), format!("the travel of joint {number}"))
+            }
+            Quantity::Position => (position.clone(), format!("the angle of joint {number}")),
+            Quantity::Velocity => (
+                position.clone(),
+                format!("the speed and direction of joint {number}"),
+            ),
+            Quantity::Acceleration => (
+                position.clone(),
+                format!("the acceleration of joint {number}"),
+            ),
+            Quantity::Load => (
+                joint.torque_column(number),
+                format!("the load of joint {number}"),
+            ),
+            Quantity::Time => ("t_s".to_owned(), "time".to_owned()),
+        };
+        Followed {
+            column,
+            words,
+            share: found.share,
+        }
+    });
+    let mut told: Vec<Followed> = Vec::new();
+    for own in followed {
+        // angle and speed are of one column
+        if !told.iter().any(|other| other.column == own.column) {
+            told.push(own);
+        }
+    }
+    told
 }

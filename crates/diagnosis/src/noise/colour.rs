@@ -1,9 +1,8 @@
-//! Size and colour of a noise by the moments of its segments.
+//! Size and colour of a noise by the moments of its segments: what a cubic leaves of a motion.
 
-use super::segments::{expected_moments, leave_undisturbed, segment_basis};
 use super::{Noise, NoiseSource};
 use crate::thresholds::engine::COLOUR_STEP;
-use crate::thresholds::noise::{LAGS, LEAST_COLOUR, MOST_COLOUR, SEGMENT_ROWS};
+use crate::thresholds::noise::{DISTURBED, LAGS, LEAST_COLOUR, MOST_COLOUR, SEGMENT_ROWS};
 
 /// The colour up to which the correlation of successive rows grows: a cubic takes most of a strongly
 /// coloured part out of a segment, and white rounding is what is left.
@@ -49,17 +48,10 @@ pub(super) fn of_moments(moments: &[[f64; LAGS]], rounding: f64) -> Noise {
     let [square, next] = mixed(0.0);
     // a colour within its scatter of white is white: it would only add noise to the whitening
     if (found - next / square).abs() > 3.0 * scatter {
-        let (mut low, mut high) = (LEAST_COLOUR, most_colour(&mixed));
-        for _ in 0..40 {
-            let middle = 0.5 * (low + high);
-            let [square, next] = mixed(middle);
-            if next / square < found {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        colour = 0.5 * (low + high);
+        colour = bisected([LEAST_COLOUR, most_colour(&mixed)], |colour| {
+            let [square, next] = mixed(colour);
+            next / square < found
+        });
     }
     let variance = (seen[0] / mixed(colour)[0]).max(1e-12);
     let freedom = (SEGMENT_ROWS - 4) as f64 * (1.0 - colour * colour) / (1.0 + colour * colour);
@@ -96,16 +88,21 @@ pub(super) fn colour_of_unit_noise(mean_square: f64) -> Option<f64> {
     if mean_square >= square(0.0) {
         return None;
     }
-    let (mut low, mut high) = (0.0, MOST_COLOUR);
+    Some(bisected([0.0, MOST_COLOUR], |colour| {
+        square(colour) > mean_square
+    }))
+}
+
+/// The colour up to which something holds, between two.
+fn bisected([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
-        if square(middle) > mean_square {
-            low = middle;
-        } else {
-            high = middle;
+        match holds(middle) {
+            true => low = middle,
+            false => high = middle,
         }
     }
-    Some(0.5 * (low + high))
+    0.5 * (low + high)
 }
 
 /// Noise of a size that another source gives, with the colour by which segments of that size leave what `segments` were
@@ -122,18 +119,84 @@ pub(super) fn with_colour_of(given: Noise, segments: &Noise) -> Noise {
     if seen >= white {
         return given;
     }
-    let (mut low, mut high) = (0.0, segments.colour);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if square(middle) > seen {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
     Noise {
-        colour: 0.5 * (low + high),
+        colour: bisected([0.0, segments.colour], |colour| square(colour) > seen),
         coloured_share: share,
         ..given
     }
+}
+
+/// Orthonormal polynomials up to the third degree on a segment.
+pub(super) fn segment_basis() -> [[f64; SEGMENT_ROWS]; 4] {
+    let mut basis = [[0.0; SEGMENT_ROWS]; 4];
+    for degree in 0..4 {
+        let mut vector = [0.0; SEGMENT_ROWS];
+        for (index, entry) in vector.iter_mut().enumerate() {
+            let place = (index as f64 - 7.5) / 7.5;
+            *entry = place.powi(degree as i32);
+        }
+        without(&mut vector, &basis[..degree]);
+        let norm = vector.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
+        vector.iter_mut().for_each(|entry| *entry /= norm);
+        basis[degree] = vector;
+    }
+    basis
+}
+
+/// Takes the parts along orthonormal polynomials off a segment.
+fn without(part: &mut [f64; SEGMENT_ROWS], basis: &[[f64; SEGMENT_ROWS]]) {
+    for polynomial in basis {
+        let shared: f64 = part.iter().zip(polynomial).map(|(a, b)| a * b).sum();
+        for (entry, other) in part.iter_mut().zip(polynomial) {
+            *entry -= shared * other;
+        }
+    }
+}
+
+/// Sums of products of rows at lags 0, 1, ... of what a cubic leaves.
+pub(super) fn segment_moments(part: &[f64], basis: &[[f64; SEGMENT_ROWS]; 4]) -> [f64; LAGS] {
+    let mut rest = [0.0; SEGMENT_ROWS];
+    rest.copy_from_slice(part);
+    without(&mut rest, basis);
+    let mut moments = [0.0; LAGS];
+    for (lag, moment) in moments.iter_mut().enumerate() {
+        *moment = (lag..SEGMENT_ROWS)
+            .map(|row| rest[row] * rest[row - lag])
+            .sum();
+    }
+    moments
+}
+
+/// Expected moments of a segment of a first-order autoregression of unit variance.
+pub(super) fn expected_moments(colour: f64, basis: &[[f64; SEGMENT_ROWS]; 4]) -> [f64; LAGS] {
+    // M C M, M the projection that takes the cubic out: columns first, then rows
+    let powers: [f64; SEGMENT_ROWS] = std::array::from_fn(|lag| colour.powi(lag as i32));
+    let mut projected = [[0.0; SEGMENT_ROWS]; SEGMENT_ROWS];
+    for (column, entries) in projected.iter_mut().enumerate() {
+        for (row, entry) in entries.iter_mut().enumerate() {
+            *entry = powers[row.abs_diff(column)];
+        }
+        without(entries, basis);
+    }
+    let mut both = [[0.0; SEGMENT_ROWS]; SEGMENT_ROWS];
+    for row in 0..SEGMENT_ROWS {
+        for column in 0..SEGMENT_ROWS {
+            both[row][column] = projected[column][row];
+        }
+        without(&mut both[row], basis);
+    }
+    let mut moments = [0.0; LAGS];
+    for (lag, moment) in moments.iter_mut().enumerate() {
+        *moment = (lag..SEGMENT_ROWS)
+            .map(|index| both[index - lag][index])
+            .sum();
+    }
+    moments
+}
+
+/// Leaves the segments that nothing disturbs, the quietest first.
+pub(super) fn leave_undisturbed<T>(segments: &mut Vec<T>, square: impl Fn(&T) -> f64) {
+    segments.sort_by(|a, b| square(a).total_cmp(&square(b)));
+    let limit = DISTURBED * square(&segments[segments.len() / 2]);
+    segments.retain(|segment| square(segment) <= limit);
 }

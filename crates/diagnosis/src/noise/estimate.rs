@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::colour::{colour_of_unit_noise, from_segments, of_moments, with_colour_of};
-use super::segments::{segment_basis, segment_moments};
+use super::colour::{
+    colour_of_unit_noise, from_segments, of_moments, segment_basis, segment_moments, with_colour_of,
+};
 use super::{Noise, NoiseSource};
 use crate::thresholds::noise::{
     ENOUGH_SEGMENTS, LAGS, LOUD, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY,

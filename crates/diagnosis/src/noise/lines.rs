@@ -164,7 +164,6 @@ fn motion_hz(context: &Context<'_>, time_s: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// A peak of a spectrum.
 #[derive(Debug, Clone)]
 pub(crate) struct Peak {
     pub(crate) hz: f64,

@@ -3,30 +3,29 @@
 //!
 //! docs/diagnosis.md, "Noise", derives the formulas.
 
-pub(crate) mod cleaning;
-pub(crate) mod measured;
-pub(crate) mod repeats;
+mod repeats;
 pub(crate) mod rounding;
-pub(crate) mod source;
-pub(crate) mod stated;
 
 mod colour;
 mod estimate;
 mod lines;
 mod outliers;
-mod segments;
 mod spectrum;
 mod speed;
+
+use haptical_calibration::Channel;
+use haptical_model::Device;
+use serde::Serialize;
 
 use crate::thresholds::noise::{BEYOND, MUCH_ROUNDING};
 
 pub(crate) use self::estimate::{Known, estimate, with_memory};
 pub(crate) use self::lines::{Peak, lines, surest_peak, without_lines};
-pub(crate) use self::outliers::{difference_sd, outliers};
-pub use self::source::NoiseSource;
+pub(crate) use self::outliers::{difference_sd, outliers, spread, without_readings};
+pub(crate) use self::repeats::{Repeats, pooled};
+pub(crate) use self::rounding::smallest_step;
 pub(crate) use self::speed::speed_scale;
 
-/// Noise of one stream.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
     /// Standard deviation over the stated one.
@@ -43,6 +42,14 @@ pub(crate) struct Noise {
     pub(crate) source: NoiseSource,
     /// Increase of the standard deviation at the highest tenth of speeds over that at the lowest.
     pub(crate) speed_ratio: f64,
+}
+
+/// The noise of all streams, known from an earlier look.
+#[derive(Debug, Clone)]
+pub(crate) struct KnownNoise {
+    pub(crate) noise: Vec<Noise>,
+    /// Of each stream the factor of the deviation at each row, where it depends on the speed.
+    pub(crate) scale: Vec<Option<Vec<f64>>>,
 }
 
 impl Noise {
@@ -101,3 +108,48 @@ pub(crate) fn is_above(one: (f64, f64), other: (f64, f64)) -> bool {
 
 #[cfg(test)]
 mod tests;
+
+/// What a noise floor was estimated from, the best source first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NoiseSource {
+    /// Postures that were recorded several times.
+    Repeats,
+    /// Successive rows of a motion.
+    Motion,
+    /// The device file.
+    Stated,
+    /// All that the model leaves, gap and all: there is no other source.
+    Rest,
+}
+
+impl NoiseSource {
+    /// In words.
+    ///
+    /// # Examples
+    /// ```
+    /// assert_eq!(haptical_diagnosis::NoiseSource::Stated.words(), "the device file");
+    /// ```
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Repeats => "repeats of postures",
+            Self::Motion => "differences of successive rows",
+            Self::Stated => "the device file",
+            Self::Rest => "all that the model leaves",
+        }
+    }
+}
+
+/// Whether the device file says how noisy a channel is.
+pub(crate) fn is_stated(device: &Device, channel: Channel) -> bool {
+    match channel {
+        Channel::Output { joint } => device.joints[joint].output_sd_rad().is_some(),
+        Channel::Cable { index } => device.cable_sd_m(index).is_some(),
+        Channel::Position => device.tracker.is_some_and(|t| t.position_sd_m.is_some()),
+        Channel::Orientation => device.tracker.is_some_and(|t| t.rotation_sd_rad.is_some()),
+        Channel::Contact => device.surroundings.contact_sd_m.is_some(),
+        Channel::Plane => device.surroundings.plane_sd_m.is_some(),
+        Channel::Fixture { .. } => device.surroundings.fixture_sd_rad.is_some(),
+        Channel::ContactPair { .. } | Channel::PlanePair { .. } => true,
+    }
+}

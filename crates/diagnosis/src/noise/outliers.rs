@@ -1,11 +1,14 @@
-//! Rows that stand alone, and a size of the noise that they cannot move.
+//! Rows that stand alone, a size of the noise that they cannot move, and recordings without them.
 
 use std::ops::Range;
+
+use haptical_calibration::Channel;
+use haptical_model::Recording;
 
 use crate::thresholds::noise::MEDIAN_REACH;
 
 /// Median of the magnitude of a normal deviate.
-pub(super) const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
+const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Rows whose value stands alone: further than `limit` and what rounding adds, `rounded` of each row, from the median of
 /// the seven rows around, which follow a motion, a jump or a drift.
@@ -56,4 +59,53 @@ pub(crate) fn difference_sd(scaled: &[f64], runs: &[Range<usize>]) -> Option<f64
     }
     let median = haptical_metrics::median(&steps).ok()?;
     Some(median / NORMAL_MEDIAN)
+}
+
+/// Standard deviation from the median absolute value.
+pub(crate) fn spread(scaled: &[f64]) -> Option<f64> {
+    let finite = scaled.iter().filter(|value| value.is_finite());
+    let sizes: Vec<f64> = finite.map(|value| value.abs()).collect();
+    Some(haptical_metrics::median(&sizes).ok()? / NORMAL_MEDIAN)
+}
+
+/// A copy of a recording without some readings.
+pub(crate) fn without_readings(recording: &Recording, gone: &[(Channel, usize)]) -> Recording {
+    let mut cleaned = recording.clone();
+    for &(channel, row) in gone {
+        match channel {
+            Channel::Output { joint } => {
+                if let Some(Some(column)) = cleaned.output.get_mut(joint) {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Cable { index } => {
+                if let Some(Some(column)) = cleaned.cable_m.get_mut(index) {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Position => {
+                for column in cleaned.position_m.iter_mut().flatten() {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Orientation => {
+                for column in cleaned.orientation_wxyz.iter_mut().flatten() {
+                    column[row] = f64::NAN;
+                }
+            }
+            Channel::Contact => {
+                if let Some(ids) = &mut cleaned.contact {
+                    ids[row].clear();
+                }
+            }
+            Channel::Plane => {
+                if let Some(ids) = &mut cleaned.plane {
+                    ids[row].clear();
+                }
+            }
+            // one reading of a whole recording, or one in front of any motion: nothing to clean
+            Channel::ContactPair { .. } | Channel::PlanePair { .. } | Channel::Fixture { .. } => {}
+        }
+    }
+    cleaned
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::segments::{leave_undisturbed, segment_basis, segment_moments};
+use super::colour::{leave_undisturbed, segment_basis, segment_moments};
 use crate::thresholds::noise::{DEPENDS_ON_SPEED, SEGMENT_ROWS, SPEED_CLASSES, STANDS_STILL};
 
 /// Scale of the noise at every row by the speed there, with mean square 1, and the ratio of the deviation

@@ -2,11 +2,11 @@
 
 use haptical_effects::Shape;
 
-use crate::DiagnosisError;
-use crate::engine::model::{Cause, Model, Refit};
-use crate::select::scan::Score;
-use crate::select::{Grown, Refused, Selector};
+use crate::engine::{Cause, Model, Refit};
+use crate::select::{Grown, Refused, Score, Selector};
+use crate::thresholds::chance::FAMILY_WISE_P;
 use crate::thresholds::selection::{CONTENDERS, CONTENDING};
+use crate::{DiagnosisError, Result};
 
 /// An effect refitted together with the causes so far.
 #[derive(Debug, Clone)]
@@ -37,71 +37,56 @@ impl Selector<'_> {
         grown: &Grown,
         scan: &[Score],
         tried: &mut Vec<Tried>,
-    ) -> Result<Option<(Refit, Score)>, DiagnosisError> {
+    ) -> Result<Option<(Refit, Score)>> {
         let Some(first) = scan.first() else {
             return Ok(None);
         };
-        let near: Vec<&Score> = scan
-            .iter()
-            .take_while(|score| {
-                score.score >= CONTENDING * first.score - 20.0 || score.effect == first.effect
-            })
-            .take(if self.is_worth_a_refit(first)? {
-                CONTENDERS
-            } else {
-                0
-            })
-            .collect();
+        let is_worth_it = self.family_wise_p(first, 1.0)? < FAMILY_WISE_P;
+        let contends = |score: &&Score| {
+            let is_near = score.score >= CONTENDING * first.score - 20.0;
+            is_worth_it && (is_near || score.effect == first.effect)
+        };
+        let near: Vec<&Score> = scan.iter().take_while(contends).take(CONTENDERS).collect();
         let refits = haptical_parallel::map(&near, |score| {
-            let before = tried.iter().find(|tried| tried.effect == score.effect);
-            if let Some(before) = before {
+            let effect = score.effect;
+            if let Some(before) = tried.iter().find(|tried| tried.effect == effect) {
                 return Ok(before.clone());
             }
             let (refit, cost) = self.refit_with(&grown.refit.model, score)?;
-            let effect = score.effect;
             Ok(Tried {
                 effect,
                 refit,
                 cost,
             })
         });
-        let refits: Vec<Tried> = refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
+        let refits: Vec<Tried> = refits.into_iter().collect::<Result<_>>()?;
         tried.extend_from_slice(&refits);
-        let (system, refits) = (
-            &grown.system,
-            refits.into_iter().map(|tried| (tried.refit, tried.cost)),
-        );
+        let before = grown.system.residual.iter();
+        let before: f64 = before.map(|value| value * value).sum();
+        let is_anchored = self.engine.base.anchor.is_some();
         let mut best: Option<(Refit, Score, f64)> = None;
-        for (score, (fitted, cost)) in near.into_iter().zip(refits) {
-            if !fitted.has_converged() || !self.is_possible(&fitted.model) {
+        for (score, Tried { refit, cost, .. }) in near.into_iter().zip(refits) {
+            let may_be = refit.has_converged() && self.is_possible(&refit.model);
+            if !may_be || (is_anchored && !self.is_sound(&refit.model)) {
                 continue;
             }
-            let mut score = score.clone();
-            if self.engine.base.anchor.is_some() {
-                if !self.is_sound(&fitted.model) {
-                    continue;
-                }
-                // what the anchors hold back counts too: directions that they bound are not free
-                score.score = self.engine.cost(&grown.refit) - self.engine.cost(&fitted);
-                let criterion = self.criterion(&score);
-                if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
-                    best = Some((fitted, score, criterion));
-                }
-                continue;
-            }
-            let gained: f64 = system
-                .residual
-                .iter()
-                .map(|value| value * value)
-                .sum::<f64>()
-                - cost;
-            score.score = score.score.max(gained);
-            let criterion = self.criterion(&Score {
+            // what anchors hold back counts too: directions that they bound are not free
+            let gained = match is_anchored {
+                true => self.engine.cost(&grown.refit) - self.engine.cost(&refit),
+                false => before - cost,
+            };
+            let mut own = Score {
                 score: gained,
                 ..score.clone()
-            });
+            };
+            let criterion = self.criterion(&own);
             if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
-                best = Some((fitted, score, criterion));
+                own.score = if is_anchored {
+                    gained
+                } else {
+                    score.score.max(gained)
+                };
+                best = Some((refit, own, criterion));
             }
         }
         Ok(best.map(|(fitted, score, _)| (fitted, score)))
@@ -109,11 +94,7 @@ impl Selector<'_> {
 
     /// The best refit of a model with one more effect: an event at its best rows, a play driven from
     /// either side.
-    pub(crate) fn refit_with(
-        &self,
-        model: &Model,
-        score: &Score,
-    ) -> Result<(Refit, f64), DiagnosisError> {
+    pub(crate) fn refit_with(&self, model: &Model, score: &Score) -> Result<(Refit, f64)> {
         self.engine.base.interrupt.check()?;
         let cause = Cause::from(score);
         let effect = self.effects[score.effect].as_ref();
@@ -132,8 +113,7 @@ impl Selector<'_> {
             let cost = self.cost(&fitted);
             Ok((fitted, cost))
         });
-        let refits: Vec<(Refit, f64)> =
-            refits.into_iter().collect::<Result<_, DiagnosisError>>()?;
+        let refits: Vec<(Refit, f64)> = refits.into_iter().collect::<Result<_>>()?;
         // of equals the first
         let best = refits
             .into_iter()

@@ -9,12 +9,9 @@ use haptical_effects::{Context, Effect, Signal};
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 use haptical_linalg::Direction;
 
-use crate::DiagnosisError;
-use crate::engine::Engine;
-use crate::engine::model::{Cause, Refit};
-use crate::engine::system::{ALWAYS, System, across, dot, take_off};
-use crate::select::Selector;
-use crate::select::scan::{Candidate, Score};
+use crate::Result;
+use crate::engine::{ALWAYS, Cause, Engine, Refit, System, across, dot, take_off};
+use crate::select::{Candidate, Score, Selector};
 use crate::thresholds::steps::{
     APART_S, INSTANT_COST, LEAST_LEFT, MARGIN, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE,
     STEP_SHARE, SWEEPS,
@@ -148,9 +145,9 @@ impl<'s> Instants<'s> {
     /// the others move to theirs. Three steps up look like a ramp whose middle is the best single one.
     pub(crate) fn with_more_steps(&self, first: Score) -> Score {
         let mut further = FurtherSteps {
-            steps: Steps::new(self.system, self.context, self.effect),
             instants: self,
             one: first.score,
+            known: BTreeMap::new(),
         };
         let Ok(times) = haptical_judge::select(&mut further, first.times.clone());
         if times.len() == 1 {
@@ -168,12 +165,46 @@ impl<'s> Instants<'s> {
     }
 }
 
-/// Further steps of an event.
 struct FurtherSteps<'s> {
     instants: &'s Instants<'s>,
-    steps: Steps<'s>,
     /// What the first step explains alone.
     one: f64,
+    /// The step at a row, across the system's directions: computed once, however often the others move.
+    known: BTreeMap<usize, Vec<Vec<f64>>>,
+}
+
+impl FurtherSteps<'_> {
+    /// What is left of the system with all steps but one projected out.
+    fn taken(&mut self, times: &[f64], but: usize) -> Rest {
+        let mut rest = Rest::new(self.instants.system);
+        for (index, &time) in times.iter().enumerate() {
+            if index != but {
+                let row = time as usize;
+                rest.steps.push(row);
+                for own in self.across(row) {
+                    rest.take(own.clone());
+                }
+            }
+        }
+        rest
+    }
+
+    fn across(&mut self, row: usize) -> &[Vec<f64>] {
+        let Instants {
+            system,
+            context,
+            effect,
+            ..
+        } = self.instants;
+        self.known.entry(row).or_insert_with(|| {
+            let signals = effect.derivative(context, &[0.0], row as f64);
+            let dense = signals.iter().map(|signal| system.layout.dense(signal));
+            dense
+                .filter_map(|dense| across(dense, ALWAYS, || system.basis.iter()))
+                .map(|across| across.direction)
+                .collect()
+        })
+    }
 }
 
 impl Forward for FurtherSteps<'_> {
@@ -185,7 +216,7 @@ impl Forward for FurtherSteps<'_> {
         if times.len() >= MOST_STEPS_OF_AN_EVENT {
             return Ok(Vec::new());
         }
-        let best = (self.instants).best(&self.steps.taken(times, usize::MAX));
+        let best = self.instants.best(&self.taken(times, usize::MAX));
         Ok(Proposal::of_best(best, |best| best.score))
     }
 
@@ -197,7 +228,7 @@ impl Forward for FurtherSteps<'_> {
         for _ in 0..SWEEPS {
             let before = times.clone();
             for index in 0..times.len() {
-                if let Some(best) = self.instants.best(&self.steps.taken(&times, index)) {
+                if let Some(best) = self.instants.best(&self.taken(&times, index)) {
                     times[index] = best.shape;
                 }
             }
@@ -227,13 +258,13 @@ fn inside(context: &Context<'_>, run: &Range<usize>) -> Range<usize> {
 }
 
 /// Where a step of an event may be: the row from which on it leaves least, and the rows that chance alone may keep apart from it.
-pub(crate) struct Place {
+pub(crate) struct StepPlace {
     pub(crate) row: usize,
     /// First and last row that leave hardly more.
     pub(crate) rows: [usize; 2],
 }
 
-impl Place {
+impl StepPlace {
     /// Of one step of a cause, between its others, by the squares that a refit leaves row by row. `misfit` counts as more noise.
     pub(crate) fn new(
         engine: &Engine<'_>,
@@ -291,7 +322,7 @@ impl Place {
 impl Selector<'_> {
     /// A refit with each step of its events at the row that leaves least: blocks, by which they are found, leave it open.
     /// Two steps that come to be one are one.
-    pub(crate) fn with_steps_at_rows(&self, mut refit: Refit) -> Result<Refit, DiagnosisError> {
+    pub(crate) fn with_steps_at_rows(&self, mut refit: Refit) -> Result<Refit> {
         for _ in 0..SWEEPS {
             let mut model = refit.model.clone();
             for (moved, cause) in model.causes.iter_mut().zip(&refit.model.causes) {
@@ -299,7 +330,7 @@ impl Selector<'_> {
                 let mut steps: Vec<(f64, f64)> = Vec::new();
                 for (index, (_, amplitude)) in cause.times.iter().zip(&cause.amplitudes).enumerate()
                 {
-                    let place = Place::new(self.engine, effect, (&refit, cause, index), 1.0);
+                    let place = StepPlace::new(self.engine, effect, (&refit, cause, index), 1.0);
                     let same = |step: &&mut (f64, f64)| {
                         are_one(&self.engine.context, step.0 as usize, place.row)
                     };
@@ -318,54 +349,6 @@ impl Selector<'_> {
             refit = self.engine.refit(self.effects, &model)?;
         }
         Ok(refit)
-    }
-}
-
-/// The steps of an event, each across the system's directions: computed once, however often the others move.
-struct Steps<'s> {
-    system: &'s System,
-    context: &'s Context<'s>,
-    effect: &'s dyn Effect,
-    known: BTreeMap<usize, Vec<Vec<f64>>>,
-}
-
-impl<'s> Steps<'s> {
-    fn new(system: &'s System, context: &'s Context<'s>, effect: &'s dyn Effect) -> Self {
-        Self {
-            system,
-            context,
-            effect,
-            known: BTreeMap::new(),
-        }
-    }
-
-    /// What is left of the system with all steps but one projected out.
-    fn taken(&mut self, times: &[f64], but: usize) -> Rest {
-        let mut rest = Rest::new(self.system);
-        for (index, &time) in times.iter().enumerate() {
-            if index != but {
-                let row = time as usize;
-                rest.steps.push(row);
-                for own in self.across(row) {
-                    rest.take(own.clone());
-                }
-            }
-        }
-        rest
-    }
-
-    fn across(&mut self, row: usize) -> &[Vec<f64>] {
-        let (system, context, effect) = (self.system, self.context, self.effect);
-        self.known.entry(row).or_insert_with(|| {
-            let signals = effect.derivative(context, &[0.0], row as f64);
-            let dense = signals
-                .iter()
-                .map(|signal| system.dense(&system.column(signal)));
-            dense
-                .filter_map(|dense| across(dense, ALWAYS, || system.basis.iter()))
-                .map(|across| across.direction)
-                .collect()
-        })
     }
 }
 

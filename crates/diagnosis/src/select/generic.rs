@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 use haptical_effects::{Context, Effect, Family, Hook, Signal};
 use haptical_model::kinematics::nalgebra::Vector3;
 
-use crate::engine::system::System;
-use crate::select::scan::{Candidate, Score};
+use crate::engine::System;
+use crate::select::{Candidate, Score};
 
 /// A recorded or derived quantity that a residual may depend on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,25 +66,13 @@ impl Covariate {
 
     /// The log's column that carries it.
     pub(crate) fn column(self, context: &Context<'_>) -> String {
-        let sliding = |joint: usize| {
-            context.device.joints[joint].joint_type == haptical_model::JointType::Prismatic
-        };
+        let joints = &context.device.joints;
         match self {
             Self::Angle(joint)
             | Self::MotorPhase(joint)
             | Self::Side(joint)
-            | Self::Speed(joint)
-                if sliding(joint) =>
-            {
-                format!("theta{}_m", joint + 1)
-            }
-            Self::Angle(joint)
-            | Self::MotorPhase(joint)
-            | Self::Side(joint)
-            | Self::Speed(joint) => {
-                format!("theta{}_rad", joint + 1)
-            }
-            Self::Torque(joint) => context.device.joints[joint].torque_column(joint + 1),
+            | Self::Speed(joint) => format!("theta{}_{}", joint + 1, joints[joint].unit()),
+            Self::Torque(joint) => joints[joint].torque_column(joint + 1),
             Self::Time => "t_s".to_owned(),
             Self::Temperature => "temp_degc".to_owned(),
             Self::Length | Self::CableSpeed | Self::ExitAngle => "cable_m".to_owned(),
@@ -135,6 +123,12 @@ pub(crate) fn sides(context: &Context<'_>, joint: usize) -> Option<Vec<f64>> {
 pub(crate) struct Place {
     pub(crate) hook: Hook,
     pub(crate) joint: Option<usize>,
+}
+
+impl Place {
+    pub(crate) const fn at(hook: Hook, joint: Option<usize>) -> Self {
+        Self { hook, joint }
+    }
 }
 
 /// Hat functions of a covariate at a place: piecewise linear over `knots` equal intervals.
@@ -216,13 +210,11 @@ pub(crate) fn score(
 
 /// Covariates that an effect's law speaks of, and where: what a wrong law would leave there.
 pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usize)> {
-    let place = Place {
-        hook: match effect.spec().hook {
-            Hook::Structure | Hook::Timing => Hook::CableSensor,
-            hook => hook,
-        },
-        joint: effect.joint(),
+    let hook = match effect.spec().hook {
+        Hook::Structure | Hook::Timing => Hook::CableSensor,
+        hook => hook,
     };
+    let place = Place::at(hook, effect.joint());
     let of_joint = |covariate: fn(usize) -> Covariate, knots: usize| {
         effect.joint().map(|joint| (place, covariate(joint), knots))
     };

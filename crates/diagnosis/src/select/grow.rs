@@ -1,17 +1,18 @@
-//! Causes that are picked one after the other.
+//! Causes that are picked one after the other, and taken out again where those after them made them superfluous (docs/diagnosis.md,
+//! "Selection").
 
 use haptical_effects::Family;
-use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
+use haptical_judge::{
+    Backward, Forward, Less, Needless, Proposal, Proposals, Ruled, Ruling, Without,
+    without_needless,
+};
 
-use crate::DiagnosisError;
-use crate::engine::model::Refit;
-use crate::engine::system::{SlowEnergy, System};
-use crate::select::contend::Tried;
-use crate::select::scan::Score;
-use crate::select::{Grown, Refused, Selector, excess};
+use crate::engine::{Refit, SlowEnergy, System};
+use crate::select::{Grown, Refused, Score, Selector, Tried, excess};
 use crate::thresholds::chance::MOST_CAUSES;
 use crate::thresholds::fit::MOVED_FAR;
 use crate::thresholds::selection::{DYNAMIC_RANGE, NEARLY_NOTHING, REFUSALS, STILL_MUCH};
+use crate::{DiagnosisError, Result};
 
 impl Selector<'_> {
     /// Picks without those that were refused.
@@ -20,13 +21,12 @@ impl Selector<'_> {
         before: &[SlowEnergy],
         refused: &mut Refused,
         may_stop: bool,
-    ) -> Result<Grown, DiagnosisError> {
+    ) -> Result<(Grown, Vec<Score>)> {
         let start = Grown {
             refit: self.engine.start.clone(),
             system: self.engine.system.clone(),
             after: before.to_vec(),
             explained: Vec::new(),
-            first_scan: Vec::new(),
             provisional: Vec::new(),
         };
         let mut growth = Growth {
@@ -38,14 +38,10 @@ impl Selector<'_> {
             tried: Vec::new(),
         };
         let grown = haptical_judge::select(&mut growth, start)?;
-        Ok(Grown {
-            first_scan: growth.first_scan,
-            ..grown
-        })
+        Ok((grown, growth.first_scan))
     }
 }
 
-/// The growth of a model.
 struct Growth<'s, 'e> {
     selector: &'s mut Selector<'e>,
     before: &'s [SlowEnergy],
@@ -142,5 +138,93 @@ impl Forward for Growth<'_, '_> {
         }
         self.tried.clear();
         Ok(Ruling::Taken(with))
+    }
+}
+
+impl Selector<'_> {
+    /// Takes out, one after the other, causes that explain no more than chance when all others are in the model or the
+    /// others' laws; what is left is credited with what it explains then.
+    pub(crate) fn trim(&self, grown: &mut Grown) -> Result<()> {
+        let causes = grown.refit.model.causes.len();
+        let mut trim = Trim {
+            cost: self.cost(&grown.refit),
+            after: grown.after.clone(),
+            selector: self,
+            causes,
+        };
+        let kept = without_needless(&mut trim, grown.refit.clone(), 1)?;
+        if let Some(worth) = kept.worth {
+            grown.explained = worth;
+        }
+        if kept.state.model.causes.len() < causes {
+            grown.refit = kept.state;
+            grown.system = self.system_of(&grown.refit);
+            grown.after = grown.system.slow_energy(&grown.system.residual);
+        }
+        Ok(())
+    }
+
+    /// Whether a cause explains no more than chance or than what the others' laws may get wrong.
+    fn is_superfluous(
+        &self,
+        (refit, after): (&Refit, &[SlowEnergy]),
+        index: usize,
+        explained: &[f64],
+    ) -> Result<bool> {
+        let causes = &refit.model.causes;
+        let pick = Score::of_cause(&causes[index], explained[index]);
+        let mut others = causes.clone();
+        others.remove(index);
+        let mut of_others = explained.to_vec();
+        of_others.remove(index);
+        let within_laws = !self.is_elsewhere(&pick, &others)
+            && pick.score <= self.law_errors(&others, &of_others, &pick);
+        Ok(within_laws || !self.is_more_than_chance(&pick, after)?)
+    }
+}
+
+/// Causes that are taken out.
+struct Trim<'s, 'e> {
+    selector: &'s Selector<'e>,
+    /// Of the model with so many causes: its cost, and the slow energy that it leaves.
+    causes: usize,
+    cost: f64,
+    after: Vec<SlowEnergy>,
+}
+
+impl Backward for Trim<'_, '_> {
+    type State = Refit;
+    type Error = DiagnosisError;
+
+    fn effects(&self, refit: &Refit) -> usize {
+        refit.model.causes.len()
+    }
+
+    fn without(&mut self, refit: &Refit, index: usize) -> Less<Self> {
+        let selector = self.selector;
+        if refit.model.causes.len() != self.causes {
+            let system = selector.system_of(refit);
+            self.after = system.slow_energy(&system.residual);
+            self.cost = selector.cost(refit);
+            self.causes = refit.model.causes.len();
+        }
+        let mut model = refit.model.clone();
+        model.causes.remove(index);
+        let state = selector.engine.refit(selector.effects, &model)?;
+        Ok(Without {
+            worth: (selector.cost(&state) - self.cost).max(0.0),
+            state,
+        })
+    }
+}
+
+impl Needless for Trim<'_, '_> {
+    fn is_needless(&mut self, refit: &Refit, index: usize, all: &[Without<Refit>]) -> Result<bool> {
+        // where the others found no minimum, nobody knows what they leave
+        if !all[index].state.has_converged() {
+            return Ok(false);
+        }
+        let explained: Vec<f64> = all.iter().map(|without| without.worth).collect();
+        (self.selector).is_superfluous((refit, &self.after), index, &explained)
     }
 }

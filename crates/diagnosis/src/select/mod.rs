@@ -1,33 +1,31 @@
 //! Stepwise selection of causes: scan, refit of the best, and a stop where chance or misfit begins.
 
-pub(crate) mod chance;
-pub(crate) mod contend;
-pub(crate) mod events;
-pub(crate) mod generic;
-pub(crate) mod laws;
-pub(crate) mod rival;
-pub(crate) mod scan;
-pub(crate) mod trim;
-
-mod earlier_laws;
-mod excess;
+mod chance;
+mod contend;
+mod events;
+mod generic;
 mod grow;
-pub(crate) mod partial;
+mod laws;
+mod partial;
 mod ranking;
+mod scan;
 mod springs;
 
 use haptical_effects::Effect;
 
-use crate::DiagnosisError;
-use crate::engine::Engine;
-use crate::engine::model::{Cause, Refit};
-use crate::engine::part::dense;
-use crate::engine::system::{SlowEnergy, System};
-use crate::select::scan::{Candidate, Score, candidates};
+use crate::Result;
+use crate::engine::{Cause, Engine, Refit, SlowEnergy, System};
 use crate::thresholds::rivals::REPLACED_COST;
 use crate::thresholds::selection::REFUSALS;
 
-pub(crate) use self::excess::{excess, misfit, worst_excess};
+pub(crate) use self::chance::{excess, family_wise_p, misfit, worst_excess};
+pub(crate) use self::contend::Tried;
+pub(crate) use self::events::{Instants, StepPlace};
+pub(crate) use self::generic::{
+    Covariate, Place, free_function, hats, inner_range, own_covariates, score, sides, varying_gain,
+};
+pub(crate) use self::partial::Partial;
+pub(crate) use self::scan::{Candidate, Rival, Score, candidates};
 
 /// The causes that were found, and what they leave.
 #[derive(Debug)]
@@ -56,7 +54,6 @@ pub(crate) struct Grown {
     pub(crate) system: System,
     pub(crate) after: Vec<SlowEnergy>,
     pub(crate) explained: Vec<f64>,
-    first_scan: Vec<Score>,
     /// Picks whose law is judged when those that follow are in.
     provisional: Vec<Score>,
 }
@@ -69,7 +66,6 @@ impl Grown {
             system,
             after,
             explained: [self.explained.as_slice(), &[score.score]].concat(),
-            first_scan: self.first_scan.clone(),
             provisional: self.provisional.clone(),
         }
     }
@@ -118,11 +114,11 @@ impl<'e> Selector<'e> {
 
     /// Picks causes until what is left is chance or no effect of the catalogue; or, with `may_stop`, until
     /// the first has explained the gap and moved the base model so far that all must be computed anew.
-    pub(crate) fn select(mut self, may_stop: bool) -> Result<Selection<'e>, DiagnosisError> {
+    pub(crate) fn select(mut self, may_stop: bool) -> Result<Selection<'e>> {
         let before = self.engine.system.slow_energy(&self.engine.system.residual);
         let mut refused = Refused::default();
         loop {
-            let mut grown = self.grow(&before, &mut refused, may_stop)?;
+            let (mut grown, first_scan) = self.grow(&before, &mut refused, may_stop)?;
             self.springs(&mut grown, refused.best.as_ref())?;
             self.trim(&mut grown)?;
             let broken = self.broken_in_the_end(&grown);
@@ -136,7 +132,7 @@ impl<'e> Selector<'e> {
                         after: grown.after,
                         explained: grown.explained,
                         system: grown.system,
-                        first_scan: grown.first_scan,
+                        first_scan,
                         refused: refused.best,
                         unconverged: refused.unconverged,
                     });
@@ -168,8 +164,7 @@ impl<'e> Selector<'e> {
         let mut system = self.engine.system.clone();
         for cause in &refit.model.causes {
             for signal in cause.derivative(self.effects, &self.engine.context) {
-                let column = system.column(&signal);
-                system.project_out(&column);
+                system.project_out(&signal);
             }
         }
         system.set_residual(&refit.residual);
@@ -193,18 +188,16 @@ impl<'e> Selection<'e> {
         let causes = self.causes().iter();
         let signals =
             causes.flat_map(|cause| cause.derivative(self.selector.effects, &engine.context));
-        signals
-            .map(|signal| dense(&engine.whole, &signal))
-            .collect()
+        let blocks = &engine.whole.blocks;
+        signals.map(|signal| blocks.dense(&signal)).collect()
     }
 
-    /// The effect of a cause.
     pub(crate) fn effect(&self, cause: &Cause) -> &'e dyn Effect {
         self.selector.effects[cause.effect].as_ref()
     }
 
     /// Takes another effect in a cause's place, if that refits better.
-    pub(crate) fn replace(&mut self, cause: usize, by: Cause) -> Result<bool, DiagnosisError> {
+    pub(crate) fn replace(&mut self, cause: usize, by: Cause) -> Result<bool> {
         let selector = &self.selector;
         let mut model = self.refit.model.clone();
         model.causes[cause] = by;

@@ -3,10 +3,8 @@
 use haptical_effects::{Effect, Shape, under_load};
 
 use super::Selector;
-use crate::engine::model::{Cause, Model};
-use crate::engine::system::System;
-use crate::select::events::Instants;
-use crate::select::scan::Score;
+use crate::engine::{Cause, Model, System};
+use crate::select::{Instants, Score};
 use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
 use crate::thresholds::steps::{COINCIDENT_S, MORE_STEPS_SHARE, WORTH_MORE_STEPS};
 

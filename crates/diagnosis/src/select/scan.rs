@@ -1,12 +1,10 @@
-//! The score scan: how much each effect of the catalogue would explain, the base model's freedom and the
-//! causes found so far projected out (docs/diagnosis.md, "Score scan").
+//! The score scan: how much each effect of the catalogue would explain, the base model's freedom and the causes found so far projected out
+//! (docs/diagnosis.md, "Score scan").
 
 use haptical_effects::{Context, Effect, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
 
-use crate::engine::layout::Layout;
-use crate::engine::model::Cause;
-use crate::engine::system::{Column, System, dot};
+use crate::engine::{Cause, Column, Layout, System, dot};
 
 /// An effect at one shape, with its whitened columns.
 #[derive(Debug, Clone)]
@@ -21,7 +19,6 @@ pub(crate) struct Candidate {
     own: DMatrix<f64>,
 }
 
-/// A scored effect as a cause.
 impl From<&Score> for Cause {
     fn from(score: &Score) -> Self {
         Self {
@@ -218,4 +215,35 @@ pub(crate) fn candidates(
         made.collect::<Vec<Candidate>>()
     });
     made.into_iter().flatten().collect()
+}
+
+/// An effect in a cause's place.
+#[derive(Debug, Clone)]
+pub(crate) struct Rival {
+    /// Position in the catalogue, and its fit, where it was refitted.
+    pub(crate) cause: Option<Cause>,
+    /// Whether its refit, if any, ended at a minimum; one that did not is no further behind than its end promises.
+    pub(crate) has_converged: bool,
+    pub(crate) name: &'static str,
+    pub(crate) joint: Option<usize>,
+    /// Share of the squared residual that it explains of what the cause explains.
+    pub(crate) share: f64,
+    /// Nats behind the best, misfit allowed for.
+    pub(crate) nats_behind: f64,
+    pub(crate) probability: f64,
+}
+
+impl Rival {
+    /// An effect that was not refitted; its probability is that of nothing yet.
+    pub(crate) fn new(effect: &dyn Effect, share: f64, nats_behind: f64) -> Self {
+        Self {
+            cause: None,
+            has_converged: true,
+            name: effect.name(),
+            joint: effect.joint(),
+            share,
+            nats_behind,
+            probability: 0.0,
+        }
+    }
 }

@@ -5,11 +5,10 @@ use haptical_effects::{Family, Hook};
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
 use super::{Grown, Selector, excess};
-use crate::DiagnosisError;
-use crate::engine::model::Refit;
-use crate::select::contend::Tried;
-use crate::select::scan::Score;
+use crate::engine::{Cause, Refit};
+use crate::select::{Score, Tried};
 use crate::thresholds::chance::SHARE_OF_REST;
+use crate::{DiagnosisError, Result};
 
 impl Selector<'_> {
     /// Takes up further joints that yield, all refitted together, where one does already or would but for what it leaves. One by
@@ -18,11 +17,7 @@ impl Selector<'_> {
     /// explain together.
     ///
     /// A base that yields, alone, makes up for all the joints: where it was picked, the joints compete with it as one.
-    pub(super) fn springs(
-        &mut self,
-        grown: &mut Grown,
-        refused: Option<&Score>,
-    ) -> Result<(), DiagnosisError> {
+    pub(super) fn springs(&mut self, grown: &mut Grown, refused: Option<&Score>) -> Result<()> {
         let picked = grown.refit.model.causes.iter().map(|cause| cause.effect);
         let mut met = picked.clone().chain(refused.map(|score| score.effect));
         if met.any(|effect| self.is_spring(effect)) {
@@ -48,11 +43,7 @@ impl Selector<'_> {
     }
 
     /// With further causes of some effects, the best first, while each is more than chance.
-    fn extended(
-        &mut self,
-        with: Grown,
-        among: fn(&Self, usize) -> bool,
-    ) -> Result<Grown, DiagnosisError> {
+    fn extended(&mut self, with: Grown, among: fn(&Self, usize) -> bool) -> Result<Grown> {
         let fewest = with.refit.model.causes.len();
         let mut extension = Extension {
             most: fewest + self.engine.context.device.joints.len(),
@@ -64,23 +55,12 @@ impl Selector<'_> {
     }
 
     /// Without the causes of some effects, the others refitted.
-    fn without(
-        &self,
-        grown: &Grown,
-        these: fn(&Self, usize) -> bool,
-    ) -> Result<Grown, DiagnosisError> {
+    fn without(&self, grown: &Grown, these: fn(&Self, usize) -> bool) -> Result<Grown> {
         let mut left = grown.clone();
-        let mut kept = grown
-            .refit
-            .model
-            .causes
-            .iter()
-            .map(|cause| !these(self, cause.effect));
+        let is_kept = |cause: &Cause| !these(self, cause.effect);
+        let mut kept = grown.refit.model.causes.iter().map(is_kept);
         left.explained.retain(|_| kept.next().unwrap_or(false));
-        left.refit
-            .model
-            .causes
-            .retain(|cause| !these(self, cause.effect));
+        left.refit.model.causes.retain(is_kept);
         left.provisional.retain(|score| !these(self, score.effect));
         left.refit = match left.refit.model.causes.is_empty() {
             true => self.engine.start.clone(),

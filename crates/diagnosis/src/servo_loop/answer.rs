@@ -13,10 +13,11 @@ use crate::answer::{
     CauseAnswer, Diagnosis, Gap, Place, Provenance, SECOND_RECORDING, SecondAnswer, Untestable,
     Verdict,
 };
-use crate::judge::verdict::on_unseen;
+use crate::judge::on_unseen;
 use crate::thresholds::servo::{ALL_CLOSED, LEAST_FLOOR};
 
 /// What is said of joints, and why not of others.
+#[derive(Default)]
 struct Tested {
     joints: Vec<Joint>,
     untested: Vec<(usize, String)>,
@@ -29,60 +30,48 @@ struct Tested {
 impl Tested {
     /// Without the effects that are left out.
     fn new(asked: Vec<Asked>, options: &Options<'_>) -> Self {
-        let mut joints = Vec::new();
-        let mut untested = Vec::new();
-        let mut scales = Vec::new();
-        let mut unseen = Vec::new();
+        let mut tested = Self::default();
         let is_left_out = |name: &str| options.without.iter().any(|other| other == name);
         for own in asked {
             let index = own.joint;
             let torque = own.torque.filter(|found| !is_left_out(found.effect));
-            scales.extend(torque.map(|found| (index, found)));
-            match own.answer {
-                Ok(answer) => {
-                    let kept = answer.without(&options.without);
-                    // without some of its causes there is no fit to predict with
-                    let is_whole = kept.causes.len() == answer.causes.len();
-                    let second = match own.second {
-                        _ if !is_whole => {
-                            unseen.extend(own.second.map(|_| {
-                                format!("joint {}: the second recording was not used: a cause is left out", index + 1)
-                            }));
-                            None
-                        }
-                        Some(Err(why)) => {
-                            unseen.push(format!(
-                                "joint {}: the second recording was not used: {why}",
-                                index + 1
-                            ));
-                            None
-                        }
-                        second => second.and_then(Result::ok),
-                    };
-                    let left_out = second.as_ref().map_or(0, |second| second.left_out);
-                    unseen.extend((left_out > 0).then(|| {
-                        format!(
-                            "joint {}: {left_out} rows of the second recording are not predicted and left out: the first one does not \
-                             determine what the joint does there",
-                            index + 1
-                        )
-                    }));
-                    joints.push(Joint {
-                        answer: kept,
-                        index,
-                        weight: 0.0,
-                        second,
-                    });
+            tested.scales.extend(torque.map(|found| (index, found)));
+            let answer = match own.answer {
+                Ok(answer) => answer,
+                Err(why) => {
+                    tested.untested.push((index, why.to_string()));
+                    continue;
                 }
-                Err(why) => untested.push((index, why.to_string())),
+            };
+            let kept = answer.without(&options.without);
+            let mut say = |why: String| tested.unseen.push(format!("joint {}: {why}", index + 1));
+            let second = own.second.and_then(|second| {
+                let why = match second {
+                    // without some of its causes there is no fit to predict with
+                    _ if kept.causes.len() < answer.causes.len() => {
+                        "a cause is left out".to_owned()
+                    }
+                    Ok(second) => return Some(second),
+                    Err(why) => why.to_string(),
+                };
+                say(format!("the second recording was not used: {why}"));
+                None
+            });
+            let left_out = second.as_ref().map_or(0, |second| second.left_out);
+            if left_out > 0 {
+                say(format!(
+                    "{left_out} rows of the second recording are not predicted and left out: the first one does not determine what the joint \
+                     does there"
+                ));
             }
+            tested.joints.push(Joint {
+                answer: kept,
+                index,
+                weight: 0.0,
+                second,
+            });
         }
-        Self {
-            joints,
-            untested,
-            scales,
-            unseen,
-        }
+        tested
     }
 }
 
@@ -132,15 +121,8 @@ pub(super) fn answer(
         is_gap_of_it_alone: false,
     });
     let is_explained = verdict.has_causes();
-    let provenance = Provenance {
-        rows: recording.len(),
-        base_parameters: 0,
-        base_identifiable: 0,
-        tested: joints.iter().map(|joint| joint.answer.tried).sum(),
-        thresholds: crate::version::version(),
-        last_step: 0.0,
-        without: options.without.clone(),
-    };
+    let tested = joints.iter().map(|joint| joint.answer.tried).sum();
+    let provenance = Provenance::new(recording.len(), 0, tested, options);
     let model = options.model.unwrap_or(device).clone();
     Diagnosis {
         next_experiment: located.and_then(|joint| {
@@ -229,21 +211,15 @@ fn located<'j>(joints: &'j [Joint], causes: &[CauseAnswer]) -> Option<&'j Joint>
 fn place_of(joint: &Joint, words: &[(usize, String)]) -> Place {
     let number = joint.index + 1;
     let own = words.iter().find(|(index, _)| *index == joint.index);
-    let depends_on = match own {
-        Some(_) => vec!["t_s".to_owned()],
-        None => vec![format!("command{number}_rad")],
-    };
-    Place {
-        channel: channel(joint.index),
-        joint: Some(number),
-        explained: vec![joint.answer.closed; depends_on.len()],
-        depends_on,
-        region: own.map_or_else(
-            || format!("joint {number} beside its command"),
-            |(_, words)| words.clone(),
+    let (column, region) = match own {
+        Some((_, words)) => ("t_s".to_owned(), words.clone()),
+        None => (
+            format!("command{number}_rad"),
+            format!("joint {number} beside its command"),
         ),
-        dependence: Vec::new(),
-    }
+    };
+    let on = [(column, joint.answer.closed)];
+    Place::new(channel(joint.index), Some(joint.index), region, on)
 }
 
 /// Where the first cause is one of a torque's scale: that torque, since then.
@@ -251,14 +227,13 @@ fn scaled(causes: &[CauseAnswer], words: &[(usize, String)]) -> Option<Place> {
     let first = causes.first().filter(|first| is_of_torque(&first.effect))?;
     let joint = first.joint?;
     let own = words.iter().rfind(|(index, _)| index + 1 == joint)?;
-    Some(Place {
-        channel: format!("torque{joint}"),
-        joint: Some(joint),
-        explained: vec![1.0],
-        depends_on: vec!["t_s".to_owned()],
-        region: own.1.clone(),
-        dependence: Vec::new(),
-    })
+    let on = [("t_s".to_owned(), 1.0)];
+    Some(Place::new(
+        format!("torque{joint}"),
+        Some(joint - 1),
+        own.1.clone(),
+        on,
+    ))
 }
 
 /// Why effects on positions are not tested.
@@ -279,26 +254,14 @@ fn untestable(
     let mut found: Vec<Untestable> = Vec::new();
     for name in NAMES {
         for (joint, why) in untested {
-            let same = |entry: &&mut Untestable| entry.effect == name && entry.why == *why;
-            match found.iter_mut().find(same) {
-                Some(entry) => entry.joints.push(joint + 1),
-                None => found.push(Untestable {
-                    effect: name.to_owned(),
-                    joints: vec![joint + 1],
-                    why: why.clone(),
-                }),
-            }
+            Untestable::add(&mut found, name, Some(*joint), why.clone());
         }
     }
     for effect in effects {
         let name = effect.name();
-        let is_servo = NAMES.contains(&name);
-        if !is_servo && !is_said(name) && !found.iter().any(|entry| entry.effect == name) {
-            found.push(Untestable {
-                effect: name.to_owned(),
-                joints: Vec::new(),
-                why: POSITIONS.to_owned(),
-            });
+        let is_new = found.iter().all(|entry| entry.effect != name);
+        if is_new && !NAMES.contains(&name) && !is_said(name) {
+            found.push(Untestable::new(name, POSITIONS));
         }
     }
     found

@@ -3,9 +3,10 @@
 use haptical_model::{Device, JointType};
 use haptical_servo::{JointAnswer, Predicted};
 
-use crate::answer::gap::reduction_percent;
-use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{ChannelGap, NoReduction, NoiseAnswer, Prediction, Trace, Verdict};
+use crate::answer::{
+    ChannelGap, Left, NoReduction, NoiseAnswer, Prediction, SecondChannel, Trace, Verdict,
+    reduction_percent,
+};
 use crate::noise::NoiseSource;
 use crate::thresholds::second::ALLOWED_OF_COMMANDS;
 
@@ -118,17 +119,14 @@ pub(super) fn gap(device: &Device, joint: &Joint) -> ChannelGap {
 pub(super) fn trace(device: &Device, joint: &Joint) -> Option<Trace> {
     let answer = &joint.answer;
     let course = &answer.course;
-    (answer.verdict != Verdict::NoGap).then(|| Trace {
-        channel: channel(joint.index),
-        unit: unit(device, joint.index).to_owned(),
-        covariate: "t_s".to_owned(),
-        is_held_out: false,
-        at: course.time_s.clone(),
-        before: course.before.clone(),
-        after: match answer.verdict {
-            Verdict::Unknown => course.before.clone(),
-            _ => course.after.clone(),
-        },
+    let after = match answer.verdict {
+        Verdict::Unknown => &course.before,
+        _ => &course.after,
+    };
+    (answer.verdict != Verdict::NoGap).then(|| {
+        let rest = [&course.before, after].map(Clone::clone);
+        let unit = unit(device, joint.index);
+        Trace::over_time(channel(joint.index), unit, &course.time_s, rest)
     })
 }
 

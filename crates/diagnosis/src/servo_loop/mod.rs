@@ -12,7 +12,7 @@ use haptical_servo::{
 };
 
 use crate::answer::Diagnosis;
-use crate::{DiagnosisError, Options};
+use crate::{DiagnosisError, Options, Result};
 
 /// A joint and what is said of it.
 pub(crate) struct Asked {
@@ -31,15 +31,12 @@ pub(crate) fn has_commands(device: &Device, recording: &Recording) -> bool {
 }
 
 /// Diagnoses each joint's answer to its command.
-///
-/// # Errors
-/// [`DiagnosisError::Commands`] where no joint can be tested, or a column is in other units than its name says, and why.
 pub(crate) fn diagnose(
     device: &Device,
     recording: &Recording,
     effects: &[Box<dyn Effect>],
     options: &Options<'_>,
-) -> Result<Diagnosis, DiagnosisError> {
+) -> Result<Diagnosis> {
     let second = options
         .validation
         .map(|second| Columns::new(device, second));

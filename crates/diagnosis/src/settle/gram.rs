@@ -10,12 +10,10 @@ use crate::thresholds::settle::RIDGE;
 pub(super) struct Places {
     /// Columns that every candidate may use.
     pub(super) common: usize,
-    /// Slopes of each candidate.
     pub(super) slopes: Vec<usize>,
 }
 
 impl Places {
-    /// Columns in all.
     pub(super) fn count(&self) -> usize {
         self.common + self.slopes.iter().map(|own| own + 1).sum::<usize>()
     }

@@ -3,8 +3,7 @@
 use haptical_effects::{Context, Effect, Family};
 
 use super::gram::Told;
-use crate::judge::adequacy::doubt;
-use crate::judge::rivals::{follows_time, most_nats};
+use crate::judge::{doubt, follows_time, most_nats};
 use crate::thresholds::fit::WINDOW_S;
 use crate::thresholds::rivals::{LOOK_ALIKE, SETTLING, STEADY};
 

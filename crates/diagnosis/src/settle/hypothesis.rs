@@ -4,7 +4,7 @@ use haptical_effects::{Context, Effect, Family, Shape, Signal};
 
 use super::hedge::Judged;
 use super::question::Candidate;
-use crate::engine::blocks::Blocks;
+use crate::engine::{Blocks, difference};
 
 /// A candidate with the effect that it names.
 #[derive(Debug, Clone)]
@@ -95,17 +95,16 @@ impl Hypothesis {
         }
         let at = |shape: f64| effect.signal(context, &self.amplitudes, shape);
         let signals = effect.derivative(context, &self.amplitudes, self.shape);
-        let mut slopes: Vec<Vec<f64>> = signals.iter().map(|own| dense(blocks, own, 1.0)).collect();
+        let mut slopes: Vec<Vec<f64>> = signals.iter().map(|own| blocks.dense(own)).collect();
         if effect.spec().shape.is_continuous() {
             let step = effect.shape_step(context, self.shape);
-            let mut slope = at(self.shape * (1.0 + step));
-            slope.add(&at(self.shape * (1.0 - step)), -1.0);
-            slopes.push(dense(blocks, &slope, 0.5 / step));
+            let [higher, lower] = [1.0 + step, 1.0 - step].map(|factor| at(self.shape * factor));
+            slopes.push(blocks.dense(&difference(&higher, &lower, 2.0 * step)));
         }
         slopes.resize(self.slopes(effects), vec![0.0; blocks.count()]);
         let whole = at(self.shape);
         Columns {
-            signal: dense(blocks, &whole, 1.0),
+            signal: blocks.dense(&whole),
             slopes,
             lasting: lasting(&whole),
         }
@@ -159,15 +158,4 @@ fn lasting(signal: &Signal) -> f64 {
             most
         }
     })
-}
-
-/// A signal on all blocks, times a factor; what no channel shows is left out.
-fn dense(blocks: &Blocks, signal: &Signal, factor: f64) -> Vec<f64> {
-    let mut dense = vec![0.0; blocks.count()];
-    for (stream, values) in &signal.parts {
-        let range = blocks.range(*stream);
-        let compressed = blocks.compress(*stream, |row| factor * values[row]);
-        dense[range].copy_from_slice(&compressed);
-    }
-    dense
 }

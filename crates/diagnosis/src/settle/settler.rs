@@ -14,13 +14,9 @@ use super::gram::{Gram, Odds, Places};
 use super::hedge::{Courses, Judged, Warming, windows};
 use super::hypothesis::Hypothesis;
 use super::question::{Candidate, Question};
-use crate::DiagnosisError;
-use crate::engine::Prepared;
-use crate::engine::base::Base;
-use crate::engine::blocks::Blocks;
-use crate::noise::Noise;
-use crate::noise::cleaning::without_readings;
-use crate::thresholds::chance::OUTLIER_SD;
+use crate::engine::{Base, Blocks, Prepared};
+use crate::noise::{Noise, without_readings};
+use crate::{DiagnosisError, Result};
 
 /// The candidates of a diagnosis on the recording that it was made from.
 #[derive(Debug)]
@@ -77,7 +73,7 @@ impl Settler {
             &Interrupt::default(),
         )?;
         let prepared = Prepared::new(&base, &recorded, &recorded)?;
-        let cleaned = without_readings(&recorded, &prepared.outlying(OUTLIER_SD));
+        let cleaned = without_readings(&recorded, &prepared.outlying());
         let prepared = Prepared::new(&base, &cleaned, &cleaned)?;
         let engine = Prepared::new(&base, &cleaned, &cleaned)?.fit(None)?;
         let effects = catalogue(&device);
@@ -224,7 +220,7 @@ impl Settler {
             .collect()
     }
 
-    fn shown_by(&self, recording: &Recording) -> Result<Shown, DiagnosisError> {
+    fn shown_by(&self, recording: &Recording) -> Result<Shown> {
         let mut device = self.device.clone();
         let recording: Cow<'_, Recording> = attached(&mut device, recording)?;
         let mut prepared = Prepared::new(&self.base, &recording, &recording)?;

@@ -8,9 +8,8 @@ use haptical_model::Recording;
 
 use super::Shrink;
 use super::reduction::collect;
-use crate::DiagnosisError;
-use crate::engine::Engine;
-use crate::engine::determined::{Fit, Predicted};
+use crate::Result;
+use crate::engine::{Engine, Fit, Predicted};
 use crate::select::Selection;
 use crate::thresholds::recording::HELD_BACK;
 
@@ -19,7 +18,7 @@ pub(crate) fn on_held_back(
     selection: &Selection<'_>,
     recording: &Recording,
     earlier: Option<&[Vec<f64>]>,
-) -> Result<Shrink, DiagnosisError> {
+) -> Result<Shrink> {
     let engine = selection.engine();
     let effects = selection.selector.effects;
     let (held, description) = if of_postures(engine) {

@@ -3,9 +3,7 @@
 use haptical_calibration::Channel;
 use haptical_metrics::{Bootstrap, gap_reduction_percent};
 
-use crate::answer::floor::Floor;
-use crate::answer::second::{Left, SecondChannel};
-use crate::answer::{HeldOutAnswer, NoReduction};
+use crate::answer::{Floor, HeldOutAnswer, Left, NoReduction, SecondChannel};
 use crate::engine::Engine;
 use crate::thresholds::answer::ALL_PERCENT;
 use crate::thresholds::recording::BOOTSTRAP_BLOCK_ROWS;

@@ -7,19 +7,12 @@ use haptical_model::{Device, Recording};
 
 use super::Shrink;
 use super::reduction::{Unseen, collect};
-use crate::DiagnosisError;
+use crate::Result;
 use crate::answer::{Prediction, SECOND_RECORDING};
-use crate::engine::base::Base;
-use crate::engine::base_fit::nearby;
-use crate::engine::determined::{Fit, Predicted};
-use crate::engine::earlier_model::{placed, places};
-use crate::engine::model::Cause;
-use crate::engine::{Engine, Prepared};
-use crate::noise::cleaning::without_readings;
-use crate::select::Selection;
-use crate::select::events::Instants;
+use crate::engine::{Base, Cause, Engine, Fit, Predicted, Prepared, nearby, placed, places};
+use crate::noise::without_readings;
+use crate::select::{Instants, Selection};
 use crate::thresholds::answer::ZERO_SHARE;
-use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::steps::STEP_SCORE;
 
 /// Predicts a second recording with the models of the first. Events belong to one recording: their
@@ -28,7 +21,7 @@ pub(crate) fn on_second(
     selection: &Selection<'_>,
     validation: &Recording,
     earlier: Option<&Base>,
-) -> Result<Shrink, DiagnosisError> {
+) -> Result<Shrink> {
     let rig = &selection.engine().base.device;
     let there = channels(rig, validation).unwrap_or_default();
     let is_lacking = |channel: &Channel| {
@@ -51,7 +44,7 @@ pub(crate) fn on_second(
     let first = unseen.as_ref().unwrap_or(selection.engine().base);
     let base = touched.as_ref().map_or(first, |touched| &touched.with);
     let prepared = Prepared::new(base, validation, validation)?;
-    let gone = prepared.outlying(OUTLIER_SD);
+    let gone = prepared.outlying();
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
     let effects = selection.selector.effects;
@@ -104,13 +97,13 @@ pub(crate) fn device_on_second(
     engine: &Engine<'_>,
     validation: &Recording,
     other: &Device,
-) -> Result<Vec<Unseen>, DiagnosisError> {
+) -> Result<Vec<Unseen>> {
     let (base, values) = (engine.base, &engine.start.model.values);
     let there = |device: &Device| placed(device, &base.device, validation, &base.channels);
     let plain = there(&engine.problem.device_with(values))?;
     let with = there(other)?;
     let prepared = Prepared::new(&plain, validation, validation)?;
-    let gone = prepared.outlying(OUTLIER_SD);
+    let gone = prepared.outlying();
     let cleaned = without_readings(validation, &gone);
     let second = prepared.without(&gone, &cleaned).fit(None)?;
     let before = model_residual(&plain, &cleaned, &second)?;
@@ -131,7 +124,7 @@ fn with_own_places(
     base: &Base,
     validation: &Recording,
     warnings: &mut Vec<String>,
-) -> Result<Option<Base>, DiagnosisError> {
+) -> Result<Option<Base>> {
     if base.device.mounts(validation).is_ok() {
         return Ok(None);
     }
@@ -155,10 +148,7 @@ struct Touched {
 }
 
 impl Touched {
-    fn new(
-        selection: &Selection<'_>,
-        validation: &Recording,
-    ) -> Result<Option<Self>, DiagnosisError> {
+    fn new(selection: &Selection<'_>, validation: &Recording) -> Result<Option<Self>> {
         if validation.contact.is_none() && validation.plane.is_none() {
             return Ok(None);
         }
@@ -189,19 +179,19 @@ fn places_beside(
     effects: &[Box<dyn Effect>],
     causes: &[Cause],
     warnings: &mut Vec<String>,
-) -> Result<Vec<f64>, DiagnosisError> {
+) -> Result<Vec<f64>> {
     let values = second.start.model.values.clone();
     let evaluate = |values: &[f64]| second.residual_of(effects, values, causes);
     let residual = evaluate(&values)?;
     let near = nearby(&second.whole, second.base, (values, residual), &evaluate)?;
-    if !near.convergence.was_successful() {
+    if !near.has_converged() {
         warnings.push(
             "the places that the second recording touches were not found to the end with the causes in the model: the figures \
              on it are too bad rather than too good"
                 .to_owned(),
         );
     }
-    Ok(near.values)
+    Ok(near.model.values)
 }
 
 /// Residuals without the zeros of external encoders that differ from those of the first recording: where one number is most
@@ -254,14 +244,12 @@ pub(crate) fn model_residual(
     model: &Base,
     recording: &Recording,
     engine: &Engine<'_>,
-) -> Result<Vec<Vec<f64>>, DiagnosisError> {
+) -> Result<Vec<Vec<f64>>> {
     let weights = haptical_calibration::Weights::stated(&model.device, &model.channels);
     let streams = &engine.context.streams;
     let mut model = model.clone();
     let recording = &attached(&mut model.device, recording)?;
-    let problem = crate::engine::base::problem::BaseProblem::new(
-        &model, recording, recording, streams, &weights,
-    )?;
+    let problem = crate::engine::BaseProblem::new(&model, recording, recording, streams, &weights)?;
     Ok(problem.evaluate(&problem.start(), false)?.residual)
 }
 

@@ -4,7 +4,7 @@ use haptical_calibration::{Channel, DeviceProblem, GaugedProblem, ParameterFit, 
 use haptical_identification::{IdentificationError, Matrix, Problem, Settings, solve};
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::DiagnosisError;
+use crate::Result;
 use crate::thresholds::fit::ANCHOR_REACH;
 
 /// Prior knowledge of a base model's numbers: where each is known to be without the recording.
@@ -71,7 +71,7 @@ pub(crate) fn anchored(
     channels: &[Channel],
     weights: &Weights,
     settings: &Settings,
-) -> Result<Option<Anchored>, DiagnosisError> {
+) -> Result<Option<Anchored>> {
     let weak = |index: &usize| {
         let is_fitted = fit.fitted.contains(index);
         is_fitted

@@ -10,9 +10,9 @@ use haptical_calibration::{
 use haptical_identification::{Interrupt, Settings};
 use haptical_model::{Device, ParameterId, Recording};
 
-use crate::DiagnosisError;
-use crate::engine::base::anchor::{Anchor, anchored, is_needed};
-use crate::noise::stated::is_stated;
+use self::anchor::{Anchor, anchored, is_needed};
+use crate::Result;
+use crate::noise::is_stated;
 use crate::thresholds::fit::{MOST_STEPS, POLYNOMIAL_DEGREE, ROWS_FOR_A_POLYNOMIAL, START_ROWS};
 
 /// A fitted base model.
@@ -40,13 +40,26 @@ pub(crate) struct Unfinished {
 }
 
 impl Base {
+    /// A device as it is: nothing of it is adjusted.
+    pub(crate) fn held(device: Device, channels: Vec<Channel>) -> Self {
+        Self {
+            device,
+            channels,
+            parameters: Vec::new(),
+            free: Vec::new(),
+            anchor: None,
+            unfinished: None,
+            interrupt: Interrupt::default(),
+        }
+    }
+
     /// Fits the device jointly to evenly spread rows.
     pub(crate) fn fit(
         device: &Device,
         recording: &Recording,
         loss: LossChoice,
         interrupt: &Interrupt,
-    ) -> Result<Self, DiagnosisError> {
+    ) -> Result<Self> {
         let channels = channels(device, recording)?;
         let part = recording.select(&spread_rows(recording, &channels));
         let rows = part.len();
@@ -105,13 +118,11 @@ impl Base {
             let found = anchored(whole, &from, &part, &channels, weights, &options.search)?;
             if let Some(found) = found {
                 return Ok(Self {
-                    device: found.device,
-                    channels,
                     parameters,
                     free: found.free,
                     anchor: Some(found.anchor),
-                    unfinished: None,
                     interrupt: interrupt.clone(),
+                    ..Self::held(found.device, channels)
                 });
             }
         }
@@ -129,13 +140,11 @@ impl Base {
             None => (fitted.device, None),
         };
         Ok(Self {
-            device,
-            channels,
             parameters,
             free,
-            anchor: None,
             unfinished,
             interrupt: interrupt.clone(),
+            ..Self::held(device, channels)
         })
     }
 

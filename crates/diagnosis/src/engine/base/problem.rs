@@ -7,8 +7,8 @@ use haptical_effects::Stream;
 use haptical_identification::{Matrix, Problem};
 use haptical_model::{Device, Recording};
 
-use crate::DiagnosisError;
-use crate::engine::base::Base;
+use crate::Result;
+use crate::engine::Base;
 
 /// Residuals (measured minus model) and derivatives of the base model on one recording.
 ///
@@ -42,11 +42,7 @@ pub(crate) struct Derivatives(Vec<(Vec<usize>, Matrix)>);
 
 impl Group<'_> {
     /// Residuals and, where they are asked for, derivatives.
-    fn evaluate(
-        &self,
-        values: &[f64],
-        derivatives: bool,
-    ) -> Result<(Vec<f64>, Option<Matrix>), DiagnosisError> {
+    fn evaluate(&self, values: &[f64], derivatives: bool) -> Result<(Vec<f64>, Option<Matrix>)> {
         let count = self.problem.residual_count();
         let mut residuals = vec![0.0; count];
         if !derivatives {
@@ -71,7 +67,7 @@ impl<'a> BaseProblem<'a> {
         postures: &'a Recording,
         streams: &[Stream],
         weights: &Weights,
-    ) -> Result<Self, DiagnosisError> {
+    ) -> Result<Self> {
         let (device, parameters) = (&base.device, &base.parameters);
         // touches in metres, as the effects' columns are
         let problem = |recording: &'a Recording| {
@@ -139,14 +135,10 @@ impl<'a> BaseProblem<'a> {
 
     /// Measured minus model per stream and row, in the stream's unit; NaN without a reading. With
     /// `derivatives`, those of all parameters too.
-    pub(crate) fn evaluate(
-        &self,
-        values: &[f64],
-        derivatives: bool,
-    ) -> Result<Evaluated, DiagnosisError> {
+    pub(crate) fn evaluate(&self, values: &[f64], derivatives: bool) -> Result<Evaluated> {
         self.base.interrupt.check()?;
         let derivatives = derivatives && !self.base.parameters.is_empty();
-        let made: Vec<Result<_, DiagnosisError>> =
+        let made: Vec<Result<_>> =
             haptical_parallel::map(&self.groups, |group| group.evaluate(values, derivatives));
         let mut residuals = Vec::with_capacity(made.len());
         let mut matrices = Vec::with_capacity(made.len());

@@ -2,9 +2,7 @@
 
 use haptical_calibration::Channel;
 
-use super::Course;
-use crate::answer::ChannelGap;
-use crate::answer::floor::Floor;
+use crate::answer::{ChannelGap, Floor, Trace};
 use crate::force::effects::is_scale;
 use crate::force::fast::deviations;
 use crate::force::{Means, Model};
@@ -102,23 +100,21 @@ impl Model<'_> {
     }
 
     /// The torques with the largest gap, over time.
-    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Course> {
+    pub(super) fn course(&self, channels: &[ChannelGap]) -> Option<Trace> {
         let recorded = &self.effects.along.recorded;
         let time_s = recorded.context.recording.time_s.as_ref()?;
         let share = |channel: &usize| channels[*channel].share_of_gap;
         let channel = (0..channels.len()).max_by(|a, b| share(a).total_cmp(&share(b)))?;
         let on_channel = |rest: &Means| rest.column(channel).iter().copied().collect();
-        Some(Course {
-            channel: channels[channel].channel.clone(),
-            unit: recorded.named(channel).1,
-            time_s: recorded.means(time_s),
-            before: on_channel(self.rest_before()),
-            after: on_channel(&self.selection.rest_after),
-        })
+        Some(Trace::over_time(
+            channels[channel].channel.clone(),
+            recorded.named(channel).1,
+            &recorded.means(time_s),
+            [self.rest_before(), &self.selection.rest_after].map(on_channel),
+        ))
     }
 }
 
-/// Mean square of values.
 pub(super) fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64
 }

@@ -10,11 +10,11 @@ pub(super) use self::findings::Sizes;
 use self::reasons::FALSIFIED;
 pub(crate) use self::reasons::names;
 use super::effects::is_scale;
+use super::recorded::positions_show_a_gap;
 use super::select::Pick;
-use super::trust::positions_show_a_gap;
 use super::{Means, Model, gravity, grip};
-use crate::DiagnosisError;
-use crate::answer::{CauseAnswer, ChannelGap};
+use crate::Result;
+use crate::answer::{CauseAnswer, ChannelGap, OnSecond, Trace, Untestable};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
     BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, SAID_BEYOND,
@@ -28,7 +28,7 @@ pub(crate) struct ForceAnswer {
     /// Strongest first.
     pub(crate) findings: Vec<CauseAnswer>,
     /// Effects that the recording cannot test, and why.
-    pub(crate) untestable: Vec<(&'static str, String)>,
+    pub(crate) untestable: Vec<Untestable>,
     /// Share of the torques' structured energy that the findings leave; 1 without findings where
     /// there is a gap, 0 without a gap.
     pub(crate) unexplained_share: f64,
@@ -46,7 +46,9 @@ pub(crate) struct ForceAnswer {
     /// What the findings change of the device's masses, armatures and gravity.
     pub(crate) changes: Vec<haptical_motion::Change>,
     /// Block means of the torques with the largest gap.
-    pub(crate) course: Option<Course>,
+    pub(crate) course: Option<Trace>,
+    /// What is left of a second recording, where there is one.
+    pub(crate) second: Option<OnSecond>,
     /// What the largest gap depends on, most first; nothing where that was not asked.
     pub(crate) depends_on: Vec<Followed>,
 }
@@ -58,16 +60,6 @@ pub(crate) struct Followed {
     pub(crate) words: String,
     /// Share of the gap that functions of it explain.
     pub(crate) share: f64,
-}
-
-/// Torques over time, block by block.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct Course {
-    pub(crate) channel: String,
-    pub(crate) unit: &'static str,
-    pub(crate) time_s: Vec<f64>,
-    pub(crate) before: Vec<f64>,
-    pub(crate) after: Vec<f64>,
 }
 
 impl ForceAnswer {
@@ -112,6 +104,7 @@ impl ForceAnswer {
             channels: channels.map(ChannelGap::without_causes).collect(),
             findings: Vec::new(),
             untestable: held.untestable,
+            second: held.second,
             unexplained_share: 1.0,
             not_tested: None,
             closed_unseen_share: None,
@@ -137,7 +130,7 @@ impl ForceAnswer {
     pub(super) fn untestable(why: &str, has_torques: bool) -> Self {
         Self {
             not_tested: has_torques.then(|| why.to_owned()),
-            untestable: names().map(|name| (name, why.to_owned())).collect(),
+            untestable: names().map(|name| Untestable::new(name, why)).collect(),
             ..Self::default()
         }
     }
@@ -170,7 +163,7 @@ impl Model<'_> {
     }
 
     /// Puts the answer together.
-    pub(super) fn answer(&self) -> Result<ForceAnswer, DiagnosisError> {
+    pub(super) fn answer(&self) -> Result<ForceAnswer> {
         let recorded = &self.effects.along.recorded;
         let picks = &self.selection.picks;
         let energies = self.energies();
@@ -320,7 +313,7 @@ impl Model<'_> {
 
     /// A link whose weight is not the assumed one, with the torque of the difference; none where weights cannot be
     /// judged.
-    fn weights(&self, total: f64) -> Result<Option<(CauseAnswer, Means)>, DiagnosisError> {
+    fn weights(&self, total: f64) -> Result<Option<(CauseAnswer, Means)>> {
         let recorded = &self.effects.along.recorded;
         // a hand bears weights, with moments that no force at the handle has
         if recorded.is_held

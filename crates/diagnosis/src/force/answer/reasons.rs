@@ -3,9 +3,9 @@
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
 use haptical_effects::{Follows, Hook, Need, spec};
 
-use crate::force::Model;
+use crate::answer::Untestable;
 use crate::force::assumed::assumed;
-use crate::force::grip;
+use crate::force::{Model, grip};
 
 /// Names of all effects on torques and forces, except those that need the motors' currents.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
@@ -41,13 +41,13 @@ impl Model<'_> {
     }
 
     /// Effects that need what this recording lacks, each with the reason; others can be tested.
-    pub(super) fn untestable(&self) -> Vec<(&'static str, String)> {
+    pub(super) fn untestable(&self) -> Vec<Untestable> {
         let recorded = &self.effects.along.recorded;
         let context = recorded.context;
-        let mut untestable: Vec<(&'static str, String)> = Vec::new();
+        let mut untestable: Vec<Untestable> = Vec::new();
         let mut because = |name: &'static str, why: &str| {
-            if !untestable.iter().any(|(other, _)| *other == name) {
-                untestable.push((name, why.to_owned()));
+            if !untestable.iter().any(|other| other.effect == name) {
+                untestable.push(Untestable::new(name, why));
             }
         };
         let of_force = || haptical_effects::specs().filter(|spec| spec.hook == Hook::ForceSensor);

@@ -7,8 +7,7 @@ use haptical_judge::{Gain, closed_share};
 use haptical_linalg::{Matrix, NormalEquations, NormalSolution, dot};
 use haptical_motion::Unseen;
 
-use super::blocks::Pair;
-use super::columns::Columns;
+use super::columns::{Columns, Pair};
 use crate::thresholds::payload::{FOLDS, RIDGE};
 
 /// The rows of a comparison in folds of blocks that follow each other.
@@ -22,7 +21,6 @@ pub(in crate::force) struct Folds {
     sd: Vec<f64>,
     /// One over the variance of a block's reading, per channel.
     weight: Vec<f64>,
-    /// Rows of each fold.
     rows: Vec<usize>,
 }
 

@@ -4,14 +4,12 @@
 use haptical_effects::force::{PAYLOAD, PAYLOAD_ON_LINK};
 use haptical_motion::Unseen;
 
-use super::blocks::Pair;
-use super::columns::{Columns, Place};
+use super::columns::{Columns, Pair, Place};
 use super::folds::{Fitted, Folds};
 use super::gain::{is_beyond_chance, is_steady};
 use super::hypothesis::Hypothesis;
 use super::size::{Size, size};
-use crate::answer::gap::held_out;
-use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer};
+use crate::answer::{CauseAnswer, HeldOutAnswer, ParameterAnswer, held_out};
 use crate::force::Means;
 use crate::force::along::Along;
 use crate::force::base::Base;

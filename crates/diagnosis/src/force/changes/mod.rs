@@ -3,7 +3,6 @@
 //! docs/diagnosis-force.md, "Payload", derives the test. It asks for the change alone: whatever the base model lacks in both
 //! runs alike (friction, springs, cables) is a function of the state that both share.
 
-mod blocks;
 mod columns;
 mod folds;
 mod gain;
@@ -15,8 +14,8 @@ use std::ops::Range;
 
 use haptical_effects::force::PAYLOAD;
 
-pub(super) use self::blocks::Pair;
 pub(super) use self::columns::Columns;
+pub(super) use self::columns::Pair;
 pub(super) use self::folds::{Fitted, Folds};
 pub(super) use self::gain::is_beyond_choice;
 pub(super) use self::judge::Payload;

@@ -41,7 +41,6 @@ impl Size {
     }
 }
 
-/// The number of each column.
 type Numbers<'n> = &'n dyn Fn(usize) -> f64;
 
 /// The mass by what a fit says of it, or within what a mass of that moment can be.

@@ -7,8 +7,8 @@ use crate::force::names;
 const ROWS: usize = 2500;
 
 fn reason(answer: &crate::force::answer::ForceAnswer, effect: &str) -> Option<String> {
-    let found = answer.untestable.iter().find(|(name, _)| *name == effect);
-    found.map(|(_, why)| why.clone())
+    let found = answer.untestable.iter().find(|own| own.effect == effect);
+    found.map(|own| own.why.clone())
 }
 
 #[test]

@@ -97,8 +97,8 @@ fn a_gauge_of_the_handle_takes_no_payload_away_unless_a_hand_moves_the_arm() {
     guided.carry(LAST, MASS_KG, &at_flange(), RUN..2 * RUN);
     let seen = examined_held(&recorded(guided, 2));
     assert!(payloads(&seen).is_empty(), "{seen:?}");
-    let why = seen.untestable.iter().find(|(name, _)| *name == "payload");
-    assert!(why.is_some_and(|(_, why)| why.contains("no columns fx_n, fy_n, fz_n")));
+    let why = seen.untestable.iter().find(|own| own.effect == "payload");
+    assert!(why.is_some_and(|own| own.why.contains("no columns fx_n, fy_n, fz_n")));
 }
 
 #[test]
@@ -257,7 +257,7 @@ fn a_mass_in_every_row_is_none_of_a_run_and_a_twin_of_the_last_link() {
     let answer = examined(&recorded(scene, 1));
     assert!(payloads(&answer).is_empty(), "{answer:?}");
     let mut untestable = answer.untestable.iter();
-    let (_, why) = untestable.find(|(name, _)| *name == "payload").unwrap();
+    let why = &untestable.find(|own| own.effect == "payload").unwrap().why;
     assert!(why.contains("one run"), "{why}");
     let found = &answer.findings[0];
     assert_eq!(found.effect, "unbalanced-gravity", "{answer:?}");
@@ -275,7 +275,7 @@ fn left_out_of_the_catalogue_it_is_not_named() {
     let recording = recorded(scene, 2);
     let device = arm();
     let context = Context::new(&device, &recording, &[]).unwrap();
-    let answer = crate::force::examine(&context, &["payload".to_owned()]).unwrap();
+    let answer = crate::force::examine(&context, None, &["payload".to_owned()]).unwrap();
     assert!(
         answer.significant && payloads(&answer).is_empty(),
         "{answer:?}"
@@ -323,7 +323,7 @@ fn the_torque_of_a_slide_is_in_newtons() {
     let device = other_arm();
     let recording = recorded(Scene::alone(91, 2 * RUN), 2);
     let context = Context::new(&device, &recording, &[]).unwrap();
-    let answer = crate::force::examine(&context, &[]).unwrap();
+    let answer = crate::force::examine(&context, None, &[]).unwrap();
     let units: Vec<&str> = answer
         .channels
         .iter()

@@ -287,11 +287,11 @@ fn an_effect_left_out_of_the_catalogue_is_unknown() {
     let device = arm();
     let context = Context::new(&device, &recording, &[]).unwrap();
     let without = ["force-bias".to_owned(), "grip-force".to_owned()];
-    let answer = examine(&context, &without).unwrap();
+    let answer = examine(&context, None, &without).unwrap();
     assert!(answer.significant, "{answer:?}");
     assert!(answer.findings.is_empty(), "{answer:?}");
     // the bias is a force that the hand does not exert
-    let answer = examine(&context, &without[..1]).unwrap();
+    let answer = examine(&context, None, &without[..1]).unwrap();
     assert_eq!(answer.findings[0].effect, "grip-force", "{answer:?}");
     // and as well any other error of the readings
     assert_eq!(answer.findings[0].confusable_with, ["unknown"]);
@@ -302,7 +302,7 @@ fn examined_without(scene: Scene, names: &[&str]) -> ForceAnswer {
     let (device, recording) = (arm(), scene.record());
     let context = Context::new(&device, &recording, &[]).unwrap();
     let without: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-    examine(&context, &without).unwrap()
+    examine(&context, None, &without).unwrap()
 }
 
 #[test]

@@ -6,15 +6,14 @@ use haptical_model::{Device, DeviceChain, JointType, RigidBodies};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::arm::{Noise, Scene, arm, masses, other_arm, parameters, virtual_work};
-use crate::engine::regression::Regression;
+use crate::engine::Regression;
 use crate::force::Means;
 use crate::force::along::Along;
 use crate::force::fast::within;
 use crate::force::posture::{PER_LINK, Posture};
 use crate::force::recorded::{Besides, Recorded};
 use crate::force::rows::{TorqueRows, Whitener};
-use crate::select::excess;
-use crate::select::scan::Candidate;
+use crate::select::{Candidate, excess};
 use crate::thresholds::torque::{ANGLE_SD_RAD, LENGTH_SD_M};
 
 /// Finite differences of second order over steps of 1e-3 s.

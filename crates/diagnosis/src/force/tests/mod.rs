@@ -30,10 +30,10 @@ fn examined_held(recording: &Recording) -> ForceAnswer {
         unit: "m",
     };
     let context = Context::new(&device, recording, &[tracker]).unwrap();
-    crate::force::examine(&context, &[]).unwrap()
+    crate::force::examine(&context, None, &[]).unwrap()
 }
 
 fn examined_as(device: &Device, recording: &Recording) -> ForceAnswer {
     let context = Context::new(device, recording, &[]).unwrap();
-    crate::force::examine(&context, &[]).unwrap()
+    crate::force::examine(&context, None, &[]).unwrap()
 }

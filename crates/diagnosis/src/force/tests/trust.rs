@@ -4,7 +4,7 @@ use haptical_calibration::Channel;
 use haptical_effects::{Context, streams};
 use haptical_model::{Device, Recording};
 
-use crate::force::trust::positions_show_a_gap;
+use crate::force::recorded::positions_show_a_gap;
 
 /// A count of the external encoder.
 const COUNT_RAD: f64 = 3e-4;

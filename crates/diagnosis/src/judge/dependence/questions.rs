@@ -5,7 +5,7 @@ use haptical_effects::{Context, Hook, Signal, Stream};
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::answer::Asked;
-use crate::select::generic::{Covariate, Place, free_function, sides};
+use crate::select::{Covariate, Place, free_function, sides};
 use crate::thresholds::dependence::{KNOTS, SLOW_KNOTS};
 
 /// What a residual is asked for.
@@ -17,6 +17,25 @@ pub(super) struct Question {
     pub(super) asked: Asked,
     pub(super) on: String,
     pub(super) signals: Vec<Signal>,
+}
+
+impl Question {
+    /// Of all streams.
+    fn new(
+        (column, asked): (String, Asked),
+        joint: Option<usize>,
+        on: String,
+        signals: Vec<Signal>,
+    ) -> Self {
+        Self {
+            column,
+            joint,
+            stream: None,
+            asked,
+            on,
+            signals,
+        }
+    }
 }
 
 pub(super) fn questions(context: &Context<'_>) -> Vec<Question> {
@@ -40,21 +59,15 @@ pub(super) fn questions(context: &Context<'_>) -> Vec<Question> {
 
 fn angle(context: &Context<'_>, joint: usize) -> Option<Question> {
     let angle = Covariate::Angle(joint);
-    Some(Question {
-        column: angle.column(context),
-        joint: Some(joint),
-        stream: None,
-        asked: Asked::Angle,
-        on: angle.words(context),
-        signals: free_function(context, at_joint(joint), angle, KNOTS)?,
-    })
-}
-
-fn at_joint(joint: usize) -> Place {
-    Place {
-        hook: Hook::Joint,
-        joint: Some(joint),
-    }
+    let place = Place::at(Hook::Joint, Some(joint));
+    let signals = free_function(context, place, angle, KNOTS)?;
+    let column = (angle.column(context), Asked::Angle);
+    Some(Question::new(
+        column,
+        Some(joint),
+        angle.words(context),
+        signals,
+    ))
 }
 
 fn torque(context: &Context<'_>, joint: usize) -> Option<Question> {
@@ -63,30 +76,19 @@ fn torque(context: &Context<'_>, joint: usize) -> Option<Question> {
     let logged = matches!(context.recording.torque_nm.get(joint), Some(Some(_)));
     let source = if logged { "" } else { " (from the masses)" };
     let covariate = Covariate::Torque(joint);
-    Some(Question {
-        column: covariate.column(context),
-        joint: Some(joint),
-        stream: None,
-        asked: Asked::Torque,
-        on: format!("{} and its side{source}", covariate.words(context)),
-        signals: vec![
-            context.downstream(joint, torque),
-            context.downstream(joint, &side),
-        ],
-    })
+    let on = format!("{} and its side{source}", covariate.words(context));
+    let signals = [torque, &side].map(|values| context.downstream(joint, values));
+    let column = (covariate.column(context), Asked::Torque);
+    Some(Question::new(column, Some(joint), on, signals.into()))
 }
 
 /// A play or a friction loop leaves a joint on the side that it came from: the sign of its step from the row
 /// before. A joint that did not move is where it was.
 fn side(context: &Context<'_>, joint: usize) -> Option<Question> {
-    Some(Question {
-        column: Covariate::Angle(joint).column(context),
-        joint: Some(joint),
-        stream: None,
-        asked: Asked::Side,
-        on: format!("the side that joint {} came from", joint + 1),
-        signals: vec![context.downstream(joint, &sides(context, joint)?)],
-    })
+    let on = Covariate::Side(joint).words(context);
+    let signals = vec![context.downstream(joint, &sides(context, joint)?)];
+    let column = (Covariate::Side(joint).column(context), Asked::Side);
+    Some(Question::new(column, Some(joint), on, signals))
 }
 
 /// An external encoder of its own: by angle, side and time. What the encoder alone sees, the chain need not.
@@ -98,36 +100,25 @@ fn of_encoder(context: &Context<'_>, joint: usize) -> Vec<Question> {
     };
     let name = context.streams[stream].name();
     let angle = Covariate::Angle(joint);
-    let encoder = Place {
-        hook: Hook::ExternalEncoder,
-        joint: Some(joint),
-    };
-    let question = |column: String, asked, words: String, signals| Question {
-        column,
-        joint: Some(joint),
-        stream: Some(stream),
-        asked,
-        on: format!("{words}, in {name} alone"),
-        signals,
+    let encoder = Place::at(Hook::ExternalEncoder, Some(joint));
+    let question = |covariate: Covariate, asked, signals| {
+        let on = format!("{}, in {name} alone", covariate.words(context));
+        let column = (covariate.column(context), asked);
+        Question {
+            stream: Some(stream),
+            ..Question::new(column, Some(joint), on, signals)
+        }
     };
     let mut questions = Vec::new();
     if let Some(signals) = free_function(context, encoder, angle, KNOTS) {
-        let words = angle.words(context);
-        questions.push(question(
-            angle.column(context),
-            Asked::Angle,
-            words,
-            signals,
-        ));
+        questions.push(question(angle, Asked::Angle, signals));
     }
     if let Some(side) = sides(context, joint) {
-        let words = format!("the side that joint {} came from", joint + 1);
         let signals = vec![context.encoder(joint, &side)];
-        questions.push(question(angle.column(context), Asked::Side, words, signals));
+        questions.push(question(Covariate::Side(joint), Asked::Side, signals));
     }
     if let Some(signals) = free_function(context, encoder, Covariate::Time, SLOW_KNOTS) {
-        let column = Covariate::Time.column(context);
-        questions.push(question(column, Asked::Course, "time".to_owned(), signals));
+        questions.push(question(Covariate::Time, Asked::Course, signals));
     }
     questions
 }
@@ -142,14 +133,9 @@ fn approach(context: &Context<'_>) -> Question {
             (shift, Vector3::zeros())
         })
     });
-    Question {
-        column: "contact".to_owned(),
-        joint: None,
-        stream: None,
-        asked: Asked::Approach,
-        on: "the direction of approach (the handle's z axis)".to_owned(),
-        signals: signals.collect(),
-    }
+    let on = "the direction of approach (the handle's z axis)".to_owned();
+    let column = ("contact".to_owned(), Asked::Approach);
+    Question::new(column, None, on, signals.collect())
 }
 
 /// Time, temperature, and what else the log carries: each as a drift of every joint, and as one of base and
@@ -159,21 +145,16 @@ fn courses(context: &Context<'_>) -> Vec<Question> {
     for slow in [Covariate::Time, Covariate::Temperature] {
         let Some(hats) = slow
             .values(context)
-            .and_then(|values| crate::select::generic::hats(&values, SLOW_KNOTS))
+            .and_then(|values| crate::select::hats(&values, SLOW_KNOTS))
         else {
             continue;
         };
         let (column, words) = (slow.column(context), slow.words(context));
         for joint in 0..context.device.joints.len() {
             let signals = hats.iter().map(|hat| context.downstream(joint, hat));
-            questions.push(Question {
-                column: column.clone(),
-                joint: Some(joint),
-                stream: None,
-                asked: Asked::Course,
-                on: format!("{words}, as a drift of joint {}", joint + 1),
-                signals: signals.collect(),
-            });
+            let on = format!("{words}, as a drift of joint {}", joint + 1);
+            let column = (column.clone(), Asked::Course);
+            questions.push(Question::new(column, Some(joint), on, signals.collect()));
         }
         questions.extend(of_structure(context, column, &words, &hats));
     }
@@ -212,12 +193,6 @@ fn of_structure(
             (growth, Vector3::zeros())
         }));
     }
-    Some(Question {
-        column,
-        joint: None,
-        stream: None,
-        asked: Asked::Course,
-        on: format!("{words}, as a drift of the base, the tracker or the links' lengths"),
-        signals,
-    })
+    let on = format!("{words}, as a drift of the base, the tracker or the links' lengths");
+    Some(Question::new((column, Asked::Course), None, on, signals))
 }

@@ -4,10 +4,10 @@
 use haptical_model::{Device, ParameterId};
 use nalgebra::{DMatrix, DVector};
 
+use super::groups::earlier_value;
 use crate::answer::{AbsorbedAnswer, MovedNumber, ParameterAnswer};
-use crate::engine::system::compress_rows;
-use crate::judge::earlier_model::value::earlier_value;
-use crate::judge::earlier_model::{BaseTerm, Difference};
+use crate::engine::differences;
+use crate::judge::{BaseTerm, Difference};
 use crate::select::Selection;
 use crate::thresholds::earlier_model::{BEND_SCATTERS, MOVED_SD, OFTEN, SEGMENTS};
 
@@ -100,13 +100,8 @@ impl Numbers<'_, '_> {
             if is_of_rig || !far.is_finite() || far < MOVED_SD {
                 continue;
             }
-            let number = MovedNumber {
-                parameter: parameter.name(device),
-                unit: parameter.unit(device).to_owned(),
-                earlier,
-                value: ParameterAnswer::normal(value, sd),
-            };
-            moved.push((far, number));
+            let value = ParameterAnswer::normal(value, sd);
+            moved.push((far, MovedNumber::new(parameter, device, earlier, value)));
         }
         moved.sort_by(|a, b| b.0.total_cmp(&a.0));
         moved.into_iter().map(|(_, number)| number).collect()
@@ -133,20 +128,13 @@ fn bends(selection: &Selection<'_>) -> Option<Vec<Bend>> {
     let mean = bent(&|_, _| 1.0)?;
     let mut squares = DVector::zeros(norms.len());
     let mut add = |is_chosen: &dyn Fn(usize, usize) -> bool| {
-        let often = bent(&|stream, segment| {
-            if is_chosen(stream, segment) {
-                OFTEN
-            } else {
-                1.0
-            }
-        })?;
-        let seldom = bent(&|stream, segment| {
-            if is_chosen(stream, segment) {
-                1.0 / OFTEN
-            } else {
-                1.0
-            }
-        })?;
+        let weighted = |factor: f64| {
+            bent(&|stream, segment| match is_chosen(stream, segment) {
+                true => factor,
+                false => 1.0,
+            })
+        };
+        let (often, seldom) = (weighted(OFTEN)?, weighted(1.0 / OFTEN)?);
         squares += (0.5 * (often - seldom)).map(|half| half * half);
         Some(())
     };
@@ -176,12 +164,8 @@ fn parts(selection: &Selection<'_>) -> Vec<Vec<Part>> {
     let engine = selection.engine();
     let (free, layout) = (engine.free(), &engine.system.layout);
     let (bare, residual) = (&selection.refit.model.bare, &selection.refit.residual);
-    let of_causes: Vec<Vec<f64>> = bare
-        .iter()
-        .zip(residual)
-        .map(|(bare, residual)| bare.iter().zip(residual).map(|(a, b)| a - b).collect())
-        .collect();
-    let signal = compress_rows(layout, &of_causes);
+    let of_causes = differences(bare, residual);
+    let signal = layout.compress_rows(&of_causes);
     let norms = norms(selection);
     let count = free.columns();
     let of_range = |entries: std::ops::Range<usize>| {

@@ -2,13 +2,9 @@
 //! "Earlier model").
 
 pub(crate) mod absorbed;
-pub(crate) mod displaced;
 mod groups;
-mod only;
-pub(crate) mod resized;
+pub(crate) mod rig;
 mod terms;
-pub(crate) mod tool;
-pub(crate) mod value;
 mod zeros;
 
 use std::collections::BTreeMap;
@@ -17,18 +13,14 @@ use haptical_effects::structure::TOOL_CHANGED;
 use haptical_model::Device;
 
 use crate::answer::{MovedNumber, ParameterAnswer};
-use crate::engine::Engine;
-use crate::engine::least::Columns;
-use crate::engine::system::compress_rows;
+use crate::engine::{Columns, Engine};
 use crate::thresholds::earlier_model::{MOST, MOVED_SD, NEARLY_ALL};
-use displaced::{Displaced, displaced};
-use groups::{Group, chance, groups, is_zero, places};
-use resized::resized;
-use value::earlier_value;
+use groups::{Group, chance, earlier_value, groups, is_zero, places, resized};
+use rig::{Displaced, displaced};
 use zeros::{Zero, zeros};
 
 /// A base term that differs from the earlier model.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct BaseTerm {
     pub(crate) name: &'static str,
     pub(crate) joint: Option<usize>,
@@ -106,11 +98,11 @@ pub(crate) fn difference(
     if count == 0 {
         return Difference::default();
     }
-    let target = compress_rows(&engine.system.layout, residual);
+    let target = engine.system.layout.compress_rows(residual);
     if target.iter().any(|value| !value.is_finite()) {
         return Difference::default();
     }
-    let tool = tool::columns(engine, model).unwrap_or_default();
+    let tool = rig::tool_columns(engine, model).unwrap_or_default();
     let displaced = displaced(engine);
     let zeros = zeros(engine);
     let fitted: Vec<Vec<f64>> = (0..count).map(|column| free.dense(column)).collect();
@@ -193,15 +185,10 @@ impl Earlier<'_, '_> {
                 deviations: self.deviations.clone(),
             };
         }
-        let links: Vec<usize> = self
-            .groups
-            .iter()
-            .filter(|group| !group.in_drive)
-            .flat_map(|group| group.columns.clone())
-            .collect();
-        let sensors = self.sensors.iter();
-        let places = sensors.flat_map(|(_, columns)| columns.iter().copied());
-        let distant: Vec<usize> = links.into_iter().chain(places).collect();
+        let links = self.groups.iter().filter(|group| !group.in_drive);
+        let links = links.flat_map(|group| &group.columns);
+        let places = self.sensors.iter().flat_map(|(_, columns)| columns);
+        let distant: Vec<usize> = links.chain(places).copied().collect();
         // The lengths of a model without transmission errors have taken part of those up: with the
         // transmissions in question the links are free, and so is where a sensor stands.
         let mut terms = self.forward(true, &distant, total);
@@ -220,12 +207,8 @@ impl Earlier<'_, '_> {
             if terms.iter().any(named) {
                 continue;
             }
-            let without: Vec<usize> = others
-                .iter()
-                .filter(|k| !group.columns.contains(k))
-                .copied()
-                .collect();
-            let lost = total - self.explained(&without);
+            let without = others.iter().filter(|k| !group.columns.contains(k));
+            let lost = total - self.explained(&without.copied().collect::<Vec<_>>());
             if lost > chance(group.columns.len()) {
                 terms.push(self.term(group, lost));
             }
@@ -261,8 +244,7 @@ impl Earlier<'_, '_> {
         let is_new = |column: &&usize| !chosen.contains(column);
         let beside: Vec<usize> = beside.iter().filter(is_new).copied().collect();
         chosen.extend(beside);
-        let (values, covariance) = self.columns.solution(&chosen);
-        let covariance = covariance + self.columns.covariance_given(&chosen, others);
+        let (values, covariance) = self.columns.solution(&chosen, others);
         let (engine, device) = (self.engine, self.engine.context.device);
         let mut index = self.nuisances.len();
         for term in terms {
@@ -276,12 +258,8 @@ impl Earlier<'_, '_> {
                 let (step, sd) = (values[index], covariance[(index, index)].sqrt());
                 let parameter = engine.base.parameters[engine.base.free[column]];
                 let earlier = earlier_value(parameter, self.model, device)?;
-                let number = MovedNumber {
-                    parameter: parameter.name(device),
-                    unit: parameter.unit(device).to_owned(),
-                    earlier,
-                    value: ParameterAnswer::normal(earlier + step, sd),
-                };
+                let value = ParameterAnswer::normal(earlier + step, sd);
+                let number = MovedNumber::new(parameter, device, earlier, value);
                 Some((step.abs() > MOVED_SD * sd, number))
             });
             let (sure, unsure): (Vec<_>, Vec<_>) = of_term.partition(|(is_sure, _)| *is_sure);

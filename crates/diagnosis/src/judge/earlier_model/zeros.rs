@@ -7,7 +7,6 @@ use haptical_model::ParameterId;
 
 use super::groups::{is_zero, term_name, zero_of};
 use crate::engine::Engine;
-use crate::engine::part::dense;
 
 /// The zero of a joint.
 #[derive(Debug, Clone)]
@@ -46,7 +45,7 @@ pub(crate) fn zeros(engine: &Engine<'_>) -> Vec<Zero> {
         }
         // from the first run on
         let signals = effect.derivative(context, &[0.0], 0.0);
-        let column = dense(&engine.whole, signals.first()?);
+        let column = engine.whole.blocks.dense(signals.first()?);
         let is_shown = column.iter().any(|entry| *entry != 0.0);
         is_shown.then_some(Zero {
             joint,

@@ -2,17 +2,16 @@
 //! (docs/diagnosis.md, "Partial causes").
 
 use haptical_effects::{Effect, Family, Shape};
-use haptical_judge::{Backward, Less, Needless, Without};
+use haptical_judge::{Backward, Less, Needless, Without, nearest};
 use haptical_linalg::Direction;
 use nalgebra::{DMatrix, DVector};
 
-use crate::engine::model::Cause;
-use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::{ALWAYS, System, across, dot, take_off};
-use crate::select::Selector;
-use crate::select::scan::{Candidate, Score};
+use crate::engine::{ALWAYS, Cause, Segments, System, Unseen, across, dot, take_off};
+use crate::judge::listed;
+use crate::select::{Candidate, Rival, Score, Selector};
 use crate::thresholds::partial::{
-    DISTINCT, LEAST_MEMBER_GAIN_SD, LEAST_MEMBER_SD, LISTED, READINGS_PER_NUMBER,
+    DISTINCT, LEAD_NATS, LEAST_MEMBER_GAIN_SD, LEAST_MEMBER_SD, LISTED, READINGS_PER_NUMBER,
+    SEGMENTS,
 };
 
 /// Effects that are taken up together, with what they leave.
@@ -158,12 +157,8 @@ impl Selector<'_> {
                 _ => {
                     let mut order: Vec<usize> = (0..causes.len()).collect();
                     order.sort_by(|a, b| deviations[*b].total_cmp(&deviations[*a]));
-                    return Some(
-                        order
-                            .into_iter()
-                            .map(|index| causes[index].clone())
-                            .collect(),
-                    );
+                    let sorted = order.into_iter().map(|index| causes[index].clone());
+                    return Some(sorted.collect());
                 }
             }
         }
@@ -431,5 +426,70 @@ impl Added {
 
     fn unseen(&self, segments: &Segments) -> Unseen {
         segments.unseen_with(&self.residual, &self.added)
+    }
+}
+
+impl Selector<'_> {
+    /// Each cause of a hypothesis with the hypotheses that could be in its place: a normal lead on unseen rows, and what
+    /// each number costs (Schwarz 1978).
+    pub(super) fn rivals_of(
+        &self,
+        best: &Hypothesis,
+        found: &[Hypothesis],
+        before: &Unseen,
+    ) -> Vec<Vec<Rival>> {
+        let gained = best.unseen.gain_on(before).sum;
+        let share = |hypothesis: &Hypothesis| hypothesis.unseen.gain_on(before).sum / gained;
+        let others = found
+            .iter()
+            .filter(|other| !other.is_part_of(best) && !best.is_part_of(other));
+        let others = others.filter_map(|other| {
+            let lead = best.unseen.gain_on(&other.unseen).deviations_by_sign();
+            let first = other.causes.first()?;
+            let more = other.numbers() as f64 - best.numbers() as f64;
+            let nats_behind = LEAD_NATS * (lead.max(0.0).powi(2) + more * (SEGMENTS as f64).ln());
+            let effect = self.effects[first.effect].as_ref();
+            Some(Rival::new(effect, share(other), nats_behind.max(0.0)))
+        });
+        let others = others.chain(self.loops_between_postures(best));
+        let others = nearest(others.map(|rival| haptical_judge::Rival {
+            name: rival.name,
+            behind: rival.nats_behind,
+            fit: rival,
+        }));
+        let lists = best.causes.iter().map(|cause| {
+            let effect = self.effects[cause.effect].as_ref();
+            let others = others.iter().map(|other| other.fit.clone());
+            listed(Rival::new(effect, share(best), 0.0), others, 0.0)
+        });
+        lists.collect()
+    }
+}
+
+impl Selector<'_> {
+    /// Other loops at the joint of a loop: between single postures all are at one end or the other, so that nothing but their
+    /// prior odds and the shapes that were tried tells them apart.
+    fn loops_between_postures(&self, best: &Hypothesis) -> Vec<Rival> {
+        let Some(first) = best.causes.first() else {
+            return Vec::new();
+        };
+        let effect = self.effects[first.effect].as_ref();
+        if self.engine.context.ordered || effect.spec().family != Family::Loop {
+            return Vec::new();
+        }
+        let cost = |effect: &dyn Effect| self.shapes_tried(effect).ln() - effect.spec().log_prior;
+        let others = self
+            .tested
+            .iter()
+            .map(|&index| self.effects[index].as_ref());
+        let twins = others.filter(|other| {
+            let (own, spec) = (effect.spec(), other.spec());
+            spec.family == Family::Loop
+                && (spec.hook, other.joint()) == (own.hook, effect.joint())
+                && spec.name != own.name
+        });
+        twins
+            .map(|other| Rival::new(other, 1.0, (cost(other) - cost(effect)).max(0.0)))
+            .collect()
     }
 }

@@ -3,23 +3,17 @@
 
 mod cables;
 mod hypotheses;
-mod replaceable;
 mod support;
-mod taken;
 
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 
-use crate::DiagnosisError;
-use crate::engine::model::Model;
-use crate::engine::segments::Segments;
-use crate::select::partial::hypotheses::Hypothesis;
-use crate::select::partial::taken::{Taken, With};
-use crate::select::rival::Rival;
-use crate::select::scan::Candidate;
-use crate::select::{Selection, Selector};
+use self::hypotheses::Hypothesis;
+use crate::engine::{Model, Refit, Segments, System, Unseen};
+use crate::select::{Candidate, Rival, Selection, Selector};
 use crate::thresholds::partial::{
     BEYOND_CHANCE_SD, LEAST_FURTHER_SHARE, LEAST_SHARE, MOST_HYPOTHESES,
 };
+use crate::{DiagnosisError, Result};
 
 /// What causes that leave a rest are supported by.
 #[derive(Debug)]
@@ -35,7 +29,7 @@ pub(crate) struct Partial {
 impl Selection<'_> {
     /// Takes up what unseen rows support, from no cause at all, where all that was found is not enough; none where nothing is
     /// supported, and then nothing is changed.
-    pub(crate) fn take_partial(&mut self) -> Result<Option<Partial>, DiagnosisError> {
+    pub(crate) fn take_partial(&mut self) -> Result<Option<Partial>> {
         let selector = &self.selector;
         let engine = selector.engine;
         if engine.base.anchor.is_some() {
@@ -84,7 +78,6 @@ struct Partly<'s, 'e> {
     hypotheses: usize,
 }
 
-/// A hypothesis, and its rivals.
 type Found = (Hypothesis, Vec<Vec<Rival>>);
 
 impl Forward for Partly<'_, '_> {
@@ -156,24 +149,18 @@ impl Forward for Partly<'_, '_> {
 impl Selector<'_> {
     /// What each cause explains beside the others.
     fn explained_alone(&self, model: &Model) -> Vec<f64> {
-        let context = &self.engine.context;
-        let columns = |index: usize| -> Vec<_> {
-            let signals = model.causes[index].derivative(self.effects, context);
-            let system = &self.engine.system;
-            signals.iter().map(|signal| system.column(signal)).collect()
+        let signals =
+            |index: usize| model.causes[index].derivative(self.effects, &self.engine.context);
+        let alone = |index: usize| {
+            let mut others = self.engine.system.clone();
+            let causes = (0..model.causes.len()).filter(|other| *other != index);
+            causes
+                .flat_map(signals)
+                .for_each(|own| others.project_out(&own));
+            let own = Candidate::of_signals(&others, &signals(index), usize::MAX, 0.0);
+            own.score(&others).score
         };
-        (0..model.causes.len())
-            .map(|index| {
-                let mut others = self.engine.system.clone();
-                for other in (0..model.causes.len()).filter(|other| *other != index) {
-                    for column in columns(other) {
-                        others.project_out(&column);
-                    }
-                }
-                let own = Candidate::of_columns(&others, columns(index), usize::MAX, 0.0);
-                own.score(&others).score
-            })
-            .collect()
+        (0..model.causes.len()).map(alone).collect()
     }
 }
 
@@ -185,4 +172,22 @@ fn simplest_of_the_best(found: &[Hypothesis]) -> Option<&Hypothesis> {
     let is_as_good = |other: &&Hypothesis| best.unseen.gain_on(&other.unseen).deviations() < 1.0;
     let as_good = found.iter().filter(is_as_good);
     as_good.min_by(|a, b| a.numbers().cmp(&b.numbers()).then(by_rest(a, b)))
+}
+
+/// Hypotheses taken up so far.
+pub(super) struct Taken {
+    pub(super) refit: Refit,
+    pub(super) system: System,
+    pub(super) unseen: Unseen,
+    pub(super) rivals: Vec<Vec<Rival>>,
+    /// Squares that their laws may get wrong.
+    pub(super) wrong: f64,
+}
+
+/// A hypothesis in the model, with what it takes off unseen rows.
+#[derive(Clone, Copy)]
+pub(super) struct With<'w> {
+    pub(super) system: &'w System,
+    pub(super) unseen: &'w Unseen,
+    pub(super) gain: f64,
 }

@@ -3,12 +3,9 @@
 
 use haptical_effects::{Effect, Family, Hook};
 
-use crate::engine::model::Cause;
-use crate::engine::segments::Segments;
-use crate::engine::system::{System, dot};
-use crate::select::Selector;
-use crate::select::generic::{self, Covariate, Place, own_covariates};
-use crate::select::partial::taken::{Taken, With};
+use super::{Taken, With};
+use crate::engine::{Cause, Segments, System, dot};
+use crate::select::{Covariate, Place, Selector, free_function, own_covariates, varying_gain};
 use crate::thresholds::partial::{
     BEYOND_CHANCE_SD, ELSEWHERE_SHARE, FINE_KNOTS, FREE_KNOTS, GAIN_KNOTS, KEPT_SHARE,
     SURELY_BESIDE_SD,
@@ -51,7 +48,11 @@ impl Selector<'_> {
                 .iter()
                 .any(|cause| self.gain_varies(cause, with, wrong, segments))
             && !haptical_parallel::any(own, |(_, function)| {
-                self.depends_on(function, with, wrong, segments)
+                let beside = self.with_free_functions(with.system, [function]);
+                let readings = with.system.layout.count();
+                beside.is_some_and(|beside| {
+                    with.depends_on((function.1, &beside), readings, wrong, segments)
+                })
             })
             && !haptical_parallel::any(others, |(_, function)| {
                 !self.gains_beside(function, taken, with, segments)
@@ -89,41 +90,14 @@ impl Selector<'_> {
         let Some(from) = effect.other_joint().filter(|_| is_coupling) else {
             return false;
         };
-        let place = Place {
-            hook: effect.spec().hook,
-            joint: effect.joint(),
-        };
+        let place = Place::at(effect.spec().hook, effect.joint());
         let context = &self.engine.context;
-        let Some(signals) = generic::varying_gain(context, place, from, GAIN_KNOTS) else {
+        let Some(signals) = varying_gain(context, place, from, GAIN_KNOTS) else {
             return false;
         };
         let mut beside = with.system.clone();
         for signal in signals {
-            let column = beside.column(&signal);
-            beside.project_out(&column);
-        }
-        let more = segments.unseen(&beside).gain_on(with.unseen);
-        more.sum > wrong && more.deviations() > SURELY_BESIDE_SD
-    }
-
-    /// Whether the rest of a hypothesis depends on a covariate by more than `wrong`, and more surely than by chance.
-    fn depends_on(
-        &self,
-        function: (Place, Covariate, usize),
-        with: With<'_>,
-        wrong: f64,
-        segments: &Segments,
-    ) -> bool {
-        let Some(beside) = self.with_free_functions(with.system, [function]) else {
-            return false;
-        };
-        let rest = dot(&with.system.residual, &with.system.residual);
-        let freedom = (beside.basis.len() - with.system.basis.len()) as f64;
-        let misfit = (rest / with.system.layout.count() as f64).max(1.0);
-        let explained = rest - dot(&beside.residual, &beside.residual) - misfit * freedom;
-        // a segment that is left out takes its part of a function of time with it
-        if function.1 == Covariate::Time || explained <= wrong {
-            return explained > wrong;
+            beside.project_out(&signal);
         }
         let more = segments.unseen(&beside).gain_on(with.unseen);
         more.sum > wrong && more.deviations() > SURELY_BESIDE_SD
@@ -205,10 +179,7 @@ impl Selector<'_> {
             true => &[Hook::ExternalEncoder, Hook::Joint],
             false => &[Hook::Joint],
         };
-        hooks.iter().map(move |&hook| Place {
-            hook,
-            joint: Some(joint),
-        })
+        hooks.iter().map(move |&hook| Place::at(hook, Some(joint)))
     }
 
     /// A system with free functions in it; none where the recording has none of their covariates.
@@ -222,13 +193,35 @@ impl Selector<'_> {
         let functions = functions
             .into_iter()
             .filter_map(|(place, covariate, knots)| {
-                generic::free_function(context, place, covariate, knots)
+                free_function(context, place, covariate, knots)
             });
         for signal in functions.flatten() {
-            let column = with.column(&signal);
-            with.project_out(&column);
+            with.project_out(&signal);
         }
         (with.basis.len() > system.basis.len()).then_some(with)
+    }
+}
+
+impl With<'_> {
+    /// Whether the rest depends on a covariate, whose free functions the system `beside` has too, by more than `wrong`, and more surely than
+    /// by chance.
+    pub(super) fn depends_on(
+        self,
+        (of, beside): (Covariate, &System),
+        readings: usize,
+        wrong: f64,
+        segments: &Segments,
+    ) -> bool {
+        let rest = dot(&self.system.residual, &self.system.residual);
+        let freedom = (beside.basis.len() - self.system.basis.len()) as f64;
+        let misfit = (rest / readings as f64).max(1.0);
+        let explained = rest - dot(&beside.residual, &beside.residual) - misfit * freedom;
+        // a segment that is left out takes its part of a function of time with it
+        if of == Covariate::Time || explained <= wrong {
+            return explained > wrong;
+        }
+        let more = segments.unseen(beside).gain_on(self.unseen);
+        more.sum > wrong && more.deviations() > SURELY_BESIDE_SD
     }
 }
 
@@ -243,10 +236,7 @@ fn is_of_law(family: Family, covariate: Covariate, is_posture: bool) -> bool {
 }
 
 /// The cable's encoder.
-const OF_CABLE: Place = Place {
-    hook: Hook::CableSensor,
-    joint: None,
-};
+const OF_CABLE: Place = Place::at(Hook::CableSensor, None);
 
 /// What an error at a place may depend on, with the intervals of its free functions.
 fn covariates_at(place: Place) -> Vec<(Place, Covariate, usize)> {

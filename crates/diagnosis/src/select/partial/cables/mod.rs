@@ -2,7 +2,6 @@
 //! drive and nothing else (docs/diagnosis.md, "Cables of a joint").
 
 mod laws;
-mod rivals;
 
 use std::convert::Infallible;
 
@@ -10,13 +9,10 @@ use haptical_effects::{Effect, Family, Hook, Shape, Signal};
 use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 use nalgebra::{DMatrix, DVector};
 
-use crate::DiagnosisError;
-use crate::engine::model::{Cause, Refit};
-use crate::engine::segments::{Segments, Unseen};
-use crate::engine::system::{System, compress_rows, dot, mask};
-use crate::select::partial::Partial;
-use crate::select::rival::Rival;
-use crate::select::{Selection, Selector, worst_excess};
+use crate::Result;
+use crate::engine::{Cause, Refit, Segments, System, Unseen, dot, mask};
+use crate::select::partial::With;
+use crate::select::{Partial, Rival, Selection, Selector, worst_excess};
 use crate::thresholds::chance::OMNIBUS_Z;
 use crate::thresholds::partial::{
     BEYOND_CHANCE_SD, LEAST_CABLE_SD, LEAST_CABLE_SHARE, LEAST_CABLES, LEAST_PREDICTED,
@@ -26,7 +22,7 @@ use crate::thresholds::partial::{
 impl Selection<'_> {
     /// Takes up what the cables of the joints do, from no cause at all, joint by joint where its own encoder supports it; none
     /// where fewer than two effects are supported, and then nothing is changed.
-    pub(crate) fn take_cables(&mut self) -> Result<Option<Partial>, DiagnosisError> {
+    pub(crate) fn take_cables(&mut self) -> Result<Option<Partial>> {
         let engine = self.selector.engine;
         if !engine.context.ordered || engine.base.anchor.is_some() {
             return Ok(None);
@@ -129,11 +125,7 @@ impl<'d> Drive<'d> {
 
     /// The base model with the cables' effects at this joint, and what could be in their places, where its encoder supports
     /// them.
-    fn explained(
-        &self,
-        before: &Refit,
-        has_gap: bool,
-    ) -> Result<Option<Explained>, DiagnosisError> {
+    fn explained(&self, before: &Refit, has_gap: bool) -> Result<Option<Explained>> {
         let readings = self.base.layout.range(self.stream).len() as f64;
         // fast gaps may pass for noise; noise is not predicted
         let gap = match has_gap {
@@ -161,9 +153,13 @@ impl<'d> Drive<'d> {
         } else {
             LEAST_PREDICTED
         };
-        let is_enough = unseen.gain_on(&self.alone).deviations_by_sign() >= BEYOND_CHANCE_SD
-            && gain.sum >= least * gap;
-        if !is_enough || !self.laws_hold(causes, &system, &unseen, gain.sum) {
+        let is_enough = gain.deviations_by_sign() >= BEYOND_CHANCE_SD && gain.sum >= least * gap;
+        let with = With {
+            system: &system,
+            unseen: &unseen,
+            gain: gain.sum,
+        };
+        if !is_enough || !self.laws_hold(causes, with) {
             return Ok(None);
         }
         let rivals = self.rivals(&chosen, &all);
@@ -259,14 +255,8 @@ impl<'d> Drive<'d> {
 
     /// The joint's system with the causes from `first` on.
     fn after(&self, refit: &Refit, first: usize) -> System {
-        let engine = self.selector.engine;
-        let mut system = self.base.clone();
-        for cause in &refit.model.causes[first..] {
-            for signal in cause.derivative(self.selector.effects, &engine.context) {
-                system.take(self.masked(&signal));
-            }
-        }
-        let mut residual = compress_rows(&system.layout, &refit.residual);
+        let mut system = self.with_causes(&refit.model.causes[first..], None);
+        let mut residual = system.layout.compress_rows(&refit.residual);
         mask(&mut residual, system.layout.range(self.stream));
         system.project_reading(residual);
         system
