@@ -9,7 +9,9 @@ use haptical_motion::{LoadSource, is_moving_arm};
 
 use crate::answer::{Diagnosis, Verdict, answer, changed, judged, not_in_file};
 use crate::current::without_currents;
-use crate::engine::{Base, Prepared, Unfinished, onto_touches, own_sizes, placed, with_causes};
+use crate::engine::{
+    Base, Prepared, Unfinished, onto_touches, own_sizes, placed, root_mean_square, with_causes,
+};
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
 use crate::judge::{Corrected, Findings, Inputs};
@@ -437,16 +439,12 @@ fn has_moved(selection: &Selection<'_>) -> Result<bool> {
     let [here, there] =
         [here, &there].map(|at| with_causes(nothing.clone(), at, effects, selection.causes()));
     let differ = |stream: usize| {
-        let rows = here[stream]
-            .iter()
-            .zip(&there[stream])
-            .zip(&engine.usable[stream]);
-        let used = rows.filter(|(_, usable)| **usable);
-        let squares: Vec<f64> = used
-            .map(|((here, there), _)| (here - there).powi(2))
-            .collect();
-        let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
-        mean.sqrt() > STILL_NOISES * engine.floor[stream]
+        let changes = here[stream].iter().zip(&there[stream]);
+        let used = changes
+            .zip(&engine.usable[stream])
+            .filter(|(_, usable)| **usable);
+        let changes: Vec<f64> = used.map(|((here, there), _)| here - there).collect();
+        root_mean_square(&changes) > STILL_NOISES * engine.floor[stream]
     };
     Ok((0..here.len()).any(differ))
 }

@@ -128,7 +128,7 @@ impl Finding {
         self.effect == contact::EFFECT.name
     }
 
-    /// Whether a log does not tell it from another effect.
+    /// Whether a log cannot distinguish it from another effect.
     pub fn has_near_rival(&self) -> bool {
         self.rivals.iter().any(NearRival::is_near)
     }
@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_is_not_told_spoils_a_name_unless_it_is_small() {
+    fn an_effect_that_may_be_freedom_spoils_a_name_unless_it_is_small() {
         let with = |nats: f64, is_told: bool| {
             let mut found = left("payload", 0.2, 600.0);
             let armature = Finding {

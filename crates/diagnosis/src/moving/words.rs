@@ -11,7 +11,7 @@ use crate::answer::{
 };
 use crate::force::answer::Followed;
 use crate::noise::NoiseSource;
-use crate::thresholds::moving::{FOLLOWED_OF_MOST, FOLLOWED_SHARE};
+use crate::thresholds::moving::{FOLLOWED_OF_MOST, FOLLOWED_SHARE, LESS_BY_FREEDOM};
 use crate::thresholds::torque::LISTED_PROBABILITY;
 
 /// What is examined of each joint.
@@ -140,11 +140,10 @@ impl<'e> Words<'e> {
 
     pub(super) fn cause(&self, found: &Finding, share: f64) -> CauseAnswer {
         let near = found.rivals.iter().filter(|own| own.is_near());
-        let among_rivals = probability(found.rivals.iter().map(|own| own.behind_nats));
-        // what is not told from the freedom of the base model is as likely that
-        let among_rivals = match found.is_told || found.has_near_rival() {
-            true => among_rivals,
-            false => 0.5 * among_rivals,
+        let among_rivals = probability(found.rivals.iter().map(|rival| rival.behind_nats));
+        let by_freedom = match found.is_told || found.has_near_rival() {
+            true => 1.0,
+            false => LESS_BY_FREEDOM,
         };
         let name = |effect: &str, joint: Option<usize>| match joint {
             Some(joint) if Some(joint) != found.joint => format!("{effect} at joint {}", joint + 1),
@@ -180,7 +179,11 @@ impl<'e> Words<'e> {
                     .held_out(found.joint)
                     .map(|held_out| of_log(found, held_out)),
             },
-            ..CauseAnswer::named(found.effect, found.joint, LISTED_PROBABILITY * among_rivals)
+            ..CauseAnswer::named(
+                found.effect,
+                found.joint,
+                LISTED_PROBABILITY * among_rivals * by_freedom,
+            )
         }
     }
 
