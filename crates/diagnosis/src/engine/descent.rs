@@ -126,9 +126,7 @@ impl Fitting<'_> {
         let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
         shares.take(SHORTENED_STEPS).find_map(|share| {
             let mut next = here.model.clone();
-            for (&parameter, change) in self.data.base.free.iter().zip(step) {
-                next.values[parameter] += share * change;
-            }
+            self.data.base.step(&mut next.values, step, share);
             for (owner, change) in owners.iter().zip(&step[self.data.base.free.len()..]) {
                 apply(&mut next.causes, *owner, share * change);
             }
@@ -305,9 +303,7 @@ pub(crate) fn nearby(
             break;
         }
         let mut next = near.model.values.clone();
-        for (&parameter, change) in base.free.iter().zip(&step) {
-            next[parameter] += change;
-        }
+        base.step(&mut next, &step, 1.0);
         let Ok(rest) = evaluate(&next) else { break };
         let less = square(part, &rest, &base.pull(&next));
         if less.is_nan() || less >= cost {

@@ -148,6 +148,14 @@ impl Base {
         })
     }
 
+    /// Adds a share of a step of the free parameters to values. Angles of links stay within half a turn of the device's.
+    pub(crate) fn step(&self, values: &mut [f64], step: &[f64], share: f64) {
+        for (&place, change) in self.free.iter().zip(step) {
+            let (parameter, value) = (self.parameters[place], values[place] + share * change);
+            values[place] = parameter.in_nearest_turn(value, parameter.value(&self.device));
+        }
+    }
+
     /// From values to where they are known to be, in standard deviations; empty without an anchor.
     pub(crate) fn pull(&self, values: &[f64]) -> Vec<f64> {
         let anchor = self.anchor.as_ref();

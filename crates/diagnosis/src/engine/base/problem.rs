@@ -127,8 +127,7 @@ impl<'a> BaseProblem<'a> {
     pub(crate) fn device_with(&self, values: &[f64]) -> Device {
         let mut device = self.base.device.clone();
         for (parameter, value) in self.base.parameters.iter().zip(values) {
-            let start = parameter.value(&device);
-            parameter.set(&mut device, parameter.in_nearest_turn(*value, start));
+            parameter.set(&mut device, *value);
         }
         device
     }
