@@ -32,6 +32,8 @@ pub struct Unseen {
     /// Of a second recording: root mean square over the noise of what one fit of both leaves, of the first one and of this one. None where
     /// no such fit was made.
     pub of_both: Option<[f64; 2]>,
+    /// Mean variance of the predictions by the error of the fit, over that of noise; 0 where it is not known.
+    pub error_of_fit: f64,
 }
 
 impl Unseen {
@@ -46,7 +48,14 @@ impl Unseen {
             after: [0.0; PARTS],
             predictions: Vec::new(),
             of_both: None,
+            error_of_fit: 0.0,
         }
+    }
+
+    /// Counts a row that is not predicted, by the squares that the base model leaves in it.
+    pub fn leave_out(&mut self, before: f64) {
+        self.left_out.0 += 1;
+        self.left_out.1 += before;
     }
 
     /// Counts a row, of so many, by the squares that are left of it.

@@ -256,6 +256,8 @@ fn warnings(
     warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
+    let of_second = findings.force.second.iter();
+    warnings.extend(of_second.flat_map(|own| own.warnings.iter().cloned()));
     let fitted = engine.problem.device_with(&engine.start.model.values);
     let (parameters, free) = (&engine.base.parameters, &engine.base.free);
     let nominal = findings.inputs.nominal;

@@ -67,6 +67,11 @@ impl OnSecond {
             rms,
             noise: unseen.noise,
             readings: readings as f64,
+            error_of_fit: 0.0,
+        };
+        let beyond = |rms: f64, readings: usize| Left {
+            error_of_fit: unseen.error_of_fit,
+            ..left(rms, readings)
         };
         let rows = [readings, unseen.rows_in_all()];
         let of_both = unseen.of_both;
@@ -76,7 +81,7 @@ impl OnSecond {
             Some(unseen.joint + 1),
             &*answer.unit,
         );
-        let rest = (left(answer.rms_after, rows[1]), of_log);
+        let rest = (beyond(answer.rms_after, rows[1]), of_log);
         let channel = SecondChannel::new(name, rest, ALLOWED, of_both);
         self.second.channels.push(channel);
         let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
@@ -134,14 +139,18 @@ pub(crate) struct Left {
     pub(crate) noise: f64,
     /// Independent readings.
     pub(crate) readings: f64,
+    /// Mean square by the error of the fit that predicts them, over that of noise.
+    pub(crate) error_of_fit: f64,
 }
 
 impl Left {
-    /// Whether readings are no more than noise: beyond a share of its square that a sound model may leave, and beyond chance, they are.
+    /// Whether readings are no more than noise: beyond a share of its square that a sound model may leave, and beyond chance, they are (A241).
     pub(crate) fn is_quiet(self, allowed: f64) -> bool {
         let beyond = (self.rms / self.noise.max(f64::MIN_POSITIVE)).powi(2) - 1.0;
+        // the error may be of one number of the fit
+        let of_fit = self.error_of_fit * (1.0 + SDS * std::f64::consts::SQRT_2);
         // what is not a number is not quiet
-        beyond <= allowed + SDS * (2.0 / self.readings.max(1.0)).sqrt()
+        beyond <= allowed + SDS * (2.0 / self.readings.max(1.0)).sqrt() + of_fit
     }
 }
 
@@ -306,6 +315,7 @@ mod tests {
             rms,
             noise: 1.0,
             readings,
+            error_of_fit: 0.0,
         }
     }
 
@@ -341,5 +351,11 @@ mod tests {
     fn few_readings_say_little() {
         assert!(left(1.4, 20.0).is_quiet(0.2));
         assert!(!left(1.4, 2000.0).is_quiet(0.2));
+        // the fit that predicts them may be wrong by as much
+        let by_fit = |rms: f64| Left {
+            error_of_fit: 0.3,
+            ..left(rms, 2000.0)
+        };
+        assert!(by_fit(1.4).is_quiet(0.2) && !by_fit(2.0).is_quiet(0.2));
     }
 }

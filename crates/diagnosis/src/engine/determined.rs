@@ -18,13 +18,14 @@ pub(crate) struct Fit<'f, 'a> {
 }
 
 impl Fit<'_, '_> {
-    /// Whether the rows of the fit determine the prediction of a reading of `there`, the same engine or one of another recording, by
-    /// stream and row, of those that are `asked` (A245, A276).
-    pub(crate) fn determines(
+    /// Variance of the prediction of a reading of `there` by the error of the fit, over that of noise, by stream and row; `there` is
+    /// the same engine or one of another recording. None of a reading that is not `asked`, or that the rows of the fit do not determine
+    /// (A245, A276).
+    fn leverages(
         &self,
         there: &Engine<'_>,
         asked: &dyn Fn(usize, usize) -> bool,
-    ) -> Vec<Vec<bool>> {
+    ) -> Vec<Vec<Option<f64>>> {
         let (here, context) = (self.engine, &self.engine.context);
         let free = &here.base.free;
         let mut columns: Vec<Vec<f64>> = (0..self.part.free.columns())
@@ -59,12 +60,13 @@ impl Fit<'_, '_> {
             }
             let noise = here.floor[stream].max(1e-300);
             let most = MOST_LEVERAGE.max(ERROR_OF_GAP * here.gap_over_noise(stream));
-            let is_determined = |row: usize| {
+            let leverage = |row: usize| {
                 let entry = |column: usize| slopes[column].get(row).map_or(0.0, |own| own / noise);
+                let leverage = asked(stream, row).then(|| information.leverage(entry));
                 // not so of what is no number
-                !asked(stream, row) || information.leverage(entry) <= most
+                leverage.filter(|own| *own <= most)
             };
-            rows.clone().map(is_determined).collect()
+            rows.clone().map(leverage).collect()
         };
         streams.map(of_stream).collect()
     }
@@ -72,7 +74,8 @@ impl Fit<'_, '_> {
 
 /// Which readings that a fit did not see are predicted, and what is said of the others.
 pub(crate) struct Predicted {
-    by_stream: Vec<Vec<bool>>,
+    /// The leverage of a reading that is predicted.
+    by_stream: Vec<Vec<Option<f64>>>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -89,17 +92,18 @@ impl Predicted {
         let in_range = |stream: usize, row: usize| {
             asked(stream, row) && is_in_range(device, recording, streams[stream].channel, row)
         };
-        let determined = fit.map(|fit| fit.determines(there, &in_range));
+        let leverages = fit.map(|fit| fit.leverages(there, &in_range));
         let mut warnings = Vec::new();
         let mut by_stream = Vec::new();
         for (stream, own) in streams.iter().enumerate() {
-            let is_determined =
-                |row: usize| (determined.as_ref()).is_none_or(|determined| determined[stream][row]);
-            let rows: Vec<bool> = (0..recording.len())
-                .map(|row| in_range(stream, row) && is_determined(row))
-                .collect();
+            let rows: Vec<Option<f64>> = match &leverages {
+                Some(leverages) => leverages[stream].clone(),
+                None => (0..recording.len())
+                    .map(|row| in_range(stream, row).then_some(0.0))
+                    .collect(),
+            };
             let all = (0..rows.len()).filter(|row| asked(stream, *row)).count();
-            let left_out = all - rows.iter().filter(|own| **own).count();
+            let left_out = all - rows.iter().flatten().count();
             if left_out > 0 {
                 warnings.push(format!(
                     "{}: {left_out} of {all} readings that the fit did not see are not predicted and left out: the rows that it saw \
@@ -115,7 +119,12 @@ impl Predicted {
         }
     }
 
-    pub(crate) fn has(&self, stream: usize, row: usize) -> bool {
+    /// The leverage of a reading that is predicted: none of another one, 0 of a model that was not fitted here.
+    pub(crate) fn leverage(&self, stream: usize, row: usize) -> Option<f64> {
         self.by_stream[stream][row]
+    }
+
+    pub(crate) fn has(&self, stream: usize, row: usize) -> bool {
+        self.leverage(stream, row).is_some()
     }
 }

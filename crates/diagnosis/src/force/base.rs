@@ -155,21 +155,18 @@ impl Along<'_> {
         }
     }
 
-    /// Block means of this recording by the model of another one with these coefficients.
-    pub(super) fn predicted(&self, first: &Along<'_>, base: &Base, solution: &[f64]) -> Means {
-        let mut torque = self.link_torques(solution);
+    /// Columns of this recording for the numbers of a base model of another one.
+    pub(super) fn columns_of(&self, first: &Along<'_>, base: &Base) -> Vec<Means> {
+        let mut columns = self.inertia.clone();
         let geometry = self.geometry(&base.linearised_at, &self.force_n);
-        for ((column, _), factor) in geometry.iter().zip(&solution[base.geometry.start..]) {
-            torque += column * *factor;
-        }
+        columns.extend(geometry.into_iter().map(|(column, _)| column));
         let drives = self.drive_torques(&base.inertia, &self.force_n);
-        for (channel, &joint) in self.recorded.channels.iter().enumerate() {
-            if let Some(first_channel) = first.recorded.channel(joint) {
-                let scaled = drives.column(channel) * solution[base.scales.start + first_channel];
-                let mut sum = torque.column_mut(channel);
-                sum += scaled;
+        columns.extend(first.recorded.channels.iter().map(|&joint| {
+            match self.recorded.channel(joint) {
+                Some(channel) => (self.recorded).on(channel, drives.column(channel).as_slice()),
+                None => drives.map(|_| 0.0),
             }
-        }
-        torque
+        }));
+        columns
     }
 }

@@ -125,5 +125,6 @@ fn left_in(
         rms: f64::sqrt(squares / f64::max(readings, 1.0)),
         noise,
         readings,
+        error_of_fit: 0.0,
     }
 }

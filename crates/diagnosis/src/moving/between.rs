@@ -167,6 +167,7 @@ impl Links {
                 rms: own.rms_after,
                 noise: first.noise,
                 readings: own.before.len() as f64,
+                error_of_fit: 0.0,
             };
             let name = (
                 words.channel(own.joint),

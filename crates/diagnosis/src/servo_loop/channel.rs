@@ -63,6 +63,7 @@ pub(super) fn of_second(device: &Device, joint: &Joint) -> Option<SecondChannel>
         noise: answer.noise_floor,
         // as many independent readings as eighths of a second are few of
         readings: second.row.len() as f64 / 4.0,
+        error_of_fit: 0.0,
     };
     let name = (
         channel(joint.index),

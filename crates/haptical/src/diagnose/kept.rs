@@ -24,6 +24,12 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
         });
         beyond.any(|own| own.channel == name)
     };
+    // one rule says what a gap of a second recording is
+    let is_gap_of_second = |name: &str| {
+        let mut second = diagnosis.second.iter().flat_map(|own| &own.channels);
+        let found = second.find(|own| own.channel == name);
+        found.is_none_or(|own| own.has_gap)
+    };
     let channels = diagnosis.gap.channels.iter();
     let kept = channels.filter(|gap| {
         // where nothing says how large the noise is, nothing says that a gap is left
@@ -34,7 +40,8 @@ pub(super) fn kept_by_second(diagnosis: &Diagnosis) -> Vec<String> {
         let is_in_part =
             (gap.reduction_percent).is_some_and(|closed| closed < CLOSED_BUT_FOR_THE_BASE_PERCENT);
         let is_open = is_open || is_in_part && leaves_more(&gap.channel);
-        gap.held_out && gap.rms_after > gap.noise_floor_ci95[1] && is_open
+        let is_beyond = gap.rms_after > gap.noise_floor_ci95[1] && is_gap_of_second(&gap.channel);
+        gap.held_out && is_beyond && is_open
     });
     let said = kept.map(|gap| left(&gap.channel, &gap.unit, [gap.rms_after, gap.noise_floor]));
     said.collect()
@@ -125,10 +132,13 @@ mod tests {
         diagnosis.gap.channels[1].reduction_percent = Some(97.0);
         assert!(!verdict_sentence(&diagnosis).contains("keeps a gap"));
         // most closes, and yet far more is left than of the log itself
-        for (percent, rms_of_log, is_kept) in [
-            (81.0, 1.1e-4, true),
-            (81.0, 9e-4, false),
-            (97.0, 1.1e-4, false),
+        for (percent, rms_of_log, has_gap, is_kept) in [
+            (81.0, 1.1e-4, true, true),
+            (81.0, 9e-4, true, false),
+            (97.0, 1.1e-4, true, false),
+            // hardly anything closes, and what is left is no gap by the rule for second recordings
+            (7.9, 1.1e-4, true, true),
+            (7.9, 1.1e-4, false, false),
         ] {
             diagnosis.gap.channels[1].reduction_percent = Some(percent);
             let channel = SecondChannel {
@@ -138,7 +148,7 @@ mod tests {
                 noise_floor: 1e-4,
                 rms_of_log,
                 unit: "rad".to_owned(),
-                has_gap: true,
+                has_gap,
                 is_extrapolated: false,
             };
             diagnosis.second = Some(SecondAnswer {

@@ -65,7 +65,7 @@ pub(crate) fn on_held_back(
         ),
     };
     let predicted = Predicted::new(engine, (&device, recording), fit, &asked);
-    let rows = |stream: usize, row: usize| predicted.has(stream, row);
+    let rows = |stream: usize, row: usize| predicted.leverage(stream, row);
     Ok(Shrink {
         channels: collect(engine, &rows, before, after),
         predictions: Vec::new(),

@@ -22,21 +22,22 @@ pub(crate) struct Unseen {
     floor: Floor,
     /// Independent readings in one, the noise's colour allowed for.
     independent: f64,
+    /// Mean variance of the predictions by the error of the fit, over that of noise.
+    leverage: f64,
 }
 
-/// Residuals on the `wanted` rows (of a stream), channel by channel.
+/// Residuals on the rows (of a stream) that have a leverage, channel by channel.
 pub(super) fn collect(
     engine: &Engine<'_>,
-    wanted: &dyn Fn(usize, usize) -> bool,
+    leverage: &dyn Fn(usize, usize) -> Option<f64>,
     before: &[Vec<f64>],
     after: &[Vec<f64>],
 ) -> Vec<Unseen> {
     let streams = &engine.context.streams;
     let mut channels: Vec<Unseen> = Vec::new();
     for (index, stream) in streams.iter().enumerate() {
-        let rows: Vec<usize> = (0..before[index].len())
-            .filter(|&row| wanted(index, row))
-            .collect();
+        let rows = (0..before[index].len()).filter_map(|row| Some((row, leverage(index, row)?)));
+        let (rows, leverages): (Vec<usize>, Vec<f64>) = rows.unzip();
         let pick = |residual: &[f64]| rows.iter().map(|&row| residual[row]).collect::<Vec<f64>>();
         let entry = Unseen {
             channel: stream.channel,
@@ -50,6 +51,7 @@ pub(super) fn collect(
                 engine.noise[index].source,
             ),
             independent: engine.noise[index].independent(),
+            leverage: leverages.iter().sum::<f64>() / leverages.len().max(1) as f64,
         };
         match channels
             .iter_mut()
@@ -62,6 +64,8 @@ pub(super) fn collect(
                         + entry.floor.rms.powi(2) * more)
                         / (have + more))
                         .sqrt();
+                    other.leverage =
+                        (other.leverage * have + entry.leverage * more) / (have + more);
                 }
                 other.before.extend(entry.before);
                 other.after.extend(entry.after);
@@ -87,6 +91,7 @@ impl Unseen {
             rms,
             noise: self.floor.ci95()[1],
             readings: count * self.independent,
+            error_of_fit: self.leverage,
         };
         let joint = match self.channel {
             Channel::Output { joint } => Some(joint + 1),
@@ -237,6 +242,7 @@ mod tests {
             after: wave(after),
             floor: Floor::new(Channel::Position, rms, freedom, NoiseSource::Motion),
             independent: 1.0,
+            leverage: 0.0,
         }
     }
 

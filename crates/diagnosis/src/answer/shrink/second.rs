@@ -83,7 +83,7 @@ pub(crate) fn on_second(
     let asked = |stream: usize, row: usize| second.usable[stream][row];
     let predicted = Predicted::new(&second, (&base.device, validation), fit, &asked);
     warnings.extend(predicted.warnings.iter().cloned());
-    let rows = |stream: usize, row: usize| predicted.has(stream, row);
+    let rows = |stream: usize, row: usize| predicted.leverage(stream, row);
     Ok(Shrink {
         channels: collect(&second, &rows, &before, &after),
         predictions: predictions(&second, validation, (&before, &after), &predicted),
@@ -114,7 +114,10 @@ pub(crate) fn device_on_second(
     let is_finite = |stream: usize, row: usize| {
         before[stream][row].is_finite() && after[stream][row].is_finite()
     };
-    let rows = |stream: usize, row: usize| predicted.has(stream, row) && is_finite(stream, row);
+    let rows = |stream: usize, row: usize| {
+        let leverage = predicted.leverage(stream, row);
+        leverage.filter(|_| is_finite(stream, row))
+    };
     Ok(collect(&second, &rows, &before, &after))
 }
 

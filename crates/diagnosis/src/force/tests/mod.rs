@@ -6,6 +6,7 @@ mod carried;
 mod found;
 mod mechanics;
 mod of_device;
+mod second;
 mod slide;
 mod trust;
 
