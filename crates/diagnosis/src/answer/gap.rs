@@ -87,6 +87,19 @@ impl ChannelGap {
         }
     }
 
+    /// The same gap where causes leave this share of its squares beyond noise.
+    pub(crate) fn with_left(self, share: f64) -> Self {
+        let [before, noise] = [self.rms_before, self.noise_floor].map(|rms| rms * rms);
+        let rms_after = (before.min(noise) + share * (before - noise).max(0.0)).sqrt();
+        let reduction = gap_reduction_percent(self.rms_before, rms_after, self.noise_floor);
+        Self {
+            rms_after,
+            rms_fit: Some(rms_after),
+            reduction_percent: self.reduction_percent.and(reduction),
+            ..self
+        }
+    }
+
     /// The same gap with the sizes, the floor and the closed share of rows that the fit did not see.
     pub(crate) fn on_unseen(self, seen: &HeldOutAnswer, floor: &Floor) -> Self {
         Self {
@@ -261,5 +274,26 @@ pub(crate) fn held_out(
             (false, true) => None,
             (false, false) => Some(NoReduction::WithinNoise),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_that_is_left_gives_size_and_closed_share_alike() {
+        use haptical_calibration::Channel;
+        let floor = Floor::new(Channel::Position, 3.0, 1e4, NoiseSource::Motion);
+        let gap = |before| {
+            let name = "torque1".to_owned();
+            ChannelGap::fitted(name, Some(0), [before, before], &floor, "N m").with_left(0.25)
+        };
+        // 9 + 16 / 4
+        assert!((gap(5.0).rms_after - 13.0_f64.sqrt()).abs() < 1e-12);
+        assert!((gap(5.0).reduction_percent.unwrap() - 50.0).abs() < 1e-9);
+        // no gap has none to close
+        let quiet = gap(2.9);
+        assert_eq!((quiet.rms_after, quiet.reduction_percent), (2.9, None));
     }
 }

@@ -191,7 +191,7 @@ impl Model<'_> {
             closed_unseen_share: partial.map(|partial| partial.closed_share),
             ..ForceAnswer::default()
         };
-        let mut has_grip = false;
+        let mut left_by_grip = None;
         if let Some(kept) = kept {
             let (findings, explained) = self.picked(&energies, &kept);
             answer.unexplained_share = match named {
@@ -205,8 +205,8 @@ impl Model<'_> {
             answer.significant = false;
         } else if answer.significant {
             let found = self.held(&energies);
-            has_grip = found.is_some();
-            answer.unexplained_share = found.as_ref().map_or(1.0, |(_, left)| *left);
+            left_by_grip = found.as_ref().map(|(_, left)| *left);
+            answer.unexplained_share = left_by_grip.unwrap_or(1.0);
             answer.findings.extend(found.map(|(cause, _)| cause));
         }
         // a strained scale is a part of any other gap
@@ -227,8 +227,9 @@ impl Model<'_> {
             answer.significant = true;
         }
         answer.channels = self.gaps(&added);
-        for gap in answer.channels.iter_mut().filter(|_| has_grip) {
-            gap.rms_after = gap.rms_after.min(gap.noise_floor);
+        if let Some(left) = left_by_grip {
+            let channels = answer.channels.into_iter();
+            answer.channels = channels.map(|own| own.with_left(left)).collect();
         }
         answer.course = self.course(&answer.channels);
         answer.findings.sort_by(|a, b| b.share.total_cmp(&a.share));
