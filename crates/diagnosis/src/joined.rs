@@ -52,7 +52,7 @@ fn without_other(mut answer: Diagnosis, why: &DiagnosisError) -> Diagnosis {
 
 /// Two views, the one with the word first, each with its share of the squares beyond noise; `names` are those of the second.
 fn of_both(first: Diagnosis, second: Diagnosis, names: &[&str]) -> Diagnosis {
-    let energies = [&first, &second].map(energy);
+    let energies = [&first, &second].map(|own| energy(&own.gap.channels));
     let total = (energies[0] + energies[1]).max(f64::MIN_POSITIVE);
     let untestable = untestable(&first, &second, names);
     let (device, whiteness) = (first.device.clone(), first.whiteness.clone());
@@ -74,8 +74,8 @@ fn of_both(first: Diagnosis, second: Diagnosis, names: &[&str]) -> Diagnosis {
 }
 
 /// Squares of a gap over those of noise, in all channels that have one.
-fn energy(answer: &Diagnosis) -> f64 {
-    let with_gap = answer.gap.channels.iter().filter(|gap| gap.has_gap);
+pub(crate) fn energy(channels: &[ChannelGap]) -> f64 {
+    let with_gap = channels.iter().filter(|gap| gap.has_gap);
     let ratios = with_gap.map(|gap| (gap.rms_before / gap.noise_floor).min(MOST_OVER_NOISE));
     ratios.map(|ratio| (ratio * ratio - 1.0).max(0.0)).sum()
 }

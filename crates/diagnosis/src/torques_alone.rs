@@ -7,8 +7,9 @@ use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
 use crate::answer::{
-    CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Provenance, SECOND_RECORDING,
-    Untestable, Verdict, in_torques, not_in_file, of_drives,
+    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Place, Prediction,
+    Provenance, SECOND_RECORDING, SecondAnswer, Untestable, Verdict, in_torques, not_in_file,
+    of_drives,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::examine;
@@ -36,6 +37,70 @@ pub(crate) fn applies(device: &Device, recording: &Recording) -> bool {
 /// What a diagnosis of a motion says of the rows that it looked at, within [`Diagnosis::held_out`](crate::Diagnosis::held_out).
 pub const BEHIND_A_LOW_PASS: &str = "behind a low pass";
 
+/// The torques' part of an answer.
+pub(crate) struct OfTorques {
+    /// The verdict before unseen rows were asked, and after.
+    pub(crate) by_log: Verdict,
+    pub(crate) verdict: Verdict,
+    pub(crate) gap: Gap,
+    pub(crate) place: Option<Place>,
+    pub(crate) causes: Vec<CauseAnswer>,
+    /// Causes that unseen rows do not bear out.
+    pub(crate) candidates: Vec<CandidateAnswer>,
+    /// What is said of unseen rows.
+    pub(crate) warnings: Vec<String>,
+    pub(crate) second: Option<SecondAnswer>,
+    pub(crate) predictions: Vec<Prediction>,
+    pub(crate) held_out: String,
+}
+
+impl OfTorques {
+    pub(crate) fn new(force: &ForceAnswer, is_moving: bool) -> Self {
+        let rows = match is_moving {
+            true => BEHIND_A_LOW_PASS,
+            false => "block means of 0.1 s",
+        };
+        let by_log = by_torques(force);
+        let place = in_torques(force).filter(|_| by_log != Verdict::NoGap);
+        let located = place.as_ref().map(|place| place.channel.as_str());
+        let gap = Gap::new(by_log, located, force.channels.clone());
+        let mut causes = force.findings.clone();
+        gap.agree_with(&mut causes);
+        let (mut warnings, mut predictions) = (Vec::new(), Vec::new());
+        let mut held_out = held_out_rows(&causes, is_moving, rows);
+        let seen = force.second.as_ref();
+        let shown = seen.iter().flat_map(|seen| &seen.held_out);
+        let shown = shown.filter(|channel| located == Some(channel.channel.as_str()));
+        let shown = shown.map(|channel| channel.clone().agreeing(&gap)).next();
+        let after_verdict = put_second(&mut causes, shown, is_moving);
+        if let Some(seen) = seen {
+            warnings.extend(seen.warnings.iter().cloned());
+            predictions.clone_from(&seen.predictions);
+            // a motion's second recording may be one that the first one does not predict
+            if !is_moving || !seen.held_out.is_empty() {
+                held_out = format!("{SECOND_RECORDING}, {rows}");
+            }
+        }
+        let (verdict, candidates, said) = on_unseen(by_log, &mut causes);
+        if let (Some(first), Some(shown)) = (causes.first_mut(), after_verdict) {
+            first.held_out = Some(shown);
+        }
+        warnings.extend(said);
+        Self {
+            by_log,
+            verdict,
+            gap,
+            place,
+            causes,
+            candidates,
+            warnings,
+            second: seen.map(|seen| seen.second.clone()),
+            predictions,
+            held_out,
+        }
+    }
+}
+
 /// Diagnoses the torques.
 pub(crate) fn diagnose(
     device: &Device,
@@ -47,49 +112,29 @@ pub(crate) fn diagnose(
     let model = options.model.unwrap_or(device);
     let context = Context::new(model, recording, &[])?;
     let is_moving = moving.is_some();
-    let rows = if is_moving {
-        BEHIND_A_LOW_PASS
-    } else {
-        "block means of 0.1 s"
-    };
-    let mut force = match moving {
+    let force = match moving {
         Some(moving) => moving,
         None => examine(&context, options.validation, &options.without)?,
     };
-    let seen = force.second.take();
     let slow = (!is_moving).then(|| why_not(model, recording)).flatten();
     if let (Some(why), true) = (&force.not_tested, force.channels.is_empty()) {
         return Err(DiagnosisError::Torques {
             why: slow.unwrap_or_else(|| why.clone()),
         });
     }
-    let by_log = by_torques(&force);
-    let place = in_torques(&force).filter(|_| by_log != Verdict::NoGap);
-    let located = place.as_ref().map(|place| place.channel.as_str());
-    let gap = Gap::new(by_log, located, force.channels.clone());
-    let mut causes = force.findings.clone();
-    gap.agree_with(&mut causes);
-    let mut warnings = warnings_of(&force, slow.as_deref());
-    let mut predictions = Vec::new();
-    let mut held_out = held_out_rows(&causes, is_moving, rows);
-    let second = seen.as_ref().map(|seen| seen.second.clone());
-    let shown = seen.iter().flat_map(|seen| &seen.held_out);
-    let shown = shown.filter(|channel| located == Some(channel.channel.as_str()));
-    let shown = shown.map(|channel| channel.clone().agreeing(&gap)).next();
-    let after_verdict = put_second(&mut causes, shown, is_moving);
-    if let Some(seen) = seen {
-        warnings.extend(seen.warnings);
-        predictions = seen.predictions;
-        // a motion's second recording may be one that the first one does not predict
-        if !is_moving || !seen.held_out.is_empty() {
-            held_out = format!("{SECOND_RECORDING}, {rows}");
-        }
-    }
-    let (verdict, candidates, said) = on_unseen(by_log, &mut causes);
-    if let (Some(first), Some(shown)) = (causes.first_mut(), after_verdict) {
-        first.held_out = Some(shown);
-    }
-    warnings.extend(said);
+    let OfTorques {
+        by_log,
+        verdict,
+        gap,
+        place,
+        causes,
+        candidates,
+        warnings,
+        second,
+        predictions,
+        held_out,
+    } = OfTorques::new(&force, is_moving);
+    let warnings = [warnings_of(&force, slow.as_deref()), warnings].concat();
     let changes = (&causes[..], &force.changes[..], context.reference_degc);
     let corrected = of_drives(device, verdict, changes);
     let devices = (device, corrected.as_ref());
@@ -129,6 +174,14 @@ fn warnings_of(force: &ForceAnswer, slow: Option<&str>) -> Vec<String> {
     warnings.chain(slow.map(said_of_slow)).collect()
 }
 
+/// What is said of a log that the equations of motion are not asked of.
+fn said_of_slow(why: &str) -> String {
+    format!(
+        "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
+         armature, delay or the masses of links"
+    )
+}
+
 /// Which rows of the log were held out; nothing where none were.
 fn held_out_rows(causes: &[CauseAnswer], is_moving: bool, rows: &str) -> String {
     if causes.iter().all(|cause| cause.held_out.is_none()) {
@@ -139,14 +192,6 @@ fn held_out_rows(causes: &[CauseAnswer], is_moving: bool, rows: &str) -> String 
         false => "a tenth of each run",
     };
     format!("{part} in turn, {rows}")
-}
-
-/// What is said of a log that the equations of motion are not asked of.
-fn said_of_slow(why: &str) -> String {
-    format!(
-        "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
-         armature, delay or the masses of links"
-    )
 }
 
 /// Whether a cause belongs to its log, so that no share of it closes on other rows.
@@ -162,7 +207,7 @@ fn put_second(
     shown: Option<HeldOutAnswer>,
     is_moving: bool,
 ) -> Option<HeldOutAnswer> {
-    let is_put = |first: &&mut CauseAnswer| !is_moving || !is_checked(first) && !is_of_log(first);
+    let is_put = |first: &&mut CauseAnswer| !is_of_log(first) && (!is_moving || !is_checked(first));
     let first = causes.first_mut().filter(is_put)?;
     if is_of_runs(first) {
         return shown;

@@ -6,18 +6,21 @@ use haptical_model::Device;
 
 use crate::Result;
 use crate::answer::{
-    CauseAnswer, Corrected, Correction, Diagnosis, FitRows, Gap, Located, NoiseAnswer, Outcome,
-    Place, Provenance, Verdict, Whiteness, by_dependence, candidates, channels, corrected,
-    correction, hints, in_torques, locate, next_experiment, noise, noise_findings, not_in_file,
-    of_base_term, position_causes, steps, traces, unseen, untestable,
+    CandidateAnswer, CauseAnswer, Corrected, Correction, Diagnosis, FitRows, Gap, Located,
+    NoiseAnswer, Outcome, Place, Provenance, Verdict, Whiteness, by_dependence, candidates,
+    channels, corrected, correction, hints, locate, next_experiment, noise, noise_findings,
+    not_in_file, of_base_term, position_causes, steps, traces, unseen, untestable,
 };
+use crate::force::answer::ForceAnswer;
+use crate::joined::energy;
 use crate::judge::{
-    Findings, Tested, Touched, WEIGH, by_torques, contradicted, doubt_of_loads, hedge, on_second,
-    verdict, why_not,
+    Findings, Tested, Touched, WEIGH, contradicted, doubt_of_loads, hedge, on_second, verdict,
+    why_not,
 };
 use crate::moving::leaves_of_second;
 use crate::noise::{NoiseSource, is_stated};
 use crate::thresholds::noise::LOUD;
+use crate::torques_alone::OfTorques;
 
 /// Puts what was found into words.
 pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
@@ -38,18 +41,28 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     }
     hedge(&findings, in_positions, &mut causes);
     name_twins(&findings, &mut causes);
-    causes.extend(findings.force.findings.iter().cloned());
-    let has_position_gap = in_positions != Verdict::NoGap;
-    let verdict = match has_position_gap {
+    let torques = OfTorques::new(&findings.force, findings.inputs.moving.is_some());
+    // the torques have the word where they say more of causes, as between other views of a log
+    let is_by_positions = in_positions != Verdict::NoGap
+        && (in_positions.has_causes() || !torques.verdict.has_causes());
+    let verdict = match is_by_positions {
         true => in_positions,
-        false => by_torques(&findings.force),
+        false => torques.verdict,
     };
+    let unnamed = match in_positions {
+        Verdict::Unknown if !is_by_positions => std::mem::take(&mut causes),
+        _ => Vec::new(),
+    };
+    causes.extend(torques.causes);
     let of_second = on_second(&findings, verdict)?;
     let unstated = touches.unstated.take();
-    let located = match has_position_gap {
-        true if is_structured => tested.located(&findings.selection),
-        true => located(&findings, verdict, touches),
-        false => None,
+    let of_positions = match is_structured {
+        true => tested.located(&findings.selection),
+        false => located(&findings, in_positions, touches),
+    };
+    let (located, unexplained) = match is_by_positions {
+        true => (of_positions, None),
+        false => (None, of_positions),
     };
     let second = findings.inputs.options.validation;
     let curve = correction(&findings.selection, verdict, located.as_ref(), second)?;
@@ -62,12 +75,19 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let adequacy = &findings.adequacy;
     let place = match &located {
         Some(located) => Some(located.answer.clone()),
-        None => place_in_torques(&findings, verdict),
+        None => torques.place.map(|own| in_torques(own, in_positions)),
     };
     let located_in = place.as_ref().map(|place| place.channel.as_str());
     let (file, left) = file_of(&findings, verdict, &causes, kept.as_ref())?;
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     gap.agree_with(&mut causes);
+    let unexplained_share = match verdict {
+        _ if !is_by_positions => unexplained_by_torques(&findings.force, &gap),
+        // of touches whose noise is what is left, the excess over noise says nothing
+        Verdict::Unknown if is_structured => 1.0,
+        Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
+        _ => adequacy.unexplained,
+    };
     let gone = findings.inputs.gone.iter();
     let gone = gone.map(|(channel, row)| (channel.name(), *row)).collect();
     Ok(Diagnosis {
@@ -76,14 +96,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         next_experiment: (untold.as_ref().map(|_| WEIGH.to_owned()))
             .or_else(|| next_experiment(&findings, verdict, &causes, located.as_ref())),
         traces: traces(&findings, located.as_ref())?,
-        unexplained_share: match verdict {
-            _ if !has_position_gap => findings.force.unexplained_share,
-            // of touches whose noise is what is left, the excess over noise says nothing
-            Verdict::Unknown if is_structured => 1.0,
-            Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
-            _ => adequacy.unexplained,
-        },
-        closed_unseen_share: closed_unseen_share(&findings, has_position_gap, verdict),
+        unexplained_share,
+        closed_unseen_share: closed_unseen_share(&findings, is_by_positions, verdict),
         own_effects_leave: None,
         second: of_second,
         probability_unknown: adequacy.probability_unknown(verdict),
@@ -92,13 +106,28 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         detectable,
         noise,
         whiteness,
-        candidates: candidates(&findings),
+        candidates: (candidates(&findings).into_iter())
+            .chain(
+                unnamed
+                    .iter()
+                    .map(|own| CandidateAnswer::of_cause(own, None)),
+            )
+            .chain(torques.candidates)
+            .collect(),
         absorbed: match verdict {
             Verdict::Named | Verdict::Ambiguous => findings.absorbed.clone(),
             Verdict::NoGap | Verdict::Unknown => None,
         },
         plausibility: hints(engine, findings.inputs.nominal),
-        warnings: warnings(&findings, verdict, &causes, [untold, unstated]),
+        warnings: [
+            warnings(&findings, verdict, &causes, [untold, unstated]),
+            torques.warnings,
+            unexplained
+                .iter()
+                .map(|own| unexplained_place(&own.answer))
+                .collect(),
+        ]
+        .concat(),
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
@@ -117,8 +146,11 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         correction_refused: refused,
         causes,
         steps: steps(&findings.selection),
-        held_out: findings.shrink.description,
-        predictions: findings.shrink.predictions,
+        held_out: match is_by_positions || torques.held_out.is_empty() {
+            true => findings.shrink.description,
+            false => torques.held_out,
+        },
+        predictions: [findings.shrink.predictions, torques.predictions].concat(),
     })
 }
 
@@ -152,10 +184,10 @@ fn file_of(
 /// Share of the gap that a part's causes close on unseen rows.
 fn closed_unseen_share(
     findings: &Findings<'_>,
-    has_position_gap: bool,
+    is_by_positions: bool,
     verdict: Verdict,
 ) -> Option<f64> {
-    match has_position_gap {
+    match is_by_positions {
         true => (findings.partial.as_ref())
             .filter(|_| verdict != Verdict::Unknown)
             .map(|partial| partial.share),
@@ -180,13 +212,35 @@ fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
     }
 }
 
-/// The place of a gap that torques alone show.
-fn place_in_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<Place> {
-    let place = in_torques(&findings.force).filter(|_| verdict != Verdict::NoGap)?;
-    Some(Place {
-        region: format!("{}: positions show no gap", place.region),
+/// Share of the gap that is not explained where torques have the word: they explain no gap of positions.
+fn unexplained_by_torques(force: &ForceAnswer, gap: &Gap) -> f64 {
+    let [of_torques, all] = [&force.channels, &gap.channels].map(|own| energy(own));
+    let of_positions = (all - of_torques).max(0.0);
+    let left = of_torques * force.unexplained_share + of_positions;
+    match of_positions > 0.0 {
+        true => left / (of_torques + of_positions),
+        false => force.unexplained_share,
+    }
+}
+
+/// The place of a gap of torques; positions show none, or one that has no name.
+fn in_torques(place: Place, in_positions: Verdict) -> Place {
+    let of_positions = match in_positions {
+        Verdict::NoGap => "positions show no gap",
+        _ => "positions show another gap",
+    };
+    Place {
+        region: format!("{}: {of_positions}", place.region),
         ..place
-    })
+    }
+}
+
+/// A warning of a gap of positions next to torques that have the word.
+fn unexplained_place(place: &Place) -> String {
+    format!(
+        "{} shows a gap that no cause explains: {}",
+        place.channel, place.region
+    )
 }
 
 /// The place of a gap of positions.
@@ -256,8 +310,6 @@ fn warnings(
     warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
-    let of_second = findings.force.second.iter();
-    warnings.extend(of_second.flat_map(|own| own.warnings.iter().cloned()));
     let fitted = engine.problem.device_with(&engine.start.model.values);
     let (parameters, free) = (&engine.base.parameters, &engine.base.free);
     let nominal = findings.inputs.nominal;

@@ -12,7 +12,12 @@ const ROWS: usize = 3000;
 const OUTPUT_SD_RAD: f64 = 2e-4;
 
 /// The whole diagnosis of a recording, to which sound external encoders are added.
-fn diagnosed(mut recording: Recording) -> Diagnosis {
+fn diagnosed(recording: Recording) -> Diagnosis {
+    diagnosed_with(recording, |_, _| 0.0)
+}
+
+/// The same with an error of them, by joint and row.
+fn diagnosed_with(mut recording: Recording, error: impl Fn(usize, usize) -> f64) -> Diagnosis {
     let key = "encoder_counts_per_rev";
     let encoders = FILE.replace(
         key,
@@ -20,10 +25,11 @@ fn diagnosed(mut recording: Recording) -> Diagnosis {
     );
     let device = Device::from_toml(&encoders, "arm").unwrap().device;
     let mut noise = Noise(99);
-    let read = recording.joint.iter().map(|angle| {
+    let read = recording.joint.iter().enumerate().map(|(joint, angle)| {
         let noisy = angle
             .iter()
-            .map(|angle| angle + OUTPUT_SD_RAD * noise.normal());
+            .enumerate()
+            .map(|(row, angle)| angle + OUTPUT_SD_RAD * noise.normal() + error(joint, row));
         Some(noisy.collect())
     });
     recording.output = read.collect();
@@ -76,4 +82,45 @@ fn a_torque_that_drowns_in_its_noise_is_not_called_tested() {
         "{:?}",
         gap.warnings
     );
+}
+
+/// A gap of an encoder that has no name takes no name off the torques, as it would not if the two were two views of other kinds.
+#[test]
+fn what_an_encoder_shows_without_a_name_takes_none_off_the_torques() {
+    let mut scene = Scene::new(21, ROWS);
+    for row in 0..ROWS {
+        let rate = scene.rate(2, row);
+        scene.torque_nm[2][row] += 0.05 * (rate / 0.05).tanh() + 0.02 * rate;
+    }
+    let recording = scene.record();
+    let times = recording.time_s.clone().unwrap();
+    let beats = |joint: usize, row: usize| match joint {
+        0 => 1e-3 * (std::f64::consts::TAU * 0.7 * times[row]).sin(),
+        _ => 0.0,
+    };
+    let alone = diagnosed(Scene::new(21, ROWS).record());
+    assert_eq!(alone.verdict, Verdict::NoGap);
+    let beating = diagnosed_with(Scene::new(21, ROWS).record(), beats);
+    assert_eq!(beating.verdict, Verdict::Unknown, "{:?}", beating.causes);
+    let mut left = Vec::new();
+    for error in [&beats as &dyn Fn(usize, usize) -> f64, &|_, _| 0.0] {
+        let found = diagnosed_with(recording.clone(), error);
+        assert_eq!(found.verdict, Verdict::Named, "{:?}", found.warnings);
+        let first = &found.causes[0];
+        assert_eq!(
+            (first.effect.as_str(), first.joint),
+            ("joint-friction", Some(3))
+        );
+        let has_error = error(0, 10) != 0.0;
+        let is_said = |own: &String| own.starts_with("out1 shows a gap that no cause explains");
+        assert_eq!(found.warnings.iter().any(is_said), has_error, "{found:?}");
+        left.push(found.unexplained_share);
+        let place = found.place.unwrap();
+        assert_eq!(place.channel, "torque3");
+        assert_eq!(
+            place.region.contains("positions show another gap"),
+            has_error
+        );
+    }
+    assert!(left[0] > left[1] + 0.005, "{left:?}");
 }

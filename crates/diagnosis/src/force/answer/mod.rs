@@ -14,7 +14,9 @@ use super::recorded::positions_show_a_gap;
 use super::select::Pick;
 use super::{Means, Model, gravity, grip};
 use crate::Result;
-use crate::answer::{CauseAnswer, ChannelGap, OnSecond, Trace, Untestable};
+use crate::answer::{
+    CauseAnswer, ChannelGap, HeldOutAnswer, NoReduction, OnSecond, Trace, Untestable,
+};
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
     BEYOND_WRONG_ANGLES, LEAST_STRUCTURE, NOISE_DEVIATIONS, OMNIBUS_DEVIATIONS, SAID_BEYOND,
@@ -230,6 +232,21 @@ impl Model<'_> {
         if let Some(left) = left_by_grip {
             let channels = answer.channels.into_iter();
             answer.channels = channels.map(|own| own.with_left(left)).collect();
+            // a hand's force is of its recording, and no other rows predict it
+            let largest =
+                (answer.channels.iter()).max_by(|a, b| a.share_of_gap.total_cmp(&b.share_of_gap));
+            let held_out = largest.map(|own| {
+                let no_reduction = Some(NoReduction::Undetermined);
+                let own = own.as_held_out();
+                HeldOutAnswer {
+                    no_reduction,
+                    ..own
+                }
+                .settled()
+            });
+            for own in &mut answer.findings {
+                own.held_out.clone_from(&held_out);
+            }
         }
         answer.course = self.course(&answer.channels);
         answer.findings.sort_by(|a, b| b.share.total_cmp(&a.share));
