@@ -351,6 +351,7 @@ fn examined(
         left_of_second: None,
         is_push_contradicted: false,
         free_armatures: free.collect(),
+        other_friction: base.other_friction(solution, rows),
         has_memory: problem.has_memory,
         above_hz: None,
         jitter: problem.samples.jitter,

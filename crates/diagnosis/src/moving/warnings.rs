@@ -11,6 +11,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     warnings.extend(of_rows(examined));
     warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
+    warnings.extend(of_friction(&examined.other_friction));
     if examined.findings.iter().any(Finding::is_of_sampling) && !examined.is_adequate() {
         let said = match examined.is_borne_out() {
             true => {
@@ -177,6 +178,19 @@ fn of_armatures(free: &[(usize, f64)]) -> Option<String> {
             "the device file has no armature of {}: fitted, and no cause: {} kg m^2",
             joints_of(&joints),
             values.join(", ")
+        )
+    })
+}
+
+/// Friction that is no longer that of the file, in one sentence.
+fn of_friction(other: &[(usize, f64)]) -> Option<String> {
+    let joints: Vec<usize> = other.iter().map(|own| own.0).collect();
+    let times: Vec<String> = other.iter().map(|own| format!("{:.2}", own.1)).collect();
+    (!other.is_empty()).then(|| {
+        format!(
+            "the friction of {} is not that of the device file: fitted, and no cause: {} times as large",
+            joints_of(&joints),
+            times.join(", ")
         )
     })
 }

@@ -4,8 +4,11 @@ use crate::device::Device;
 use crate::files::provenance_of;
 use crate::log::Log;
 
-/// Said where a device is the result of another log: what moved since is in the numbers that are fitted to this one.
+/// Said where a device is the result of another log: what moved since is in the numbers that are fitted to this one. Lengths and zeros are
+/// fitted to positions alone.
 pub(super) fn refitted(device: &Device, logs: &[&Log]) -> Option<String> {
+    let mut recordings = logs.iter().map(|log| &log.recording);
+    recordings.find(|own| haptical_calibration::channels(&device.model, own).is_ok())?;
     let source = device.source();
     let text = source.read_text().ok()?;
     let mut lines = provenance_of(&text);

@@ -12,6 +12,9 @@ use crate::fit::system::System;
 use crate::thresholds::fit::{BRISTLE_S, LEADS_S, LOUD_ARMATURE, TURNOVERS};
 use crate::thresholds::plausible;
 
+/// Share of the friction of the device's file by which what is fitted differs where that is said.
+const OTHER_FRICTION: f64 = 0.25;
+
 /// What a column of the base model is.
 #[derive(Debug, Clone)]
 pub(crate) enum Term {
@@ -144,6 +147,38 @@ impl Base {
             coulomb,
             ..Self::new(problem, None)
         }
+    }
+
+    /// Joints whose fitted friction differs from that of the device's file, in `rows` by more than noise; how many times that of the file
+    /// it is.
+    pub(crate) fn other_friction(&self, solution: &[f64], rows: usize) -> Vec<(usize, f64)> {
+        let own = |joint: usize| {
+            let columns = self.columns.iter().zip(solution);
+            let of_joint = columns.filter_map(|(own, value)| match own.term {
+                Term::FileFriction { joint: of, .. } => Some((of, own, [1.0, *value])),
+                Term::Viscous { joint: of } | Term::Coulomb { joint: of } => {
+                    Some((of, own, [0.0, *value]))
+                }
+                _ => None,
+            });
+            let of_joint: Vec<_> = of_joint.filter(|(of, ..)| *of == joint).collect();
+            // products of the file's friction and of what is fitted, weighted as rows are
+            let product = |a: usize, b: usize| -> f64 {
+                let along = of_joint.iter().map(|(_, one, by)| {
+                    let with = of_joint.iter();
+                    by[a]
+                        * with
+                            .map(|(_, other, of)| of[b] * one.column.times(&other.column))
+                            .sum::<f64>()
+                });
+                along.sum()
+            };
+            let (of_file, both, fitted) = (product(0, 0), product(0, 1), product(1, 1));
+            let beyond = of_file - 2.0 * both + fitted;
+            let least = (rows as f64).max(OTHER_FRICTION.powi(2) * of_file);
+            (of_file > 0.0 && beyond > least).then(|| (joint, both / of_file))
+        };
+        (0..self.coulomb.len()).filter_map(own).collect()
     }
 
     /// Armatures with those that no file states as they are fitted, where one of them carries more noise of the positions into a torque than

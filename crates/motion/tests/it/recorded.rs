@@ -120,6 +120,30 @@ fn a_sound_arm_has_no_gap_whatever_friction_its_file_has() {
     }
 }
 
+/// Friction that is fitted is compared with that of the file: it is no gap, and is not passed over either.
+#[test]
+fn friction_that_is_not_that_of_the_file_is_listed() {
+    let friction = |seed: u64, times: f64| {
+        let mut log = with_friction(recording(Truth::default(), seed), TURNOVERS[0]);
+        let of_joint = &mut log.added[0];
+        assert_eq!(of_joint.channel, "torque1_nm");
+        of_joint.readings.iter_mut().for_each(|own| *own /= times);
+        examine(&device(), &log, None, &[]).unwrap().other_friction
+    };
+    for seed in 1..=4 {
+        for as_good_as_that in [1.0, 1.1] {
+            assert_eq!(friction(seed, as_good_as_that), [], "{seed}");
+        }
+        for times in [0.5, 2.0, 10.0] {
+            let found = friction(seed, times);
+            assert_eq!(found.len(), 1, "{seed} {times}: {found:?}");
+            let (joint, of_file) = found[0];
+            assert_eq!(joint, 0);
+            assert!((of_file / times - 1.0).abs() < 0.1, "{times}: {of_file}");
+        }
+    }
+}
+
 /// A device with the friction of its drives is told what one without is told.
 #[test]
 fn friction_of_the_file_hides_no_cause() {
