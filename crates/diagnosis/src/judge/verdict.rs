@@ -65,9 +65,13 @@ fn judged(has_gap: bool, is_supported: bool, first: Option<&CauseAnswer>) -> Ver
 
 /// Whether a cause has a size, and makes predictions of what the fit did not see better.
 fn is_credible(cause: &CauseAnswer) -> bool {
+    has_size(cause) && is_borne_out(cause)
+}
+
+/// Whether an interval of its sizes excludes nothing, if it has sizes.
+fn has_size(cause: &CauseAnswer) -> bool {
     let mut sizes = sizes(cause).peekable();
-    let has_size = sizes.peek().is_none() || sizes.any(|ci95| ci95[0] * ci95[1] > 0.0);
-    has_size && is_borne_out(cause)
+    sizes.peek().is_none() || sizes.any(|ci95| ci95[0] * ci95[1] > 0.0)
 }
 
 /// Whether a cause closes a share of its channel's gap that is above nothing beyond chance on rows that its fit did not see, or such a
@@ -84,7 +88,7 @@ pub(crate) fn is_borne_out(cause: &CauseAnswer) -> bool {
     cause.held_out.as_ref().is_none_or(is_above)
 }
 
-/// The verdict on causes that are judged without positions, where unseen rows bear them out: those that they do not are taken off
+/// The verdict on causes that are judged without positions, where they have a size and unseen rows bear them out: others are taken off
 /// `causes`, and with the first of them the name. They are among the candidates then, with what is said of them.
 pub(crate) fn on_unseen(
     verdict: Verdict,
@@ -94,21 +98,32 @@ pub(crate) fn on_unseen(
     if !verdict.has_causes() {
         return (verdict, candidates, said);
     }
-    let is_first_borne_out = causes.first().is_some_and(is_borne_out);
+    let is_first_credible = causes.first().is_some_and(is_credible);
     causes.retain(|cause| {
-        let is_kept = is_first_borne_out && is_borne_out(cause);
+        let is_kept = is_first_credible && is_credible(cause);
         if !is_kept {
-            let why = why_not(cause);
+            let why = without_size(cause).or_else(|| why_not(cause));
             said.extend(why.clone());
             candidates.push(CandidateAnswer::of_cause(cause, why));
         }
         is_kept
     });
-    let verdict = match is_first_borne_out {
+    let verdict = match is_first_credible {
         true => verdict,
         false => Verdict::Unknown,
     };
     (verdict, candidates, said)
+}
+
+/// Why a cause is not named that has no size.
+fn without_size(cause: &CauseAnswer) -> Option<String> {
+    (!has_size(cause)).then(|| {
+        format!(
+            "{} at {} would fit the log, but the interval of each of its sizes has zero in it: not named",
+            cause.effect,
+            cause.place()
+        )
+    })
 }
 
 /// Why a cause is not named that unseen rows do not bear out.
@@ -174,7 +189,7 @@ fn sizes(cause: &CauseAnswer) -> impl Iterator<Item = [f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::answer::NoReduction;
+    use crate::answer::{NoReduction, ParameterAnswer};
 
     fn closing(
         effect: &str,
@@ -210,6 +225,33 @@ mod tests {
             assert_eq!((verdict, causes.len()), (Verdict::Unknown, 0), "{percent}");
             assert_eq!(candidates[0].effect, "torque-saturation");
             assert!(said[0].contains("at joint 2 would fit the log"), "{said:?}");
+        }
+    }
+
+    /// Of a joint whose torque was read with another sign: "Named. payload", of -0.02 [-0.18, 0.13] kg.
+    #[test]
+    fn a_cause_whose_sizes_may_all_be_zero_is_no_name() {
+        let payload = |mass_kg: [f64; 2]| {
+            let size = |ci95: [f64; 2]| ParameterAnswer {
+                value: 0.5 * (ci95[0] + ci95[1]),
+                ci95,
+            };
+            let mut cause = closing("payload", 80.0, [70.0, 90.0], None);
+            cause.parameters.insert("mass_kg".to_owned(), size(mass_kg));
+            let moment = size([-0.01, 0.02]);
+            cause.parameters.insert("moment_x_kg_m".to_owned(), moment);
+            cause
+        };
+        for (mass_kg, verdict) in [
+            ([-0.18, 0.13], Verdict::Unknown),
+            ([0.01, 0.13], Verdict::Named),
+        ] {
+            let mut causes = vec![payload(mass_kg)];
+            let (found, candidates, said) = on_unseen(Verdict::Named, &mut causes);
+            assert_eq!(found, verdict, "{mass_kg:?}");
+            assert_eq!(candidates.len() + causes.len(), 1);
+            let is_said = said.iter().any(|own| own.contains("has zero in it"));
+            assert_eq!(is_said, verdict == Verdict::Unknown);
         }
     }
 

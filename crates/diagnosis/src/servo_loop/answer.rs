@@ -141,9 +141,10 @@ pub(super) fn answer(
         noise: joints.iter().map(noise).collect(),
         candidates,
         warnings: [warnings(&joints, &untested, words, options), refused].concat(),
-        held_out: match options.validation {
-            Some(_) => SECOND_RECORDING.to_owned(),
-            None => "an eighth of the log in turn".to_owned(),
+        // where a second recording says nothing of a joint, the log's parts do
+        held_out: match joints.iter().any(|joint| joint.second.is_some()) {
+            true => SECOND_RECORDING.to_owned(),
+            false => "an eighth of the log in turn".to_owned(),
         },
         predictions: joints.iter().flat_map(predictions).collect(),
         place,

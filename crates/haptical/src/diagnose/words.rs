@@ -73,7 +73,7 @@ pub(crate) fn closed(channel: &ChannelGap) -> String {
 pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     let causes = &diagnosis.causes;
     let mut sentence = match (diagnosis.verdict, causes.first()) {
-        (Verdict::NoGap, _) => no_gap(diagnosis) + &not_judged(diagnosis),
+        (Verdict::NoGap, _) => no_gap(diagnosis),
         (Verdict::Named, Some(_)) => {
             let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
                 causes.iter().partition(|cause| is_of_data(cause));
@@ -98,6 +98,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     {
         sentence += &format!(" {closing}");
     }
+    sentence += &not_judged(diagnosis);
     sentence += &said_of_second(diagnosis);
     if let Some(closed) = diagnosis.closed_unseen_share {
         sentence += &format!(
