@@ -189,6 +189,7 @@ impl Weighed {
         Diagnosis {
             absorbed: answer.absorbed.or(other.absorbed),
             own_effects_leave: answer.own_effects_leave.or(other.own_effects_leave),
+            silent: [answer.silent, other.silent].concat(),
             correction: answer.correction.or(other.correction),
             correction_refused: answer.correction_refused.or(other.correction_refused),
             next_experiment: answer.next_experiment.or(other.next_experiment),

@@ -155,6 +155,7 @@ pub(crate) fn diagnose(
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),
         second,
+        silent: force.silent.clone(),
         untestable: untestable(effects, &force, is_moving),
         candidates,
         warnings,

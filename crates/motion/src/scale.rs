@@ -9,7 +9,8 @@ use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::thresholds::scale::{
-    FOLLOWS_LINKS, KNOWN_SLOPE, NOISE_SCATTERS, OTHER_SIGN, SAME_UNIT, SILENT_SDS, SILENT_SHARE,
+    DRIVEN_SHARE, FOLLOWS_LINKS, KNOWN_SLOPE, NOISE_SCATTERS, OTHER_SIGN, SAME_UNIT, SILENT_SDS,
+    SILENT_SHARE,
 };
 
 /// How a channel's recorded torque goes with that of the nominal bodies.
@@ -25,6 +26,8 @@ pub struct Scale {
     pub asked: f64,
     /// The same of the torque as it was read.
     pub heard: f64,
+    /// Root mean square of the friction that is fitted, over that of the torque as it was read; below zero where it drives the motion.
+    pub friction: f64,
     /// Rows.
     pub rows: usize,
 }
@@ -46,6 +49,11 @@ pub enum Doubt {
     },
     /// A joint's torque is noise, though its links ask for more.
     Silent {
+        /// Joint, from 0.
+        joint: usize,
+    },
+    /// The friction in a joint's torque drives its motion.
+    Driven {
         /// Joint, from 0.
         joint: usize,
     },
@@ -87,12 +95,20 @@ impl Scale {
             column.add_to(&mut asked, 1.0);
         }
         let spread = |square: f64| (square / rows as f64).sqrt();
+        let heard = spread(about_mean(read));
+        let mut friction = vec![0.0; target.len()];
+        for (column, factor) in columns.iter().zip(&solved.solution).skip(1).take(2) {
+            column.add_to(&mut friction, *factor);
+        }
+        let drag = columns.get(1).map_or(0.0, |speed| speed.dot(&friction));
+        let friction = spread(dot(&friction, &friction)) / heard.max(f64::MIN_POSITIVE);
         Self {
             slope: solved.solution.first().copied().unwrap_or(0.0),
             sd: (solved.covariance(&[0])[(0, 0)] * misfit).sqrt(),
             explained: 1.0 - left / about_mean(read).max(1e-300),
             asked: spread(about_mean(&asked[first..][..rows])),
-            heard: spread(about_mean(read)),
+            heard,
+            friction: friction.copysign(drag),
             rows,
         }
     }
@@ -110,11 +126,19 @@ impl Scale {
         self.heard < NOISE_SCATTERS
     }
 
-    /// Whether it is noise where its links ask for more.
+    /// Whether it is noise where its links ask for more: by its size, or as it has little of what they ask for.
     fn is_silent(&self) -> bool {
         let square = self.heard.powi(2);
         let sd = square * (2.0 / self.rows.max(1) as f64).sqrt();
-        self.is_noise() && square + SILENT_SDS * sd < 1.0 + SILENT_SHARE * self.asked.powi(2)
+        let is_small = square + SILENT_SDS * sd < 1.0 + SILENT_SHARE * self.asked.powi(2);
+        let is_without =
+            self.asked > 1.0 && self.slope + SILENT_SDS * self.sd < SILENT_SHARE.sqrt();
+        self.is_noise() && (is_small || is_without)
+    }
+
+    /// Whether its friction drives the motion, as no friction does.
+    fn is_driven(&self) -> bool {
+        !self.is_noise() && self.explained > FOLLOWS_LINKS && self.friction < -DRIVEN_SHARE
     }
 }
 
@@ -130,6 +154,8 @@ pub(crate) fn doubts(scales: &[(usize, Scale)]) -> Vec<Doubt> {
     let mut found: Vec<Doubt> = silent
         .map(|(joint, _)| Doubt::Silent { joint: *joint })
         .collect();
+    let driven = scales.iter().filter(|(_, own)| own.is_driven());
+    found.extend(driven.map(|(joint, _)| Doubt::Driven { joint: *joint }));
     let known: Vec<(usize, f64)> = (scales.iter())
         .filter(|(_, own)| own.is_known())
         .map(|(joint, own)| (*joint, own.slope))
@@ -164,6 +190,7 @@ mod tests {
             explained: 0.95,
             asked: 20.0,
             heard: 20.0 * slope.abs().max(0.1),
+            friction: 0.2,
             rows: 800,
         }
     }
@@ -212,11 +239,36 @@ mod tests {
             doubts(&[(0, scale(1.0)), (2, silent)]),
             [Doubt::Silent { joint: 2 }]
         );
+        // noise as large as what the links ask for
+        let loud = Scale {
+            asked: 1.7,
+            heard: 1.34,
+            ..silent
+        };
+        assert_eq!(doubts(&[(2, loud)]), [Doubt::Silent { joint: 2 }]);
+        let drowned = Scale { sd: 0.3, ..loud };
+        assert_eq!(doubts(&[(2, drowned)]), []);
         // a wrist that nothing loads
         let idle = Scale {
             asked: 0.5,
             ..silent
         };
         assert_eq!(doubts(&[(0, scale(1.0)), (2, idle)]), []);
+    }
+
+    #[test]
+    fn friction_drives_no_joint() {
+        let wrist = |friction: f64| Scale {
+            friction,
+            ..scale(-0.27)
+        };
+        assert_eq!(doubts(&[(5, wrist(-0.8))]), [Doubt::Driven { joint: 5 }]);
+        // little of it, or a torque that nothing explains, says nothing
+        assert_eq!(doubts(&[(5, wrist(-0.1)), (4, wrist(0.8))]), []);
+        let foreign = Scale {
+            explained: 0.5,
+            ..wrist(-0.8)
+        };
+        assert_eq!(doubts(&[(5, foreign)]), []);
     }
 }

@@ -73,6 +73,9 @@ pub struct Diagnosis {
     /// beyond noise that they leave of what a device without them does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub own_effects_leave: Option<f64>,
+    /// Torques of which nothing, or next to nothing, is said: those of one value, and those no larger than their noise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub silent: Vec<String>,
     /// What the model of the log leaves of a second recording, where there is one.
     #[serde(rename = "second_recording", skip_serializing_if = "Option::is_none")]
     pub second: Option<SecondAnswer>,

@@ -11,7 +11,7 @@ use haptical_model::{Device, DeviceEffect, Recording};
 use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 
 pub(crate) use self::warnings::leaves_of_second;
-use self::warnings::warnings;
+use self::warnings::{silent, warnings};
 use self::words::{Words, followed};
 use crate::answer::{CauseAnswer, ChannelGap, OnSecond, Untestable};
 use crate::force::answer::ForceAnswer;
@@ -144,6 +144,7 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
             false => Vec::new(),
         },
         warnings: [warnings(words.device, examined), words.not_predicted()].concat(),
+        silent: silent(examined).map(|joint| words.channel(joint)).collect(),
         ..ForceAnswer::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use haptical_effects::device::is_law;
 use haptical_model::{Device, JointType};
-use haptical_motion::{Doubt, Examined, Finding};
+use haptical_motion::{Doubt, Examined, Finding, Scale};
 
 use crate::thresholds::moving::{SAME_UNIT, TOO_FAST_RAD_PER_S};
 
@@ -236,6 +236,12 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
                     slopes.join(", ")
                 )
             }
+            Doubt::Driven { joint } => format!(
+                "the friction in {} drives the motion, as no friction does, and no cause is named: is its sign, or that of joint {}, the \
+                 other way? A torque is positive where it moves the joint positively",
+                column(*joint),
+                joint + 1
+            ),
             Doubt::Silent { joint } => format!(
                 "{} does not follow the motion: it is no larger than its own scatter, though the links ask for more; no cause is named. Is it \
                  the torque of this log and joint?",
@@ -245,7 +251,9 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
     }
     let in_doubt = |joint: usize| {
         examined.doubts.iter().any(|own| match own {
-            Doubt::Sign { joint: own, .. } | Doubt::Silent { joint: own } => *own == joint,
+            Doubt::Sign { joint: own, .. }
+            | Doubt::Silent { joint: own }
+            | Doubt::Driven { joint: own } => *own == joint,
             Doubt::Unit { slopes } => slopes.iter().any(|own| own.0 == joint),
         })
     };
@@ -263,12 +271,9 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
             ));
         }
     }
-    let drowned = examined
-        .channels
-        .iter()
-        .filter_map(|own| Some((own.scale?, own.joint)));
-    let drowned = drowned.filter(|(scale, joint)| scale.is_noise() && !in_doubt(*joint));
-    let drowned: Vec<usize> = drowned.map(|own| own.1).collect();
+    let drowned: Vec<usize> = drowned(examined)
+        .filter(|joint| !in_doubt(*joint))
+        .collect();
     if !drowned.is_empty() {
         said.push(format!(
             "{}: the torque is no larger than its noise, and next to nothing is said of it",
@@ -283,6 +288,18 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
         ));
     }
     said
+}
+
+/// Joints whose torque is no larger than its noise.
+fn drowned(examined: &Examined) -> impl Iterator<Item = usize> + '_ {
+    let channels = examined.channels.iter();
+    channels.filter_map(|own| own.scale.filter(Scale::is_noise).map(|_| own.joint))
+}
+
+/// Joints of whose torque nothing, or next to nothing, is said.
+pub(super) fn silent(examined: &Examined) -> impl Iterator<Item = usize> + '_ {
+    let constant = examined.constant.iter().map(|own| own.0);
+    constant.chain(drowned(examined))
 }
 
 fn joints_of(joints: &[usize]) -> String {

@@ -54,6 +54,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         causes: vec![],
         unexplained_share: 0.0,
         own_effects_leave: None,
+        silent: Vec::new(),
         second: None,
         corrected: None,
         not_in_file: vec![],

@@ -157,6 +157,12 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
         "{said} ({} effects at their places were tested).",
         diagnosis.provenance.tested
     );
+    if !diagnosis.silent.is_empty() {
+        said.push_str(&format!(
+            " Next to nothing is said of {}: constant, or no larger than noise.",
+            listed(&diagnosis.silent)
+        ));
+    }
     if !beyond.is_empty() {
         said.push_str(&format!(
             " Of rows that the fit did not see it leaves more than noise in {}: the log fixes the model only where it went. \

@@ -35,10 +35,11 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         .map(|(kind, own)| Candidate {
             needs_last: true,
             // of less travel it is not told from a constant, though it may be predicted there
-            is_sound: if kind == 1 && !crank_seen {
-                |_| false
-            } else {
-                |_| true
+            // no spring has a stiffness below zero
+            is_sound: match kind {
+                0 => |own| own[1] >= 0.0,
+                _ if crank_seen => |_| true,
+                _ => |_| false,
             },
             ..own.of_kind(kind)
         })

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::{Candidate, Context, Effect, Finer, Found};
 use crate::change::Change;
-use crate::thresholds::effect::BODIES_LAW_SD;
+use crate::thresholds::effect::{BODIES_LAW_SD, MOST_MISSING};
 
 pub(super) const EFFECT: Effect = Effect::new("payload", |context| {
     at(context, Vector3::zeros()).into_iter().collect()
@@ -62,6 +62,9 @@ fn at(context: Context<'_>, centre_m: Vector3<f64>) -> Option<Candidate<'_>> {
     };
     let mut found =
         Candidate::new(EFFECT.name, None, columns, Rc::new(numbers)).about_to(BODIES_LAW_SD);
+    // more than a body has cannot be missing from it; its centre lies within a metre
+    let body_kg = bodies.masses()[body].inertia.mass_kg;
+    found.within = [-MOST_MISSING * body_kg, f64::INFINITY];
     found.about = vec![1.0, centre_m.x, centre_m.y, centre_m.z];
     found.finer = Finer::About(Rc::new(move |own| {
         let shift_m = Vector3::new(own[1], own[2], own[3]) / own[0];

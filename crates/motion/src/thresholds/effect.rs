@@ -9,6 +9,8 @@ pub(crate) const FRICTION_LAW_SD: f64 = 0.05;
 pub(crate) const COGGING_LAW_SD: f64 = 0.02;
 /// The same of a weight or a torque's scale: it is measured by bodies that are off themselves.
 pub(crate) const BODIES_LAW_SD: f64 = 0.5 * super::plausible::MASS;
+/// Mass that may be missing from the body that carries a payload, over the mass of that body by the file: some files are a little light.
+pub(crate) const MOST_MISSING: f64 = 1.2;
 /// The same of a link's mass: what it has more of need not be at its centre.
 pub(crate) const LINK_LAW_SD: f64 = 0.3;
 /// The same of a push, whose point is not known.

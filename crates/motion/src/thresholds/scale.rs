@@ -9,6 +9,9 @@ pub(crate) const NOISE_SCATTERS: f64 = 1.5;
 /// It is silent where its square is below that of noise and of this share of what its links ask for, by so many standard deviations.
 pub(crate) const SILENT_SHARE: f64 = 0.3;
 pub(crate) const SILENT_SDS: f64 = 4.0;
+/// Friction drives the motion where what it adds against the joint's speed is this share of the torque: no friction does, and a torque that
+/// is read with another sign does.
+pub(crate) const DRIVEN_SHARE: f64 = 0.3;
 /// A slope below this is one of the other sign, as long as its size is that of a torque: of a joint whose links ask for next to nothing,
 /// and whose rotor and friction ask for all, what little they ask for says nothing.
 pub(crate) const OTHER_SIGN: f64 = -0.3;

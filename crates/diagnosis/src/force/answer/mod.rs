@@ -45,6 +45,8 @@ pub(crate) struct ForceAnswer {
     pub(crate) tested: usize,
     /// What the findings' numbers rest on that the torques do not fix.
     pub(crate) warnings: Vec<String>,
+    /// Torques of which nothing, or next to nothing, is said.
+    pub(crate) silent: Vec<String>,
     /// What the findings change of the device's masses, armatures and gravity.
     pub(crate) changes: Vec<haptical_motion::Change>,
     /// Block means of the torques with the largest gap.
