@@ -264,11 +264,13 @@ mod tests {
         };
         assert_eq!(doubts(&[(5, wrist(-0.8))]), [Doubt::Driven { joint: 5 }]);
         // little of it, or a torque that nothing explains, says nothing
-        assert_eq!(doubts(&[(5, wrist(-0.1)), (4, wrist(0.8))]), []);
+        for friction in [-0.1, 0.8] {
+            assert_eq!(doubts(&[(0, scale(1.0)), (5, wrist(friction))]), []);
+        }
         let foreign = Scale {
             explained: 0.5,
             ..wrist(-0.8)
         };
-        assert_eq!(doubts(&[(5, foreign)]), []);
+        assert_eq!(doubts(&[(0, scale(1.0)), (5, foreign)]), []);
     }
 }
