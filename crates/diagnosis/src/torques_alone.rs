@@ -39,9 +39,9 @@ pub const BEHIND_A_LOW_PASS: &str = "behind a low pass";
 
 /// The torques' part of an answer.
 pub(crate) struct OfTorques {
-    /// The verdict before unseen rows were asked, and after.
-    pub(crate) by_log: Verdict,
     pub(crate) verdict: Verdict,
+    /// All of the gap where unseen rows take its name.
+    pub(crate) unexplained_share: f64,
     pub(crate) gap: Gap,
     pub(crate) place: Option<Place>,
     pub(crate) causes: Vec<CauseAnswer>,
@@ -87,7 +87,10 @@ impl OfTorques {
         }
         warnings.extend(said);
         Self {
-            by_log,
+            unexplained_share: match by_log.has_causes() && verdict == Verdict::Unknown {
+                true => 1.0,
+                false => force.unexplained_share,
+            },
             verdict,
             gap,
             place,
@@ -123,8 +126,8 @@ pub(crate) fn diagnose(
         });
     }
     let OfTorques {
-        by_log,
         verdict,
+        unexplained_share,
         gap,
         place,
         causes,
@@ -147,10 +150,7 @@ pub(crate) fn diagnose(
             .filter(|_| verdict != Verdict::NoGap)
             .cloned()
             .collect(),
-        unexplained_share: match (by_log, verdict) {
-            (Verdict::Named | Verdict::Ambiguous, Verdict::Unknown) => 1.0,
-            _ => force.unexplained_share,
-        },
+        unexplained_share,
         closed_unseen_share: force
             .closed_unseen_share
             .filter(|_| verdict != Verdict::Unknown),

@@ -11,7 +11,6 @@ use crate::answer::{
     channels, corrected, correction, hints, locate, next_experiment, noise, noise_findings,
     not_in_file, of_base_term, position_causes, steps, traces, unseen, untestable,
 };
-use crate::force::answer::ForceAnswer;
 use crate::joined::energy;
 use crate::judge::{
     Findings, Tested, Touched, WEIGH, contradicted, doubt_of_loads, hedge, on_second, verdict,
@@ -60,7 +59,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         true => tested.located(&findings.selection),
         false => located(&findings, in_positions, touches),
     };
-    let (located, unexplained) = match is_by_positions {
+    let (located, without_name) = match is_by_positions {
         true => (of_positions, None),
         false => (None, of_positions),
     };
@@ -82,7 +81,10 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     gap.agree_with(&mut causes);
     let unexplained_share = match verdict {
-        _ if !is_by_positions => unexplained_by_torques(&findings.force, &gap),
+        _ if !is_by_positions => {
+            let of_torques = energy(&findings.force.channels);
+            unexplained(&gap, (of_torques, torques.unexplained_share))
+        }
         // of touches whose noise is what is left, the excess over noise says nothing
         Verdict::Unknown if is_structured => 1.0,
         Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
@@ -123,7 +125,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         warnings: [
             warnings(&findings, verdict, &causes, [untold, unstated]),
             torques.warnings,
-            unexplained
+            without_name
                 .iter()
                 .map(|own| unexplained_place(&own.answer))
                 .collect(),
@@ -213,14 +215,13 @@ fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
     }
 }
 
-/// Share of the gap that is not explained where torques have the word: they explain no gap of positions.
-fn unexplained_by_torques(force: &ForceAnswer, gap: &Gap) -> f64 {
-    let [of_torques, all] = [&force.channels, &gap.channels].map(|own| energy(own));
-    let of_positions = (all - of_torques).max(0.0);
-    let left = of_torques * force.unexplained_share + of_positions;
+/// Share of the gap that is not explained where torques have the word, by their squares over noise and the share that they leave: they
+/// explain no gap of positions.
+fn unexplained(gap: &Gap, (of_torques, share): (f64, f64)) -> f64 {
+    let of_positions = (energy(&gap.channels) - of_torques).max(0.0);
     match of_positions > 0.0 {
-        true => left / (of_torques + of_positions),
-        false => force.unexplained_share,
+        true => (of_torques * share + of_positions) / (of_torques + of_positions),
+        false => share,
     }
 }
 
