@@ -21,48 +21,87 @@ use crate::noise::{NoiseSource, is_stated};
 use crate::thresholds::noise::LOUD;
 use crate::torques_alone::OfTorques;
 
+/// What positions show.
+struct InPositions {
+    verdict: Verdict,
+    causes: Vec<CauseAnswer>,
+    /// Why a load may be untold.
+    untold: Option<String>,
+    touches: Touched,
+    tested: Tested,
+}
+
+impl InPositions {
+    fn new(findings: &Findings<'_>) -> Result<Self> {
+        let engine = findings.engine();
+        let mut causes = position_causes(findings);
+        let untold = doubt_of_loads(findings, &mut causes)?;
+        let by_causes = verdict(findings, &causes);
+        let touches = Touched::new(engine, by_causes)?;
+        let mut verdict = touches.verdict(findings, by_causes, !causes.is_empty());
+        let mut tested = Tested::default();
+        if verdict == Verdict::NoGap && causes.is_empty() {
+            tested = Tested::new(engine)?;
+        }
+        if tested.is_structured() {
+            verdict = Verdict::Unknown;
+        }
+        hedge(findings, verdict, &mut causes);
+        name_twins(findings, &mut causes);
+        Ok(Self {
+            verdict,
+            causes,
+            untold,
+            touches,
+            tested,
+        })
+    }
+
+    /// Where their gap is.
+    fn located(&self, findings: &Findings<'_>) -> Option<Located> {
+        match self.tested.is_structured() {
+            true => self.tested.located(&findings.selection),
+            false => located(findings, self.verdict, &self.touches),
+        }
+    }
+
+    /// Share of the gap that causes leave, if it `has_none` all of it where the noise is unknown.
+    fn unexplained(&self, findings: &Findings<'_>, has_none: bool) -> f64 {
+        let is_noise_unknown = findings.engine().is_noise_unknown() && has_none;
+        match self.verdict {
+            // of touches whose noise is what is left, the excess over noise says nothing
+            Verdict::Unknown if self.tested.is_structured() || is_noise_unknown => 1.0,
+            _ => findings.adequacy.unexplained,
+        }
+    }
+}
+
 /// Puts what was found into words.
 pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let engine = findings.engine();
-    let mut causes = position_causes(&findings);
-    let untold = doubt_of_loads(&findings, &mut causes)?;
-    let by_causes = verdict(&findings, &causes);
-    let mut touches = Touched::new(engine, by_causes)?;
-    let mut in_positions = touches.verdict(&findings, by_causes, !causes.is_empty());
-    let mut tested = Tested::default();
-    if in_positions == Verdict::NoGap && causes.is_empty() {
-        tested = Tested::new(engine)?;
-    }
-    let is_structured = tested.is_structured();
-    let whiteness = tested.answer.clone();
-    if is_structured {
-        in_positions = Verdict::Unknown;
-    }
-    hedge(&findings, in_positions, &mut causes);
-    name_twins(&findings, &mut causes);
+    let mut in_positions = InPositions::new(&findings)?;
     let torques = OfTorques::new(&findings.force, findings.inputs.moving.is_some());
     // the torques have the word where they say more of causes, as between other views of a log
-    let is_by_positions = in_positions != Verdict::NoGap
-        && (in_positions.has_causes() || !torques.verdict.has_causes());
+    let is_by_positions = in_positions.verdict != Verdict::NoGap
+        && (in_positions.verdict.has_causes() || !torques.verdict.has_causes());
     let verdict = match is_by_positions {
-        true => in_positions,
+        true => in_positions.verdict,
         false => torques.verdict,
     };
-    let unnamed = match in_positions {
-        Verdict::Unknown if !is_by_positions => std::mem::take(&mut causes),
-        _ => Vec::new(),
-    };
-    causes.extend(torques.causes);
-    let of_second = on_second(&findings, verdict)?;
-    let unstated = touches.unstated.take();
-    let of_positions = match is_structured {
-        true => tested.located(&findings.selection),
-        false => located(&findings, in_positions, touches),
-    };
+    let of_positions = in_positions.located(&findings);
     let (located, without_name) = match is_by_positions {
         true => (of_positions, None),
         false => (None, of_positions),
     };
+    let mut causes = std::mem::take(&mut in_positions.causes);
+    let mut candidates = candidates(&findings);
+    if !is_by_positions && in_positions.verdict == Verdict::Unknown {
+        let unnamed = causes.drain(..);
+        candidates.extend(unnamed.map(|own| CandidateAnswer::of_cause(&own, None)));
+    }
+    candidates.extend(torques.candidates);
+    causes.extend(torques.causes);
+    let of_second = on_second(&findings, verdict)?;
     let second = findings.inputs.options.validation;
     let curve = correction(&findings.selection, verdict, located.as_ref(), second)?;
     let (kept, refused) = curve.map_or((None, None), Outcome::apart);
@@ -72,30 +111,32 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     }
     let (detectable, invisible) = unseen(&findings);
     let adequacy = &findings.adequacy;
-    let place = match &located {
-        Some(located) => Some(located.answer.clone()),
-        None => torques.place.map(|own| in_torques(own, in_positions)),
-    };
+    let of_torques = torques.place;
+    let of_torques = of_torques.map(|own| in_torques(own, in_positions.verdict));
+    let place = located
+        .as_ref()
+        .map_or(of_torques, |own| Some(own.answer.clone()));
     let located_in = place.as_ref().map(|place| place.channel.as_str());
     let (file, left) = file_of(&findings, verdict, &causes, kept.as_ref())?;
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     gap.agree_with(&mut causes);
-    let unexplained_share = match verdict {
-        _ if !is_by_positions => {
+    let unexplained_share = match is_by_positions {
+        true => in_positions.unexplained(&findings, causes.is_empty()),
+        false => {
             let of_torques = energy(&findings.force.channels);
             unexplained(&gap, (of_torques, torques.unexplained_share))
         }
-        // of touches whose noise is what is left, the excess over noise says nothing
-        Verdict::Unknown if is_structured => 1.0,
-        Verdict::Unknown if engine.is_noise_unknown() && causes.is_empty() => 1.0,
-        _ => adequacy.unexplained,
     };
+    let untold = in_positions.untold;
+    let unsure = [untold.clone(), in_positions.touches.unstated.take()];
+    let mut said = warnings(&findings, verdict, &causes, unsure);
+    said.extend(without_name.map(|own| unexplained_place(&own.answer)));
     let gone = findings.inputs.gone.iter();
     let gone = gone.map(|(channel, row)| (channel.name(), *row)).collect();
     Ok(Diagnosis {
         verdict,
         gap,
-        next_experiment: (untold.as_ref().map(|_| WEIGH.to_owned()))
+        next_experiment: (untold.map(|_| WEIGH.to_owned()))
             .or_else(|| next_experiment(&findings, verdict, &causes, located.as_ref())),
         traces: traces(&findings, located.as_ref())?,
         unexplained_share,
@@ -108,29 +149,11 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         invisible,
         detectable,
         noise,
-        whiteness,
-        candidates: (candidates(&findings).into_iter())
-            .chain(
-                unnamed
-                    .iter()
-                    .map(|own| CandidateAnswer::of_cause(own, None)),
-            )
-            .chain(torques.candidates)
-            .collect(),
-        absorbed: match verdict {
-            Verdict::Named | Verdict::Ambiguous => findings.absorbed.clone(),
-            Verdict::NoGap | Verdict::Unknown => None,
-        },
+        whiteness: in_positions.tested.answer,
+        candidates,
+        absorbed: (findings.absorbed.clone()).filter(|_| verdict.has_causes()),
         plausibility: hints(engine, findings.inputs.nominal),
-        warnings: [
-            warnings(&findings, verdict, &causes, [untold, unstated]),
-            torques.warnings,
-            without_name
-                .iter()
-                .map(|own| unexplained_place(&own.answer))
-                .collect(),
-        ]
-        .concat(),
+        warnings: [said, torques.warnings].concat(),
         place,
         provenance: provenance(&findings),
         device: engine.problem.device_with(&engine.start.model.values),
@@ -246,14 +269,14 @@ fn unexplained_place(place: &Place) -> String {
 }
 
 /// The place of a gap of positions.
-fn located(findings: &Findings<'_>, verdict: Verdict, touches: Touched) -> Option<Located> {
+fn located(findings: &Findings<'_>, verdict: Verdict, touches: &Touched) -> Option<Located> {
     match verdict {
         Verdict::NoGap => None,
         Verdict::Unknown if touches.says_where() => {
-            by_dependence(&findings.selection, touches.dependence)
+            by_dependence(&findings.selection, touches.dependence.clone())
         }
         Verdict::Unknown => {
-            locate(findings).map(|located| located.with_dependence(touches.dependence))
+            locate(findings).map(|located| located.with_dependence(touches.dependence.clone()))
         }
         Verdict::Named | Verdict::Ambiguous => match findings.base_terms.terms.first() {
             Some(term) => of_base_term(findings.engine(), term),

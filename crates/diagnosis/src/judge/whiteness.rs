@@ -86,26 +86,25 @@ impl Tested {
     }
 
     /// Where the structure is.
-    pub(crate) fn located(self, selection: &Selection<'_>) -> Option<Located> {
+    pub(crate) fn located(&self, selection: &Selection<'_>) -> Option<Located> {
         let context = &selection.engine().context;
         let surest = self
             .dependence
             .iter()
             .map(|found| found.p_adjusted)
             .fold(1.0, f64::min);
-        match self
-            .peak
-            .filter(|(_, _, p)| *p < FAMILY_WISE_P && *p <= surest)
-        {
-            None => by_dependence(selection, self.dependence),
+        let peak = self.peak.as_ref();
+        match peak.filter(|(_, _, p)| *p < FAMILY_WISE_P && *p <= surest) {
+            None => by_dependence(selection, self.dependence.clone()),
             Some((stream, peak, p)) => {
+                let stream = *stream;
                 let region = format!(
                     "it oscillates near {:.3} Hz (probability by chance {p:.1e}), with an amplitude of {:.3e} {}",
                     peak.hz, peak.amplitude, context.streams[stream].unit
                 );
                 let joint = context.streams[stream].joint();
                 let located = Located::new(context, stream, joint, Covariate::Time, region)?;
-                Some(located.with_dependence(self.dependence))
+                Some(located.with_dependence(self.dependence.clone()))
             }
         }
     }
