@@ -82,7 +82,8 @@ impl OnSecond {
             &*answer.unit,
         );
         let rest = (beyond(answer.rms_after, rows[1]), of_log);
-        let channel = SecondChannel::new(name, rest, ALLOWED, of_both);
+        let mut channel = SecondChannel::new(name, rest, ALLOWED, of_both);
+        channel.left_out = unseen.left_out.0;
         self.second.channels.push(channel);
         let of_row = |(row, [measured, before, after]): &(usize, [f64; 3])| Prediction {
             row: *row,
@@ -130,6 +131,15 @@ pub struct SecondChannel {
     pub has_gap: bool,
     /// Whether it is more than noise, and one fit of both recordings does away with it.
     pub is_extrapolated: bool,
+    /// Readings, of torques means over time, that the log does not determine: they are in none of this.
+    #[serde(skip_serializing_if = "is_none")]
+    pub left_out: usize,
+}
+
+/// Whether there are none.
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde hands a reference
+fn is_none(left_out: &usize) -> bool {
+    *left_out == 0
 }
 
 /// What is left of readings, and their noise.
@@ -179,6 +189,7 @@ impl SecondChannel {
             unit: unit.to_owned(),
             has_gap: !is_noise && !is_extrapolated,
             is_extrapolated,
+            left_out: 0,
         }
     }
 

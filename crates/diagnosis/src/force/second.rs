@@ -57,9 +57,14 @@ impl Model<'_> {
             let answer = held_out(first.named(channel), &unseen, &unseen.after);
             seen.add(answer, &unseen, (kept, rest.len()), true);
         }
+        let has_gap = seen.second.channels.iter().any(|own| own.has_gap);
         match seen.held_out.is_empty() {
             true => seen.second.not_predicted.extend(left_out(&undetermined)),
-            false => seen.warnings.extend(left_out(&undetermined)),
+            // where the torques show nothing the counts alone are kept
+            false if has_gap || !self.selection.picks.is_empty() => {
+                seen.warnings.extend(left_out(&undetermined));
+            }
+            false => {}
         }
         // one fit of both is judged as the torques of a log are
         let found = &mut seen.second;

@@ -150,6 +150,7 @@ mod tests {
                 unit: "rad".to_owned(),
                 has_gap,
                 is_extrapolated: false,
+                left_out: 0,
             };
             diagnosis.second = Some(SecondAnswer {
                 channels: vec![channel],

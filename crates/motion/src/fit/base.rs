@@ -49,14 +49,12 @@ pub(crate) struct BaseColumn {
 }
 
 impl BaseColumn {
-    /// Limits of its coefficient, if there are any: those of what is known, 0 and 1 of a share, 0 of an armature that no file states.
-    /// Friction that the file does not have is an effect.
+    /// Limits of its coefficient, if there are any: those of what is known, and 0 and 1 of a share. Friction that the file does not have
+    /// is an effect.
     pub(crate) fn limits(&self) -> Option<[f64; 2]> {
         match (&self.term, self.known_sd) {
             (Term::FileFriction { .. }, _) => Some([0.0, 1.0]),
             (_, Some(sd)) => Some([-1.0, 1.0].map(|side| side * plausible::LIMIT_SDS * sd)),
-            // no rotor has an inertia below zero: of a torque that is not the joint's, such a one takes what the links ask for
-            (Term::Armature { .. }, None) => Some([0.0, f64::INFINITY]),
             _ => None,
         }
     }
