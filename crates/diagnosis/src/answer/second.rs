@@ -137,7 +137,7 @@ pub struct SecondChannel {
 }
 
 /// Whether there are none.
-#[allow(clippy::trivially_copy_pass_by_ref)] // serde hands a reference
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands a reference")]
 fn is_none(left_out: &usize) -> bool {
     *left_out == 0
 }
