@@ -52,11 +52,9 @@ impl BaseColumn {
     /// Limits of its coefficient, if there are any: those of what is known, and 0 and 1 of a share. Friction that the file does not have
     /// is an effect.
     pub(crate) fn limits(&self) -> Option<[f64; 2]> {
-        match (&self.term, self.known_sd) {
-            (Term::FileFriction { .. }, _) => Some([0.0, 1.0]),
-            (_, Some(sd)) => Some([-1.0, 1.0].map(|side| side * plausible::LIMIT_SDS * sd)),
-            _ => None,
-        }
+        let share = matches!(self.term, Term::FileFriction { .. }).then_some([0.0, 1.0]);
+        let known = self.known_sd.map(|sd| plausible::LIMIT_SDS * sd);
+        share.or(known.map(|limit| [-limit, limit]))
     }
 }
 
