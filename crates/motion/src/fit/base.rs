@@ -9,11 +9,8 @@ use crate::arm::Deviation;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
-use crate::thresholds::fit::{BRISTLE_S, LEADS_S, LOUD_ARMATURE, TURNOVERS};
+use crate::thresholds::fit::{BRISTLE_S, LEADS_S, LOUD_ARMATURE, OTHER_FRICTION, TURNOVERS};
 use crate::thresholds::plausible;
-
-/// Share of the friction of the device's file by which what is fitted differs where that is said.
-const OTHER_FRICTION: f64 = 0.25;
 
 /// What a column of the base model is.
 #[derive(Debug, Clone)]

@@ -41,3 +41,5 @@ pub(crate) const CONCENTRATION_STEPS: usize = 8;
 pub(crate) const OUTSIDE_SDS: f64 = 6.0;
 /// Mean square of what agrees, at most, in squares of noise.
 pub(crate) const AGREEING_SQUARE: f64 = 2.0;
+/// Share of the friction of the device's file by which what is fitted differs where that is said.
+pub(crate) const OTHER_FRICTION: f64 = 0.25;
