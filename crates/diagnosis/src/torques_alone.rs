@@ -175,14 +175,6 @@ fn warnings_of(force: &ForceAnswer, slow: Option<&str>) -> Vec<String> {
     warnings.chain(slow.map(said_of_slow)).collect()
 }
 
-/// What is said of a log that the equations of motion are not asked of.
-fn said_of_slow(why: &str) -> String {
-    format!(
-        "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
-         armature, delay or the masses of links"
-    )
-}
-
 /// Which rows of the log were held out; nothing where none were.
 fn held_out_rows(causes: &[CauseAnswer], is_moving: bool, rows: &str) -> String {
     if causes.iter().all(|cause| cause.held_out.is_none()) {
@@ -193,6 +185,14 @@ fn held_out_rows(causes: &[CauseAnswer], is_moving: bool, rows: &str) -> String 
         false => "a tenth of each run",
     };
     format!("{part} in turn, {rows}")
+}
+
+/// What is said of a log that the equations of motion are not asked of.
+fn said_of_slow(why: &str) -> String {
+    format!(
+        "the equations of motion were not used: {why}. The torques were judged as those of a slow motion, and nothing is said of inertia, \
+         armature, delay or the masses of links"
+    )
 }
 
 /// Whether a cause belongs to its log, so that no share of it closes on other rows.

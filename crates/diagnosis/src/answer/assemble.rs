@@ -65,12 +65,12 @@ impl InPositions {
         }
     }
 
-    /// Share of the gap that causes leave, if it `has_none` all of it where the noise is unknown.
-    fn unexplained(&self, findings: &Findings<'_>, has_none: bool) -> f64 {
-        let is_noise_unknown = findings.engine().is_noise_unknown() && has_none;
+    /// Share of the gap that the causes leave; `has_cause`: whether there is any.
+    fn unexplained(&self, findings: &Findings<'_>, has_cause: bool) -> f64 {
+        // of touches whose noise is what is left, the excess over noise says nothing
+        let says_nothing = !has_cause && findings.engine().is_noise_unknown();
         match self.verdict {
-            // of touches whose noise is what is left, the excess over noise says nothing
-            Verdict::Unknown if self.tested.is_structured() || is_noise_unknown => 1.0,
+            Verdict::Unknown if self.tested.is_structured() || says_nothing => 1.0,
             _ => findings.adequacy.unexplained,
         }
     }
@@ -121,7 +121,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
     gap.agree_with(&mut causes);
     let unexplained_share = match is_by_positions {
-        true => in_positions.unexplained(&findings, causes.is_empty()),
+        true => in_positions.unexplained(&findings, !causes.is_empty()),
         false => {
             let of_torques = energy(&findings.force.channels);
             unexplained(&gap, (of_torques, torques.unexplained_share))
@@ -238,8 +238,7 @@ fn name_twins(findings: &Findings<'_>, causes: &mut [CauseAnswer]) {
     }
 }
 
-/// Share of the gap that is not explained where torques have the word, by their squares over noise and the share that they leave: they
-/// explain no gap of positions.
+/// Share of the gap that torques leave: all of the gap of positions, and a share of their part of the squares over noise.
 fn unexplained(gap: &Gap, (of_torques, share): (f64, f64)) -> f64 {
     let of_positions = (energy(&gap.channels) - of_torques).max(0.0);
     match of_positions > 0.0 {

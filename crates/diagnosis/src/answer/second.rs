@@ -131,15 +131,14 @@ pub struct SecondChannel {
     pub has_gap: bool,
     /// Whether it is more than noise, and one fit of both recordings does away with it.
     pub is_extrapolated: bool,
-    /// Readings, of torques means over time, that the log does not determine: they are in none of this.
-    #[serde(skip_serializing_if = "is_none")]
+    /// Readings that the log does not determine, and that are left out of these figures. Those of torques are means over time.
+    #[serde(skip_serializing_if = "is_zero")]
     pub left_out: usize,
 }
 
-/// Whether there are none.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands a reference")]
-fn is_none(left_out: &usize) -> bool {
-    *left_out == 0
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// What is left of readings, and their noise.
@@ -149,7 +148,7 @@ pub(crate) struct Left {
     pub(crate) noise: f64,
     /// Independent readings.
     pub(crate) readings: f64,
-    /// Mean square by the error of the fit that predicts them, over that of noise.
+    /// Variance that the error of the fit adds to the predictions, over that of noise.
     pub(crate) error_of_fit: f64,
 }
 
