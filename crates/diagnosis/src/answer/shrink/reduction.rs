@@ -246,6 +246,19 @@ mod tests {
         }
     }
 
+    /// Three of six second recordings of one device were said to have changed: the log fixed their model no better than that.
+    #[test]
+    fn the_error_of_the_fit_is_no_gap_of_a_second_recording() {
+        let has_gap = |leverage: f64| {
+            let seen = Unseen {
+                leverage,
+                ..unseen(1.3, 1.3, 1.0, 1e6)
+            };
+            seen.on_second(1.0, None).has_gap
+        };
+        assert!(has_gap(0.0) && !has_gap(0.4));
+    }
+
     fn corrected(mut unseen: Unseen) -> HeldOutAnswer {
         let (left, count) = unseen.left();
         let mut floor = unseen.floor.clone();
