@@ -19,6 +19,7 @@ use crate::judge::{
 use crate::moving::leaves_of_second;
 use crate::noise::{NoiseSource, is_stated};
 use crate::thresholds::noise::LOUD;
+use crate::thresholds::servo::ALL_CLOSED;
 use crate::torques_alone::OfTorques;
 
 /// What positions show.
@@ -130,9 +131,11 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     let untold = in_positions.untold;
     let unsure = [untold.clone(), in_positions.touches.unstated.take()];
     let mut said = warnings(&findings, verdict, &causes, unsure);
-    said.extend(without_name.map(|own| unexplained_place(&own.answer)));
-    let gone = findings.inputs.gone.iter();
-    let gone = gone.map(|(channel, row)| (channel.name(), *row)).collect();
+    let closed_share = match &without_name {
+        Some(_) => Some(1.0 - unexplained_share).filter(|closed| *closed < ALL_CLOSED),
+        None => closed_unseen_share(&findings, is_by_positions, verdict),
+    };
+    said.extend(without_name.map(|own| unexplained_place(&own.answer, &gap)));
     Ok(Diagnosis {
         verdict,
         gap,
@@ -140,7 +143,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
             .or_else(|| next_experiment(&findings, verdict, &causes, located.as_ref())),
         traces: traces(&findings, located.as_ref())?,
         unexplained_share,
-        closed_unseen_share: closed_unseen_share(&findings, is_by_positions, verdict),
+        closed_unseen_share: closed_share,
         own_effects_leave: None,
         silent: findings.force.silent.clone(),
         second: of_second,
@@ -164,10 +167,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
             (&findings.force.changes, findings.inputs.moving.is_some()),
         ),
         corrected: file.map(|file| file.device),
-        fit_rows: FitRows {
-            looked_at: None,
-            left_out: gone,
-        },
+        fit_rows: fit_rows(&findings),
         correction: kept.map(|correction| correction.answer),
         correction_refused: refused,
         causes,
@@ -205,6 +205,15 @@ fn file_of(
         }
     };
     Ok((file, left))
+}
+
+/// Which readings the fit left out.
+fn fit_rows(findings: &Findings<'_>) -> FitRows {
+    let gone = findings.inputs.gone.iter();
+    FitRows {
+        looked_at: None,
+        left_out: gone.map(|(channel, row)| (channel.name(), *row)).collect(),
+    }
 }
 
 /// Share of the gap that a part's causes close on unseen rows.
@@ -259,12 +268,15 @@ fn in_torques(place: Place, in_positions: Verdict) -> Place {
     }
 }
 
-/// A warning of a gap of positions next to torques that have the word.
-fn unexplained_place(place: &Place) -> String {
-    format!(
-        "{} shows a gap that no cause explains: {}",
-        place.channel, place.region
-    )
+/// A warning of what positions show next to torques that have the word.
+fn unexplained_place(place: &Place, gap: &Gap) -> String {
+    let mut channels = gap.channels.iter();
+    let has_gap = channels.any(|own| own.channel == place.channel && own.has_gap);
+    let what = match has_gap {
+        true => "shows a gap that no cause explains",
+        false => "is within its noise, which is not white",
+    };
+    format!("{} {what}: {}", place.channel, place.region)
 }
 
 /// The place of a gap of positions.

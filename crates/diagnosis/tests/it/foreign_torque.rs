@@ -95,7 +95,7 @@ fn what_an_encoder_shows_without_a_name_takes_none_off_the_torques() {
     let recording = scene.record();
     let times = recording.time_s.clone().unwrap();
     let beats = |joint: usize, row: usize| match joint {
-        0 => 1e-3 * (std::f64::consts::TAU * 0.7 * times[row]).sin(),
+        0 => 3e-3 * (std::f64::consts::TAU * 0.7 * times[row]).sin(),
         _ => 0.0,
     };
     let alone = diagnosed(Scene::new(21, ROWS).record());
@@ -114,6 +114,8 @@ fn what_an_encoder_shows_without_a_name_takes_none_off_the_torques() {
         let has_error = error(0, 10) != 0.0;
         let is_said = |own: &String| own.starts_with("out1 shows a gap that no cause explains");
         assert_eq!(found.warnings.iter().any(is_said), has_error, "{found:?}");
+        // the torques explain a part of the gap
+        assert_eq!(found.closed_unseen_share.is_some(), has_error, "{found:?}");
         left.push(found.unexplained_share);
         let place = found.place.unwrap();
         assert_eq!(place.channel, "torque3");
@@ -122,5 +124,5 @@ fn what_an_encoder_shows_without_a_name_takes_none_off_the_torques() {
             has_error
         );
     }
-    assert!(left[0] > left[1] + 0.005, "{left:?}");
+    assert!(left[0] > left[1] + 0.05, "{left:?}");
 }
