@@ -69,6 +69,39 @@ fn a_payload_is_named_with_its_mass() {
     assert_found(truth, "payload", None, ("mass_kg", 1.2, 0.25));
 }
 
+/// The last link has 2 kg: a load that it lacks may be a tool's that was taken off, and no more than the link.
+#[test]
+fn a_body_lacks_no_more_mass_than_it_has() {
+    let lacking = |payload_kg: f64| {
+        let truth = Truth {
+            payload_kg,
+            ..Truth::default()
+        };
+        let findings = examined(truth, 1).findings;
+        findings.iter().any(|found| found.effect == "payload")
+    };
+    assert!(lacking(-1.2) && !lacking(-3.2));
+}
+
+/// A torque that pushes a joint away from an angle is no spring's.
+#[test]
+fn a_spring_has_no_stiffness_below_zero() {
+    for (stiffness_nm_per_rad, is_spring) in [(6.0, true), (-6.0, false)] {
+        let mut log = recording(Truth::default(), 1);
+        let angles = log.joint[1].clone();
+        let torque_nm = log.torque_nm[1].as_mut().unwrap();
+        for (torque_nm, angle) in torque_nm.iter_mut().zip(angles) {
+            *torque_nm += stiffness_nm_per_rad * (angle - 0.3);
+        }
+        let findings = examine(&device(), &log, None, &[]).unwrap().findings;
+        let mut numbers = findings.iter().flat_map(|found| &found.numbers);
+        let stiffness = numbers.find(|own| own.0 == "stiffness_nm_per_rad");
+        let stiffness = stiffness.map(|own| own.1);
+        assert_eq!(stiffness.is_some(), is_spring, "{stiffness:?}");
+        assert!(stiffness.is_none_or(|own| (own - 6.0).abs() < 0.6));
+    }
+}
+
 #[test]
 fn a_delay_is_named_with_its_length() {
     let truth = Truth {
