@@ -171,28 +171,28 @@ fn of_second(examined: &Examined) -> Vec<String> {
 
 /// Armatures that no file states, in one sentence.
 fn of_armatures(free: &[(usize, f64)]) -> Option<String> {
-    let joints: Vec<usize> = free.iter().map(|own| own.0).collect();
-    let values: Vec<String> = free.iter().map(|own| format!("{:.4}", own.1)).collect();
-    (!free.is_empty()).then(|| {
-        format!(
-            "the device file has no armature of {}: fitted, and no cause: {} kg m^2",
-            joints_of(&joints),
-            values.join(", ")
-        )
-    })
+    let (joints, values) = by_joint(free, 4)?;
+    Some(format!(
+        "the device file has no armature of {joints}: fitted, and no cause: {values} kg m^2"
+    ))
 }
 
 /// Friction that is no longer that of the file, in one sentence.
 fn of_friction(other: &[(usize, f64)]) -> Option<String> {
-    let joints: Vec<usize> = other.iter().map(|own| own.0).collect();
-    let times: Vec<String> = other.iter().map(|own| format!("{:.2}", own.1)).collect();
-    (!other.is_empty()).then(|| {
-        format!(
-            "the friction of {} is not that of the device file: fitted, and no cause: {} times as large",
-            joints_of(&joints),
-            times.join(", ")
-        )
-    })
+    let (joints, times) = by_joint(other, 2)?;
+    Some(format!(
+        "the friction of {joints} is not that of the device file: fitted, and no cause: {times} times as large"
+    ))
+}
+
+/// Joints and a number of each with so many digits, in words; none of none.
+fn by_joint(numbers: &[(usize, f64)], digits: usize) -> Option<(String, String)> {
+    let (joints, numbers): (Vec<usize>, Vec<f64>) = numbers.iter().copied().unzip();
+    let numbers: Vec<String> = numbers
+        .iter()
+        .map(|value| format!("{value:.digits$}"))
+        .collect();
+    (!joints.is_empty()).then(|| (joints_of(&joints), numbers.join(", ")))
 }
 
 /// What is odd about torques: their columns, signs, units, and joints of which they say little.
