@@ -116,6 +116,18 @@ pub enum CalibrationError {
         /// What to do.
         next: &'static str,
     },
+    /// Columns that have one value throughout, though the device moves what they are of.
+    #[error(
+        "{} one value throughout, though the joints move what {} of: nothing was measured there; leave {} out, or record again with a \
+         sensor that answers",
+        has(columns),
+        is(columns),
+        it(columns)
+    )]
+    Stuck {
+        /// Names.
+        columns: Vec<String>,
+    },
     /// A log that fits the device far better if it was written otherwise.
     #[error(
         "the log fits the device better with {what}: its residual is {after:.3} times the stated noise then, and \
@@ -185,6 +197,27 @@ impl CalibrationError {
             ),
             _ => false,
         }
+    }
+}
+
+fn has(columns: &[String]) -> String {
+    match columns {
+        [one] => format!("{one} has"),
+        more => format!("{} have", more.join(", ")),
+    }
+}
+
+fn is(columns: &[String]) -> &'static str {
+    match columns {
+        [_] => "it is",
+        _ => "they are",
+    }
+}
+
+fn it(columns: &[String]) -> &'static str {
+    match columns {
+        [_] => "it",
+        _ => "them",
     }
 }
 

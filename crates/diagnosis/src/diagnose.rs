@@ -7,6 +7,7 @@ use haptical_effects::{Absorbed, Context, Effect, catalogue};
 use haptical_model::{Device, DeviceEffect, JointCompliance, ParameterId, Recording};
 use haptical_motion::{LoadSource, is_moving_arm};
 
+use crate::admission::admitted;
 use crate::answer::{Diagnosis, Verdict, answer, changed, judged, not_in_file};
 use crate::current::without_currents;
 use crate::engine::{
@@ -54,7 +55,7 @@ pub fn diagnose(
     let recording = log.recording.as_ref();
     let of_chain = of_chain(device, recording, options).map(|mut found| {
         log.of_log(&mut found, second.as_ref());
-        found
+        admitted(found)
     });
     // a part that was interrupted may have been left out
     options.interrupt.check()?;
@@ -72,7 +73,9 @@ pub fn diagnose(
         answer: current::diagnose(device, whole, options),
         names: &current::NAMES,
     });
-    joined(of_chain, of_loop.into_iter().chain(of_currents)).map(judged)
+    joined(of_chain, of_loop.into_iter().chain(of_currents))
+        .map(judged)
+        .map(admitted)
 }
 
 /// The diagnosis of positions, of encoders on links and of torques.

@@ -154,6 +154,11 @@ impl Weighed {
             cause.share *= weights[1];
             answer.causes.push(cause);
         }
+        answer.admission = match verdict.has_causes() {
+            // what another view may not say bars no name of this one
+            true => answer.admission,
+            false => answer.admission.with(other.admission),
+        };
         answer.place = answer.place.or(other.place);
         let located = answer.place.as_ref().map(|place| place.channel.as_str());
         let of_view = |(channels, weight): (Vec<ChannelGap>, f64)| {

@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod admission;
 mod answer;
 mod current;
 mod diagnose;

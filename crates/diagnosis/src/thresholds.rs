@@ -480,6 +480,9 @@ pub(crate) mod torque;
 /// Projections, steps and ridges of the fits.
 pub(crate) mod engine;
 
+/// Whether a log may be answered.
+pub(crate) mod admission;
+
 /// What is written of a gap: its curve, its reduction, its instants.
 pub(crate) mod answer;
 

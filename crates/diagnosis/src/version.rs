@@ -1,8 +1,9 @@
 //! Version of the numbers that decide: a hash of the texts of their files, so that nobody needs to remember it.
 
 /// Texts of the files with the numbers of this crate.
-const THRESHOLDS: [&str; 9] = [
+const THRESHOLDS: [&str; 10] = [
     include_str!("thresholds.rs"),
+    include_str!("thresholds/admission.rs"),
     include_str!("thresholds/answer.rs"),
     include_str!("thresholds/current.rs"),
     include_str!("thresholds/engine.rs"),

@@ -2,6 +2,7 @@
 //!
 #![doc = include_str!("../README.md")]
 
+mod admission;
 mod gain;
 mod question;
 mod rivals;
@@ -12,6 +13,7 @@ mod verdict;
 #[cfg(test)]
 mod tests;
 
+pub use admission::{Admission, Answered, Check};
 pub use gain::{Closed, Gain, closed_share};
 pub use question::{
     Backward, Forward, InPlace, Less, Needless, Other, Others, Proposal, Proposals, Ruled, Ruling,

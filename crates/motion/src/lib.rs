@@ -40,7 +40,9 @@ pub use identify::{
 pub use loads::link_torques;
 pub use recorded::torque_nm_without_effects;
 pub use scale::{Doubt, Scale};
-pub use survey::{Survey, SurveyedJoint, SurveyedTorque, survey, unwrapped, usual_step_s, why_not};
+pub use survey::{
+    Survey, SurveyedJoint, SurveyedTorque, is_fast_enough, survey, unwrapped, usual_step_s, why_not,
+};
 pub use thresholds::TEXTS as THRESHOLDS;
 pub use thresholds::examine::{OF_SECOND_BESIDE_SPRING, PARTS};
 pub use tracking::{Tracking, Untracked, examine_tracking};

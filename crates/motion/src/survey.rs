@@ -6,7 +6,7 @@ use crate::MotionError;
 use crate::fit::problem::is_still;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
-use crate::thresholds::fit::LEAST_RATE_HZ;
+use crate::thresholds::fit::{LEAST_RATE_HZ, RATE_ROUNDED};
 
 /// A log of positions and torques.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,9 +111,7 @@ pub(crate) fn usable(device: &Device, recording: &Recording) -> Result<Samples, 
         other => other?,
     };
     let samples = Samples::new(recording, false)?;
-    if samples.rate_hz() < LEAST_RATE_HZ {
-        return Err(too_slow(samples.rate_hz()));
-    }
+    check_rate(&samples)?;
     if bodies.joint_count() != recording.joint.len() {
         return Err(MotionError::Sampling(
             "the log has other joints than the device".to_owned(),
@@ -127,14 +125,34 @@ pub fn usual_step_s(recording: &Recording) -> Option<f64> {
     crate::signal::samples::usual_step(recording, recording.time_s.as_ref()?)
 }
 
+/// The one rule for the rate of a log of a motion.
+///
+/// # Errors
+/// [`MotionError::Sampling`] for too few rows a second.
+pub(crate) fn check_rate(samples: &Samples) -> Result<(), MotionError> {
+    match is_fast_enough(samples.rate_hz()) {
+        true => Ok(()),
+        false => Err(too_slow(samples.rate_hz())),
+    }
+}
+
+/// Whether rows follow each other fast enough \[Hz\] for what a motion's torques say: 20 a second, within what rounded stamps make of it.
+///
+/// ```
+/// assert!(haptical_motion::is_fast_enough(19.999_7) && !haptical_motion::is_fast_enough(16.7));
+/// ```
+pub fn is_fast_enough(rate_hz: f64) -> bool {
+    rate_hz >= (1.0 - RATE_ROUNDED) * LEAST_RATE_HZ
+}
+
 /// What is said of too few rows.
-pub(crate) fn too_slow(rate_hz: f64) -> MotionError {
+fn too_slow(rate_hz: f64) -> MotionError {
     let hint = match rate_hz < 1.0 {
         true => "; is t_s in milliseconds, and not in seconds?",
         false => "",
     };
     MotionError::Sampling(format!(
-        "{rate_hz:.3} rows a second are too few for accelerations: {LEAST_RATE_HZ} are needed{hint}"
+        "{rate_hz:.3} rows a second are too few for accelerations: {LEAST_RATE_HZ} rows a second are needed{hint}"
     ))
 }
 

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use crate::thresholds::{
-    DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, MOST_LAG_S, OPPOSITE, SAME_MOTION,
-    STILL_COUNTS, STILL_RANGE, WRAP,
+    DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, LONGEST_STEP_S, MOST_LAG_S,
+    OPPOSITE, SAME_MOTION, STILL_COUNTS, STILL_RANGE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -99,9 +99,13 @@ impl fmt::Display for Untested {
                 f,
                 "none of its {rows} rows is where the first log determines what the joint does"
             ),
-            Self::Coarse { step_s } => write!(
+            Self::Coarse { step_s } if *step_s > MOST_LAG_S => write!(
                 f,
                 "its rows are {step_s:.3} s apart, and a servo answers within {MOST_LAG_S} s: milliseconds in t_s? Multiply it by 0.001"
+            ),
+            Self::Coarse { step_s } => write!(
+                f,
+                "its rows are {step_s:.3} s apart; 20 rows a second are needed"
             ),
             Self::Unrelated { correlation } => write!(
                 f,
@@ -170,7 +174,7 @@ impl Series {
             row: rows,
         };
         series.cut();
-        if series.step_s > MOST_LAG_S {
+        if series.step_s > LONGEST_STEP_S {
             let step_s = series.step_s;
             return Err(Untested::Coarse { step_s });
         }

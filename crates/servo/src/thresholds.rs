@@ -2,6 +2,8 @@
 //!
 //! "Real arm": twelve motions of an SO-101 at 50 Hz (docs/real-arms.md). A line before a group names the module that uses it.
 
+/// Rows are at most this far apart \[s\]: 20 a second, as for the torques of a motion, with what rounded stamps add.
+pub(crate) const LONGEST_STEP_S: f64 = 0.0505;
 /// Rows that a joint needs.
 pub(crate) const FEWEST_ROWS: usize = 200;
 /// Steps in time from which rows are no longer neighbours.

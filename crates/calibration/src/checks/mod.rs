@@ -7,5 +7,6 @@ pub(crate) mod ran_away;
 pub(crate) mod reach;
 pub(crate) mod rejection;
 pub(crate) mod rig;
+mod stuck;
 pub(crate) mod sufficiency;
 pub(crate) mod tools;

@@ -3,17 +3,18 @@
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::{otherwise, tools};
+use crate::checks::{otherwise, stuck, tools};
 use crate::start::ids::listed;
 
 /// Fewest touches that make a plane and leave one to check it.
 const PLANE_ROWS: usize = 4;
 
 /// Refuses a rig that a recording cannot serve: a pair of which one member is not in the log, a plane of too
-/// few touches, a tool or a tracker place of too few rows, a cable at a tool; and a log that was written otherwise.
+/// few touches, a tool or a tracker place of too few rows, a cable at a tool; columns that have one value though the device moves; and a
+/// log that was written otherwise.
 ///
 /// # Errors
-/// [`CalibrationError::Rig`], [`CalibrationError::Reading`], [`CalibrationError::MistakenLog`].
+/// [`CalibrationError::Rig`], [`CalibrationError::Reading`], [`CalibrationError::Stuck`], [`CalibrationError::MistakenLog`].
 pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
     let refuse = |what: &str, message: String| {
         Err(CalibrationError::Rig {
@@ -65,5 +66,6 @@ pub fn check_rig(device: &Device, recording: &Recording) -> Result<(), Calibrati
         }
     }
     tools::check(device, recording)?;
+    stuck::check(device, recording)?;
     otherwise::check(device, recording)
 }

@@ -1,10 +1,11 @@
 //! The answer, part by part, from what was found.
 
-use haptical_calibration::implausible_deviations;
 use haptical_effects::{Ahead, Stream};
+use haptical_judge::Admission;
 use haptical_model::Device;
 
 use crate::Result;
+use crate::admission;
 use crate::answer::{
     CandidateAnswer, CauseAnswer, Corrected, Correction, Diagnosis, FitRows, Gap, Located,
     NoiseAnswer, Outcome, Place, Provenance, Verdict, Whiteness, by_dependence, candidates,
@@ -137,6 +138,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     };
     said.extend(without_name.map(|own| unexplained_place(&own.answer, &gap)));
     Ok(Diagnosis {
+        admission: admission::of_positions(&findings, verdict),
         verdict,
         gap,
         next_experiment: (untold.map(|_| WEIGH.to_owned()))
@@ -346,10 +348,6 @@ fn warnings(
     warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
-    let fitted = engine.problem.device_with(&engine.start.model.values);
-    let (parameters, free) = (&engine.base.parameters, &engine.base.free);
-    let nominal = findings.inputs.nominal;
-    warnings.extend(implausible_deviations(nominal, &fitted, parameters, free));
     warnings
 }
 
@@ -423,6 +421,7 @@ impl Diagnosis {
                 (_, Some(first)) => 1.0 - first.class_probability,
             },
             verdict,
+            admission: Admission::default(),
             gap,
             place: None,
             causes,

@@ -31,6 +31,8 @@ pub enum NoReduction {
     FloorContradicted,
     /// Nothing but what the model leaves says how large the noise is.
     NoiseUnknown,
+    /// Nothing may be said of a gap: the log is not admitted to a verdict.
+    NotJudged,
     /// Most of the gap is in rows of which no others determine a prediction, such as an event in one place.
     Undetermined,
 }
@@ -45,6 +47,7 @@ impl NoReduction {
     pub fn words(self) -> &'static str {
         match self {
             Self::NoGap => "no gap",
+            Self::NotJudged => "not judged",
             Self::WithinNoise => "not known: within the noise",
             Self::FloorContradicted => "not known: less is left than the noise floor",
             Self::NoiseUnknown => "not known: nothing says how large the noise is",

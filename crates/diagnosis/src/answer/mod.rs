@@ -18,6 +18,7 @@ mod unseen;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use haptical_judge::Admission;
 pub use haptical_judge::Verdict;
 use haptical_model::Device;
 use serde::Serialize;
@@ -54,6 +55,8 @@ pub(crate) use self::unseen::{hints, unseen};
 pub struct Diagnosis {
     /// What is said of the gap.
     pub verdict: Verdict,
+    /// Whether there may be a verdict: four questions.
+    pub admission: Admission,
     /// Every channel's gap.
     pub gap: Gap,
     /// Where it lies; none without a gap.

@@ -15,8 +15,8 @@ use super::harmonics::{harmonics, without_harmonics};
 use crate::noise;
 use crate::noise::{Known, NoiseSource};
 use crate::thresholds::torque::{
-    BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MODEL_SD, POSITION_GAP, READINGS_PER_PARAMETER,
-    SLOWEST_S, UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
+    BLOCK_S, CONSTANT_FORCE, LONGEST_BLOCK_ROWS, MILLISECONDS_S, MODEL_SD, POSITION_GAP,
+    READINGS_PER_PARAMETER, UNKNOWN_FORCE_SD_N, UNKNOWN_TORQUE_SD_NM, WINDOW_BLOCKS,
 };
 
 /// Whether a hand that nobody measures may hold the handle: where one may, it also moves the handle against a gauge, which is a cable, a
@@ -367,9 +367,14 @@ fn needed(context: &Context<'_>) -> Result<(), String> {
         "the rows are single postures, not a motion"
     } else if context.motion.is_none() {
         "no column t_s"
-    } else if step_s > SLOWEST_S {
+    } else if !haptical_motion::is_fast_enough(1.0 / step_s) {
+        let hint = match step_s > MILLISECONDS_S {
+            true => "; is t_s in milliseconds, and not in seconds?",
+            false => "",
+        };
         return Err(format!(
-            "a row comes {step_s:.3} s after the one before it, which is too slow for speeds: is t_s in milliseconds, and not in seconds?"
+            "{:.3} rows a second are too few for the speeds of a motion: 20 rows a second are needed{hint}",
+            1.0 / step_s
         ));
     } else {
         return Ok(());

@@ -102,8 +102,8 @@ pub(crate) const UNSEEN_PART: f64 = 1.0 / 3.0;
 pub(crate) const KNOWN_BEFOREHAND: f64 = 1e-9;
 
 // `force::recorded`
-/// Rows farther apart than this say nothing of speeds \[s\].
-pub(crate) const SLOWEST_S: f64 = 2.0;
+/// Rows farther apart than this are more likely stamped in milliseconds \[s\].
+pub(crate) const MILLISECONDS_S: f64 = 2.0;
 /// Share of the force's square below which its changes are none.
 pub(crate) const CONSTANT_FORCE: f64 = 1e-6;
 

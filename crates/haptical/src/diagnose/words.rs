@@ -230,6 +230,9 @@ fn unknown(diagnosis: &Diagnosis) -> String {
     if let Some(second) = second.filter(|own| own.is_gap_of_it_alone) {
         return of_second_alone(second);
     }
+    if let Some(refusal) = diagnosis.admission.refusal() {
+        return format!("No verdict is given: {}.", refusal.why);
+    }
     let place = main_channel(diagnosis).map(|channel| match channel.joint {
         Some(joint) => format!(" in {} (joint {joint})", channel.channel),
         None => format!(" in {}", channel.channel),

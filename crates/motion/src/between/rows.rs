@@ -9,10 +9,10 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
 use crate::signal::samples::{Piece, Samples};
+use crate::survey::check_rate;
 use crate::thresholds::between::{
     DRIVES_EDGE_HZ, EDGE_OF_RATE, LEAST_ROWS, LINKS_EDGE_HZ, MOST_ROWS, STILL_RAD_PER_S,
 };
-use crate::thresholds::fit::LEAST_RATE_HZ;
 
 /// Rows of all joints that have an encoder on the link.
 pub(super) struct Rows {
@@ -55,10 +55,7 @@ impl Rows {
     /// Rows of a recording.
     pub(super) fn of(recording: &Recording, source: LoadSource) -> Result<Self, MotionError> {
         let samples = Samples::new(recording, false)?;
-        if samples.rate_hz() < LEAST_RATE_HZ {
-            let message = format!("{:.3} rows a second are too few", samples.rate_hz());
-            return Err(MotionError::Sampling(message));
-        }
+        check_rate(&samples)?;
         let edge_hz = match source {
             LoadSource::Links => LINKS_EDGE_HZ,
             LoadSource::Drives => DRIVES_EDGE_HZ,

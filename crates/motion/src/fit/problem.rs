@@ -13,9 +13,8 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
-use crate::thresholds::fit::{
-    EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, LEAST_RATE_HZ, RESTING_SHARE, STILL,
-};
+use crate::survey::check_rate;
+use crate::thresholds::fit::{EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, RESTING_SHARE, STILL};
 
 /// How a recording is read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -78,9 +77,7 @@ impl Problem {
             at_tool,
         } = reading;
         let samples = Samples::new(recording, sets_right)?;
-        if samples.rate_hz() < LEAST_RATE_HZ {
-            return Err(crate::survey::too_slow(samples.rate_hz()));
-        }
+        check_rate(&samples)?;
         let channels: Vec<usize> = (0..arm.joints())
             .filter(|&joint| samples.constant_torque(joint) == Some(None))
             .collect();

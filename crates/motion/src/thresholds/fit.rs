@@ -6,8 +6,9 @@
 pub(crate) const EDGES_HZ: [f64; 6] = [20.0, 12.0, 8.0, 5.0, 3.0, 2.0];
 /// Edge of the band, at most this share of the log's rate.
 pub(crate) const EDGE_OF_RATE: f64 = 0.1;
-/// Lowest rate of a log \[Hz\].
+/// Lowest rate of a log \[Hz\], and what rounded stamps may take off it, as a share.
 pub(crate) const LEAST_RATE_HZ: f64 = 20.0;
+pub(crate) const RATE_ROUNDED: f64 = 0.01;
 /// Fewest rows of a joint.
 pub(crate) const LEAST_JOINT_ROWS: usize = 30;
 /// A joint that moves slower than this share of its fastest rests: friction that sticks is not known there.
