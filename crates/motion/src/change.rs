@@ -1,7 +1,7 @@
 //! What an effect of motion changes of a device's numbers.
 
 use haptical_dynamics::Inertia;
-use haptical_model::{Device, RigidBodies};
+use haptical_model::{Device, JointType, RigidBodies};
 
 /// What an effect changes of a device's numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +19,13 @@ pub enum Change {
         joint: usize,
         /// How much more \[kg m^2\].
         more_kgm2: f64,
+    },
+    /// A joint has another zero.
+    Offset {
+        /// Joint, from 0.
+        joint: usize,
+        /// By how much its links stand further than its encoder says \[rad\], \[m\].
+        more: f64,
     },
     /// Gravity has another direction.
     Gravity {
@@ -67,6 +74,14 @@ impl Change {
                 let whole = own.armature_kgm2.unwrap_or(0.0) + more_kgm2;
                 own.armature_kgm2 = Some(whole).filter(|own| *own >= 0.0);
                 own.armature_kgm2?;
+            }
+            Self::Offset { joint, more } => {
+                let row = device.own_row(joint)?;
+                let link = device.links.get_mut(row)?;
+                match device.joints.get(joint)?.joint_type {
+                    JointType::Prismatic => link.d_m += more,
+                    JointType::Revolute => link.theta_rad += more,
+                }
             }
             Self::Gravity { gravity_mps2 } => device.gravity_mps2 = Some(gravity_mps2),
         }

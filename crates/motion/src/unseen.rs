@@ -3,12 +3,13 @@
 use std::rc::Rc;
 
 use crate::effect::ends_at;
+use crate::examined::gap;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
 use crate::select::Selection;
-use crate::thresholds::examine::{FOLDS, PARTS};
+use crate::thresholds::examine::{FOLDS, LEAST_PART, PARTS};
 
 /// One joint's torque on rows that were not fitted.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +70,41 @@ impl Unseen {
     /// Rows of all parts.
     pub fn rows_in_all(&self) -> usize {
         self.rows.iter().sum()
+    }
+
+    /// Sum of the squares beyond noise, in those of noise.
+    fn beyond(&self, sums: &[f64; PARTS]) -> f64 {
+        let of_noise = sums.iter().sum::<f64>() / self.noise.powi(2);
+        (of_noise - self.rows_in_all() as f64).max(0.0)
+    }
+
+    /// Sum of the squares beyond noise that the base model leaves, in those of noise.
+    pub(crate) fn beyond_before(&self) -> f64 {
+        self.beyond(&self.before)
+    }
+
+    /// The same with the effects.
+    pub(crate) fn beyond_after(&self) -> f64 {
+        self.beyond(&self.after)
+    }
+
+    /// Whether the base model leaves more than noise.
+    pub(crate) fn has_gap(&self) -> bool {
+        self.is_gap(self.beyond_before())
+    }
+
+    fn is_gap(&self, beyond: f64) -> bool {
+        let rows = self.rows_in_all();
+        rows > 0 && beyond / rows as f64 > gap(rows)
+    }
+
+    /// Whether the effects take a part that counts of a gap, or make none where there is none.
+    pub(crate) fn loses(&self) -> bool {
+        let after = self.beyond_after();
+        match self.has_gap() {
+            true => after <= (1.0 - LEAST_PART).powi(2) * self.beyond_before(),
+            false => !self.is_gap(after),
+        }
     }
 }
 

@@ -123,6 +123,7 @@ pub(crate) fn not_in_file(
             Change::Armature { joint: own, .. } => {
                 form == Some(Form::Armature) && joint == Some(*own)
             }
+            Change::Offset { joint: own, .. } => form == Some(Form::Offset) && joint == Some(*own),
             Change::Gravity { .. } => form == Some(Form::Tilt),
         };
         let is_applied = |change: &Change| file.is_some() && change.applied(before).is_some();

@@ -1,5 +1,6 @@
 //! The torques of a moving arm, as `haptical-motion` examines them, in the words of a diagnosis.
 
+mod admission;
 pub(crate) mod between;
 mod tracking;
 mod warnings;
@@ -13,7 +14,7 @@ use haptical_motion::{MotionError, examine, is_moving_arm, link_torques};
 pub(crate) use self::warnings::leaves_of_second;
 use self::warnings::{silent, warnings};
 use self::words::{Words, followed};
-use crate::answer::{CauseAnswer, ChannelGap, OnSecond, Untestable};
+use crate::answer::{CandidateAnswer, CauseAnswer, ChannelGap, OnSecond, Untestable};
 use crate::force::answer::ForceAnswer;
 use crate::force::names;
 
@@ -137,6 +138,9 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
         findings,
         numbers: examined.numbers,
         tested: examined.tried,
+        closed_unseen_share: (examined.closed_unseen_share()).filter(|_| examined.is_partial()),
+        candidates: refused(words),
+        admission: admission::admission(words.device, examined),
         changes: match is_adequate {
             true => (examined.findings.iter())
                 .filter_map(|own| own.change)
@@ -147,6 +151,17 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
         silent: silent(examined).map(|joint| words.channel(joint)).collect(),
         ..ForceAnswer::default()
     }
+}
+
+/// What was found and is no answer, with what speaks against it.
+fn refused(words: &Words<'_>) -> Vec<CandidateAnswer> {
+    if words.is_adequate {
+        return Vec::new();
+    }
+    let why = words.examined.why_no_answer();
+    let all = words.causes().into_iter();
+    all.map(|own| CandidateAnswer::of_cause(&own, Some(why.clone())))
+        .collect()
 }
 
 /// Effects of the torques that need what a motion without a hand's force does not have.

@@ -35,7 +35,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     for own in examined
         .channels
         .iter()
-        .filter(|own| examined.is_adequate() && own.has_rest())
+        .filter(|own| (examined.is_adequate() || examined.is_partial()) && own.has_rest())
     {
         warnings.push(format!(
             "torque{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
@@ -218,37 +218,7 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
             ));
         }
     }
-    for doubt in &examined.doubts {
-        said.push(match doubt {
-            Doubt::Sign { joint, slope } => format!(
-                "{} moves against the torque that the links ask for (slope {slope:.2}), and no cause is named: is its sign, or that of joint \
-                 {}, the other way? A torque is positive where it moves the joint positively",
-                column(*joint),
-                joint + 1
-            ),
-            Doubt::Unit { slopes } => {
-                let slopes: Vec<String> = (slopes.iter())
-                    .map(|(joint, slope)| format!("{} {slope:.3}", column(*joint)))
-                    .collect();
-                format!(
-                    "the torques are not what the links ask for but multiples of it, and no cause is named: {} times. Are they in N mm, at the \
-                     motors, or currents? A log has N m (of slides N) at the joints: multiply by gear ratios and torque constants",
-                    slopes.join(", ")
-                )
-            }
-            Doubt::Driven { joint } => format!(
-                "the friction in {} drives the motion, as no friction does, and no cause is named: is its sign, or that of joint {}, the \
-                 other way? A torque is positive where it moves the joint positively",
-                column(*joint),
-                joint + 1
-            ),
-            Doubt::Silent { joint } => format!(
-                "{} does not follow the motion: it is no larger than its own scatter, though the links ask for more; no cause is named. Is it \
-                 the torque of this log and joint?",
-                column(*joint)
-            ),
-        });
-    }
+    said.extend(examined.doubts.iter().map(|doubt| of_doubt(device, doubt)));
     let in_doubt = |joint: usize| {
         examined.doubts.iter().any(|own| match own {
             Doubt::Sign { joint: own, .. }
@@ -288,6 +258,40 @@ fn of_torques(device: &Device, examined: &Examined) -> Vec<String> {
         ));
     }
     said
+}
+
+/// Why torques may have no name.
+pub(super) fn of_doubt(device: &Device, doubt: &Doubt) -> String {
+    let column = |joint: usize| device.joints[joint].torque_column(joint + 1);
+    match doubt {
+        Doubt::Sign { joint, slope } => format!(
+            "{} moves against the torque that the links ask for (slope {slope:.2}), and no cause is named: is its sign, or that of joint \
+             {}, the other way? A torque is positive where it moves the joint positively",
+            column(*joint),
+            joint + 1
+        ),
+        Doubt::Unit { slopes } => {
+            let slopes: Vec<String> = (slopes.iter())
+                .map(|(joint, slope)| format!("{} {slope:.3}", column(*joint)))
+                .collect();
+            format!(
+                "the torques are not what the links ask for but multiples of it, and no cause is named: {} times. Are they in N mm, at the \
+                 motors, or currents? A log has N m (of slides N) at the joints: multiply by gear ratios and torque constants",
+                slopes.join(", ")
+            )
+        }
+        Doubt::Driven { joint } => format!(
+            "the friction in {} drives the motion, as no friction does, and no cause is named: is its sign, or that of joint {}, the \
+             other way? A torque is positive where it moves the joint positively",
+            column(*joint),
+            joint + 1
+        ),
+        Doubt::Silent { joint } => format!(
+            "{} does not follow the motion: it is no larger than its own scatter, though the links ask for more; no cause is named. Is it \
+             the torque of this log and joint?",
+            column(*joint)
+        ),
+    }
 }
 
 /// Joints whose torque is no larger than its noise.

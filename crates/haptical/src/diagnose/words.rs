@@ -83,6 +83,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
                 _ => "explain",
             };
             let gap = match diagnosis.closed_unseen_share {
+                Some(_) if is_of_runs(causes) => "what changed between the runs",
                 Some(_) => "a part of the gap",
                 None if !kept_by_second(diagnosis).is_empty() => "the gap of the log alone",
                 None if is_undetermined(causes) => "the gap of the rows of its fit",
@@ -100,7 +101,10 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     }
     sentence += &not_judged(diagnosis);
     sentence += &said_of_second(diagnosis);
-    if let Some(closed) = diagnosis.closed_unseen_share {
+    if let Some(closed) = diagnosis
+        .closed_unseen_share
+        .filter(|_| !is_of_runs(causes))
+    {
         sentence += &format!(
             " No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \
              see lose {}, and the log keeps {}.",
@@ -113,6 +117,29 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
+}
+
+/// Whether the first cause came about between two runs of the log.
+fn is_of_runs(causes: &[CauseAnswer]) -> bool {
+    let first = causes.first();
+    first.is_some_and(|first| first.parameters.contains_key("from_run"))
+}
+
+/// How much of a change between runs closes; what the runs share is no part of it.
+fn of_change(held_out: &HeldOutAnswer) -> String {
+    let [before, after, noise] = [
+        held_out.rms_before,
+        held_out.rms_after,
+        held_out.noise_floor,
+    ];
+    let share = haptical_metrics::gap_reduction_percent(before, after, noise);
+    let share = share.map_or_else(String::new, |percent| {
+        format!("{percent:.1} % of it closes: ")
+    });
+    format!(
+        "On data that the fit did not see, {share}{}. No effect of the catalogue explains the gap that the runs share.",
+        held_out_sizes(held_out)
+    )
 }
 
 /// Whether no row that the fit did not see says whether the first cause closes anything.
@@ -318,6 +345,9 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
         reduction(channel.reduction_percent, channel.reduction_ci95).filter(|_| channel.has_gap)
     };
     let held_out = held_out_answer(diagnosis);
+    if diagnosis.closed_unseen_share.is_some() && is_of_runs(&diagnosis.causes) {
+        return Some(of_change(held_out?));
+    }
     if let Some(held_out) = held_out
         && held_out.no_reduction == Some(NoReduction::Undetermined)
     {

@@ -8,6 +8,7 @@ mod friction;
 pub(crate) mod gravity_direction;
 pub(crate) mod gravity_spring;
 pub(crate) mod joint_compliance;
+mod joint_offset;
 mod link_inertia;
 mod motor_cogging;
 mod payload;
@@ -166,6 +167,7 @@ pub(crate) enum Candidates {
 pub(crate) const EFFECTS: &[Effect] = &[
     payload::EFFECT,
     delay::ENCODER_LATENCY,
+    torque_gain::OF_ALL,
     torque_gain::EFFECT,
     torque_offset::EFFECT,
     friction::STRIBECK,
@@ -175,6 +177,7 @@ pub(crate) const EFFECTS: &[Effect] = &[
     friction::PRESLIDING,
     motor_cogging::EFFECT,
     armature::EFFECT,
+    joint_offset::EFFECT,
     link_inertia::EFFECT,
     gravity_direction::EFFECT,
     gravity_spring::EFFECT,

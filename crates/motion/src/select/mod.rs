@@ -21,7 +21,7 @@ use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::{Place, Pool};
 use self::scored::{Scored, penalty};
-use crate::effect::{Candidate, Context, Finer};
+use crate::effect::{Candidate, Context, Finer, torque_gain};
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -233,9 +233,10 @@ impl<'c> Forward for Search<'_, '_, 'c> {
             merit: further.last_nats(self.frame, &state.fitted),
             further,
         });
-        Ok(proposals
-            .filter(|own| own.merit > least.of(&own.further))
-            .collect())
+        let mut proposals: Vec<_> = proposals.collect();
+        scale_by_rows(&mut proposals);
+        proposals.retain(|own| own.merit > least.of(&own.further));
+        Ok(proposals)
     }
 
     fn rule(&mut self, state: &State<'c>, best: Proposal<State<'c>>) -> Ruled<Self> {
@@ -280,6 +281,31 @@ impl<'c> Needless for Search<'_, '_, 'c> {
     ) -> Result<bool, Infallible> {
         Ok(all[effect].worth < LEAST_NATS)
     }
+}
+
+/// One factor on all torques is what they all are in, or none of them: beside another effect it is none. Against others the rows alone
+/// tell, as for the places of one law (docs/assumptions.md, A308): in another unit all bodies are off in proportion, which is no less likely
+/// than one body that is off.
+fn scale_by_rows(proposals: &mut Vec<Proposal<State<'_>>>) {
+    let is_scale = |own: &Proposal<State<'_>>| {
+        let last = own.further.taken.last();
+        last.is_some_and(is_scale_of_all)
+    };
+    proposals.retain(|own| !is_scale(own) || own.further.taken.len() == 1);
+    let others = proposals.iter().filter(|own| !is_scale(own));
+    let best = others.max_by(|a, b| a.merit.total_cmp(&b.merit));
+    let Some((merit, fitted)) = best.map(|best| (best.merit, best.further.fitted.clone())) else {
+        return;
+    };
+    for own in proposals.iter_mut().filter(|own| is_scale(own)) {
+        let of_noise = own.further.taken.last().map_or(0.0, |last| last.of_noise);
+        let behind = own.further.fitted.behind(&fitted) + of_noise;
+        own.merit = own.merit.max(merit - behind);
+    }
+}
+
+fn is_scale_of_all(own: &Candidate<'_>) -> bool {
+    own.effect == torque_gain::EFFECT.name && own.joint.is_none()
 }
 
 /// What a further effect has to explain \[nats\].

@@ -6,9 +6,9 @@ use haptical_judge::{Backward, InPlace, Other, Others, rivals};
 use haptical_linalg::dot;
 
 use super::scored::{Place, penalty};
-use super::{Frame, Search, State, columns_of, is_taken, nearest};
+use super::{Frame, Search, State, columns_of, is_scale_of_all, is_taken, nearest};
 use crate::effect::{Candidate, is_of_own_joint, torque_gain};
-use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS};
+use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS, SAME_AS_SCALE};
 
 /// Another effect in the place of a pick, and the share of the pick's gain that it has.
 pub(crate) type Rival = haptical_judge::Rival<Place, f64>;
@@ -49,17 +49,27 @@ impl<'c> InPlace for Search<'_, '_, 'c> {
         let others = near.iter().filter_map(|other| {
             let last = other.taken.last()?;
             let merit = other.last_nats(self.frame, &without.fitted);
-            let merit = match last.effect == pick.effect {
-                // of the places of one law, rows alone tell, not how likely an inertia is to be off (docs/assumptions.md, A308)
-                true => merit.max(of_pick - other.fitted.behind(&whole.fitted)),
-                false => merit,
+            // of the places of one law, rows alone tell, not how likely an inertia is to be off (docs/assumptions.md, A308)
+            let by_rows = of_pick - other.fitted.behind(&whole.fitted);
+            let merit = if is_scale_of_all(pick) || is_scale_of_all(last) {
+                // bodies that are off may look like a factor to within a hundredth, and a factor like them
+                let merit = merit.max(by_rows + pick.of_noise - last.of_noise);
+                match merit > SAME_AS_SCALE * of_pick {
+                    true => merit.max(of_pick),
+                    false => merit,
+                }
+            } else if last.effect == pick.effect {
+                merit.max(by_rows)
+            } else {
+                merit
             };
             let other = Other {
                 name: (last.effect, last.joint),
                 merit,
                 fit: merit,
             };
-            (!is_taken(&whole.taken, last)).then_some(other)
+            let is_open = !is_scale_of_all(last) || whole.taken.len() == 1;
+            (is_open && !is_taken(&whole.taken, last)).then_some(other)
         });
         Ok(others.collect())
     }

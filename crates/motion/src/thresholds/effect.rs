@@ -28,6 +28,11 @@ pub(crate) const MOST_OF_ROD: f64 = 1.0;
 /// Most of a reading that is too much; a torque that is not there at all, or of the wrong sign, is no scale of it.
 pub(crate) const MOST_GAIN: f64 = 0.95;
 
+// `effect::joint_offset`
+/// Angle, or travel, that it is linear about at first, and the largest that is a zero of the same joint \[rad\] or \[m\].
+pub(crate) const SMALL_OFFSET_RAD: f64 = 1e-3;
+pub(crate) const MOST_OFFSET_RAD: f64 = 0.5;
+
 // `effect::cross_coupling`
 /// A drive loads a joint by less than its own torque.
 pub(crate) const MOST_COUPLING: f64 = 1.0;

@@ -22,8 +22,12 @@ pub(crate) const LEFT_OF_JOINT: f64 = 0.1;
 pub(crate) const QUIET_NOISES: f64 = 2.0;
 /// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
 pub(crate) const LEFT_OF_POSTURE: f64 = 0.5;
-/// But a spring's, whose levers are not known, may leave this share of the gap, and so may a tilt's, which bodies feel that are off themselves.
-pub(crate) const LEFT_BY_SPRING: f64 = 1e-3;
+/// But they may leave this share of the gap: the levers of a spring, and the bodies that carry a load, are off themselves.
+pub(crate) const LEFT_BY_LAW: f64 = 1e-3;
+/// Share of what the base model leaves beyond noise that effects may leave which explain a part of it (A311).
+pub(crate) const LEFT_BY_PART: f64 = 0.1;
+/// Share of a channel's gap that counts as closed: less is no part.
+pub(crate) const LEAST_PART: f64 = 0.2;
 /// A joint with less than this share of the gap may keep it: that is another gap than the one that has a name.
 pub(crate) const PART_OF_GAP: f64 = 0.01;
 /// What an effect of one joint's torque may explain at most, over what the base model leaves there.

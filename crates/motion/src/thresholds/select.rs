@@ -55,3 +55,6 @@ pub(crate) const LEAST_AT_JOINT: f64 = 0.5;
 // `later`
 /// What a pick makes worse of a second recording that refutes it \[nats\].
 pub(crate) const REFUTED_NATS: f64 = 4.0;
+/// One factor on all torques and an effect are not told apart where one explains this share of what the other does. Choice: bodies are known
+/// to some percent.
+pub(crate) const SAME_AS_SCALE: f64 = 0.99;

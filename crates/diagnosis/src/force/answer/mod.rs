@@ -5,6 +5,7 @@ mod gaps;
 mod reasons;
 
 use haptical_effects::force::{GRIP_FORCE, PAYLOAD, UNBALANCED_GRAVITY};
+use haptical_judge::Admission;
 
 pub(super) use self::findings::Sizes;
 use self::reasons::FALSIFIED;
@@ -15,7 +16,8 @@ use super::select::Pick;
 use super::{Means, Model, gravity, grip};
 use crate::Result;
 use crate::answer::{
-    CauseAnswer, ChannelGap, HeldOutAnswer, NoReduction, OnSecond, Trace, Untestable,
+    CandidateAnswer, CauseAnswer, ChannelGap, HeldOutAnswer, NoReduction, OnSecond, Trace,
+    Untestable,
 };
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
@@ -29,6 +31,10 @@ pub(crate) struct ForceAnswer {
     pub(crate) channels: Vec<ChannelGap>,
     /// Strongest first.
     pub(crate) findings: Vec<CauseAnswer>,
+    /// Whether there may be a verdict.
+    pub(crate) admission: Admission,
+    /// What was found and is no answer, and why.
+    pub(crate) candidates: Vec<CandidateAnswer>,
     /// Effects that the recording cannot test, and why.
     pub(crate) untestable: Vec<Untestable>,
     /// Share of the torques' structured energy that the findings leave; 1 without findings where

@@ -1,0 +1,95 @@
+//! What admits a verdict on the torques of a moving arm, or on encoders on its links.
+
+use haptical_judge::{Admission, Check};
+use haptical_model::Device;
+use haptical_motion::Examined;
+
+use super::warnings::of_doubt;
+use crate::thresholds::admission::LEAST_MOTION_S;
+
+/// The four questions.
+pub(super) fn admission(device: &Device, examined: &Examined) -> Admission {
+    Admission {
+        belongs: belongs(device, examined),
+        credible_base: credible_base(examined),
+        known_noise: known_noise(examined),
+        enough: enough(&examined.time_s),
+    }
+}
+
+/// Whether each torque is one of its joint.
+fn belongs(device: &Device, examined: &Examined) -> Check {
+    if let Some(doubt) = examined.doubts.first() {
+        let next = "correct the column, or take the log of this device";
+        let said = of_doubt(device, doubt);
+        return Check::no(
+            format!("log and device do not belong together: {said}"),
+            next,
+        );
+    }
+    let scales = examined
+        .channels
+        .iter()
+        .filter_map(|own| Some((own.joint, own.scale?)));
+    let loudest = scales.max_by(|a, b| a.1.heard.total_cmp(&b.1.heard));
+    match loudest {
+        Some((joint, scale)) => Check::yes(format!(
+            "the links, friction and rotor explain {:.1} % of the largest torque, that of joint {}",
+            100.0 * scale.explained,
+            joint + 1
+        )),
+        None => Check::unknown("no torque was compared with what the links ask for"),
+    }
+}
+
+/// Whether the numbers that are fitted beside the bodies are those of an arm.
+fn credible_base(examined: &Examined) -> Check {
+    let negative = examined.free_armatures.iter().find(|own| own.1 < 0.0);
+    match negative {
+        Some((joint, armature)) => Check::unknown(format!(
+            "the armature of joint {} is fitted as {armature:.4} kg m^2, below zero",
+            joint + 1
+        )),
+        None => Check::yes(format!(
+            "{} numbers are fitted, bodies within what a description may be off by",
+            examined.numbers
+        )),
+    }
+}
+
+/// What is faster than the motion says how large the noise is.
+fn known_noise(examined: &Examined) -> Check {
+    let sizes = examined
+        .channels
+        .iter()
+        .map(|own| format!("joint {} {:.3e}", own.joint + 1, own.noise));
+    let sizes = sizes.collect::<Vec<_>>().join(", ");
+    let memory = if examined.has_memory {
+        ", with a memory"
+    } else {
+        ""
+    };
+    Check::yes(format!(
+        "by what is faster than {} Hz{memory}: {sizes}",
+        examined.edge_hz
+    ))
+}
+
+/// Whether the motion is long enough, by the times of its rows.
+fn enough(time_s: &[f64]) -> Check {
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.retain(|step| *step > 0.0);
+    steps.sort_by(f64::total_cmp);
+    let usual_s = steps.get(steps.len() / 2).copied().unwrap_or_default();
+    let length_s = usual_s * time_s.len() as f64;
+    let figure = format!("{length_s:.1} s of motion");
+    match length_s < LEAST_MOTION_S {
+        true => Check::no(
+            format!("{figure} are too little: {LEAST_MOTION_S} s are needed"),
+            format!(
+                "record at least {LEAST_MOTION_S} s, better 20 s, in which every joint moves both ways"
+            ),
+        ),
+        false => Check::yes(figure),
+    }
+}
