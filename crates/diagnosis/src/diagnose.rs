@@ -21,7 +21,7 @@ use crate::moving::between::{Links, of_links};
 use crate::moving::{carries_links_alone, of_moving_arm, with_link_torques};
 use crate::noise::{KnownNoise, is_stated, without_readings};
 use crate::own_effects::within_laws;
-use crate::select::{Selection, Selector};
+use crate::select::{Selection, Selector, is_displacement};
 use crate::servo_loop::has_commands;
 use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL, STILL_NOISES};
 use crate::{DiagnosisError, Options, Result, current, servo_loop, torques_alone};
@@ -81,6 +81,10 @@ pub fn diagnose(
 /// The diagnosis of positions, of encoders on links and of torques.
 fn of_chain(device: &Device, recording: &Recording, options: &Options<'_>) -> Result<Diagnosis> {
     let found = diagnose_all(device, recording, options)?;
+    let found = match found.split_row {
+        Some(row) => with_split(found, (device, recording, options), row)?,
+        None => found,
+    };
     let mut own = match device.effects.is_empty() {
         true => options
             .model
@@ -95,6 +99,45 @@ fn of_chain(device: &Device, recording: &Recording, options: &Options<'_>) -> Re
         rigid.surroundings.compliance.clear();
     }
     within_laws(found, &own, (&rigid, recording), options)
+}
+
+/// The diagnosis of single postures of which those from a row on are another run, where a displacement between the two has a name then.
+fn with_split(
+    found: Diagnosis,
+    (device, recording, options): (&Device, &Recording, &Options<'_>),
+    row: usize,
+) -> Result<Diagnosis> {
+    let mut cut = recording.clone();
+    let runs = (0..recording.len()).map(|at| 2 * recording.run_at(at) + i64::from(at >= row));
+    cut.run = Some(runs.collect());
+    let again = diagnose_all(device, &cut, options)?;
+    let line = recording.line.get(row).copied().unwrap_or_default();
+    let is_displaced = again
+        .causes
+        .first()
+        .is_some_and(|first| haptical_effects::spec(&first.effect).is_some_and(is_displacement));
+    let said = |then: &str| {
+        format!(
+            "from line {line} of the log on (row {}) something stands elsewhere{then}",
+            row + 1
+        )
+    };
+    Ok(match again.verdict.has_causes() && is_displaced {
+        true => {
+            let mut again = again;
+            again.warnings.push(said(
+                ": the rows before it and behind it were judged as two runs",
+            ));
+            again
+        }
+        false => {
+            let mut found = found;
+            found.warnings.push(said(
+                "; give the rows before it and behind it different numbers in a column `run`",
+            ));
+            found
+        }
+    })
 }
 
 /// What a file does not hold of encoders on the links of a moving arm.

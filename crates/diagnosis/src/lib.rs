@@ -6,6 +6,7 @@ mod admission;
 mod answer;
 mod current;
 mod diagnose;
+mod dropouts;
 mod engine;
 mod error;
 mod force;

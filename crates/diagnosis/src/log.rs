@@ -7,6 +7,7 @@ use haptical_model::{Device, Recording};
 use haptical_motion::unwrapped;
 
 use crate::answer::{Diagnosis, FitRows, Prediction, SECOND_RECORDING};
+use crate::dropouts::{Dropouts, without_dropouts};
 use crate::hand::without_idle_force;
 use crate::thresholds::recording::MOST_ROWS;
 
@@ -22,6 +23,8 @@ pub(crate) struct Log<'r> {
     /// What was changed, in words.
     changes: Vec<String>,
     has_lost_orientations: bool,
+    /// Readings that were left out, as they are none.
+    dropouts: Vec<Dropouts>,
 }
 
 impl<'r> Log<'r> {
@@ -33,6 +36,7 @@ impl<'r> Log<'r> {
             rows: None,
             changes: Vec::new(),
             has_lost_orientations: false,
+            dropouts: Vec::new(),
         };
         // rows of a motion are readings of other moments, however alike they are
         if recording.time_s.is_none() {
@@ -45,6 +49,10 @@ impl<'r> Log<'r> {
             log.changes
                 .extend(turns.iter().map(|turn| of_turn(device, *turn)));
             log.recording = Cow::Owned(unturned);
+        }
+        if let Some((without, dropouts)) = without_dropouts(device, &log.recording) {
+            log.dropouts = dropouts;
+            log.recording = Cow::Owned(without);
         }
         if let Some((without, words)) = without_idle_force(&log.recording) {
             log.changes.push(words);
@@ -95,6 +103,14 @@ impl<'r> Log<'r> {
                 Some(second) => second.row(*row),
                 None => row_of(*row),
             };
+        }
+        for own in &self.dropouts {
+            own.name_in(found);
+        }
+        for own in second.into_iter().flat_map(|second| &second.dropouts) {
+            found
+                .warnings
+                .push(format!("{SECOND_RECORDING}: {}", own.words()));
         }
         if self.has_lost_orientations {
             found.warnings.push(NO_ORIENTATION.to_owned());

@@ -278,6 +278,11 @@ pub(crate) mod steps {
     pub(crate) const INSTANT_COST: f64 = 7.352_276_694;
     /// Squared share of a step that must survive the base model. Choice.
     pub(crate) const LEAST_LEFT: f64 = 1e-6;
+    /// Of single postures: fewest rows on each side of a displacement within a run. Choice.
+    pub(crate) const LEAST_ROWS_BESIDE: usize = 6;
+    /// What it explains at least, its numbers and the rows and places that were tried allowed for \[nats\], and the share of what is left.
+    pub(crate) const SPLIT_NATS: f64 = 16.0;
+    pub(crate) const SPLIT_SHARE: f64 = 0.5;
 }
 
 /// Rivals: effects that could be in a cause's place.

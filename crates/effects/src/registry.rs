@@ -160,6 +160,7 @@ const REGISTRY: &[Line] = &[
         site: Site::Device(noise::periodic_disturbance::on_channels),
     },
     elsewhere(&noise::NOISE_LEVEL),
+    elsewhere(&noise::DROPOUTS),
     elsewhere(&noise::OUTLIERS),
     elsewhere(&base_model::PARALLELOGRAM_ERROR),
     elsewhere(&base_model::JOINT_OFFSET),

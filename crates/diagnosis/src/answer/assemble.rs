@@ -19,6 +19,7 @@ use crate::judge::{
 };
 use crate::moving::leaves_of_second;
 use crate::noise::{NoiseSource, is_stated};
+use crate::select::split;
 use crate::thresholds::noise::LOUD;
 use crate::thresholds::servo::ALL_CLOSED;
 use crate::torques_alone::OfTorques;
@@ -173,6 +174,10 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         correction: kept.map(|correction| correction.answer),
         correction_refused: refused,
         causes,
+        split_row: match verdict {
+            Verdict::Unknown => split(&findings.selection)?,
+            _ => None,
+        },
         steps: steps(&findings.selection),
         held_out: match is_by_positions || torques.held_out.is_empty() {
             true => findings.shrink.description,
@@ -449,6 +454,7 @@ impl Diagnosis {
             corrected: None,
             fit_rows: FitRows::default(),
             steps: Vec::new(),
+            split_row: None,
             traces: Vec::new(),
             predictions: Vec::new(),
         }

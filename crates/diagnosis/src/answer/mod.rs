@@ -128,6 +128,9 @@ pub struct Diagnosis {
     /// What the events among the causes did to the readings, step by step.
     #[serde(skip)]
     pub steps: Vec<StepAnswer>,
+    /// Of single postures whose gap has no name: row from which on a displacement would explain it.
+    #[serde(skip)]
+    pub split_row: Option<usize>,
     /// For pictures.
     #[serde(skip)]
     pub traces: Vec<Trace>,

@@ -9,6 +9,7 @@ mod laws;
 mod partial;
 mod ranking;
 mod scan;
+mod split;
 mod springs;
 
 use haptical_effects::Effect;
@@ -26,6 +27,7 @@ pub(crate) use self::generic::{
 };
 pub(crate) use self::partial::Partial;
 pub(crate) use self::scan::{Candidate, Rival, Score, candidates};
+pub(crate) use self::split::{is_displacement, split};
 
 /// The causes that were found, and what they leave.
 #[derive(Debug)]

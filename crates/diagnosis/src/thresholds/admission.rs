@@ -7,5 +7,17 @@ pub(crate) const MOST_MISSED: f64 = 0.2;
 pub(crate) const LEAST_SPREAD: f64 = 0.01;
 /// Least length of a motion whose torques are judged \[s\]: of 2 s of an elastic rope three causes had names.
 pub(crate) const LEAST_MOTION_S: f64 = 5.0;
+/// Standard deviations of the noise, by second differences, from which a step to one value and back is none of the motion, and one from
+/// which a single reading stands alone.
+pub(crate) const DROPOUT_SDS: f64 = 8.0;
+pub(crate) const SPIKE_SDS: f64 = 15.0;
+/// Fewest such readings, their least share and their largest.
+pub(crate) const LEAST_DROPOUTS: usize = 3;
+pub(crate) const LEAST_DROPOUT_SHARE: f64 = 0.002;
+pub(crate) const MOST_DROPOUT_SHARE: f64 = 0.5;
+/// Most rows of a moment that is filled in between its neighbours, in a torque.
+pub(crate) const FILLED_ROWS: usize = 4;
+/// Most rows of one moment: a joint that rests reads one value for longer.
+pub(crate) const LONGEST_DROPOUT_ROWS: usize = 25;
 /// Readings that are needed for each fitted number.
 pub(crate) const READINGS_PER_NUMBER: f64 = 3.0;

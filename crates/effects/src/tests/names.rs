@@ -66,6 +66,7 @@ const STABLE: [(&str, &[&str]); 81] = [
     ("zero-changed", &["offset_rad"]),
     ("tracker-moved", &["shift_m", "tilt_rad"]),
     ("periodic-disturbance", &[]),
+    ("dropouts", &["share"]),
     ("outliers", &[]),
     ("force-bias", &[]),
     ("force-gain", &[]),

@@ -77,6 +77,11 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         (Verdict::Named, Some(_)) => {
             let (of_data, of_device): (Vec<&CauseAnswer>, Vec<&CauseAnswer>) =
                 causes.iter().partition(|cause| is_of_data(cause));
+            // readings that are none may be all that there is
+            let (of_data, of_device) = match of_device.is_empty() {
+                true => (of_device, of_data),
+                false => (of_data, of_device),
+            };
             let names: Vec<String> = of_device.into_iter().map(with_probability).collect();
             let verb = match names.len() {
                 1 => "explains",

@@ -1,0 +1,348 @@
+//! Readings that are none: moments at which a channel of a motion reads 0, or one value, and single wild torques. They are left out before
+//! anything is judged, and named: as noise they would hide any gap.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use haptical_effects::noise::{DROPOUTS, OUTLIERS};
+use haptical_metrics::gap_reduction_percent;
+use haptical_model::{Device, Recording};
+
+use crate::answer::{CauseAnswer, Diagnosis, ParameterAnswer, Place, Verdict};
+use crate::noise::{difference_sd, outliers};
+use crate::thresholds::admission::{
+    DROPOUT_SDS, FILLED_ROWS, LEAST_DROPOUT_SHARE, LEAST_DROPOUTS, LONGEST_DROPOUT_ROWS,
+    MOST_DROPOUT_SHARE, SPIKE_SDS,
+};
+use crate::thresholds::noise::DATA_PROBABILITY;
+
+/// Readings of one channel that are none.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Dropouts {
+    /// Channel as the gap has it, and its joint, from 0, where it has one.
+    channel: String,
+    joint: Option<usize>,
+    /// Rows of the recording.
+    rows: Vec<usize>,
+    /// Readings of the channel, these included.
+    readings: usize,
+    /// What they read; none where each is another one.
+    value: Option<f64>,
+    /// Root mean square over all readings of what they are off by.
+    off_rms: f64,
+}
+
+/// The recording without such readings; none where there are none. Single postures have no neighbours to tell them by.
+pub(crate) fn without_dropouts(
+    device: &Device,
+    recording: &Recording,
+) -> Option<(Recording, Vec<Dropouts>)> {
+    recording.time_s.as_ref()?;
+    let runs = runs_of(recording);
+    let mut without = recording.clone();
+    let mut found = Vec::new();
+    for joint in 0..device.joints.len() {
+        let torque = without.torque_nm.get_mut(joint).and_then(Option::as_mut);
+        if let Some(column) = torque {
+            let channel = format!("torque{}", joint + 1);
+            found.extend(taken_out(column, &runs, true, (&channel, Some(joint))));
+        }
+        let output = without.output.get_mut(joint).and_then(Option::as_mut);
+        if let Some(column) = output {
+            let channel = format!("out{}", joint + 1);
+            found.extend(taken_out(column, &runs, false, (&channel, Some(joint))));
+        }
+    }
+    for (index, column) in without.cable_m.iter_mut().enumerate() {
+        let channel = haptical_calibration::Channel::Cable { index }.name();
+        if let Some(column) = column {
+            found.extend(taken_out(column, &runs, false, (&channel, None)));
+        }
+    }
+    (!found.is_empty()).then_some((without, found))
+}
+
+fn runs_of(recording: &Recording) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut first = 0;
+    for row in 1..=recording.len() {
+        let ends = row == recording.len() || recording.run_at(row) != recording.run_at(row - 1);
+        if ends {
+            runs.push(first..row);
+            first = row;
+        }
+    }
+    runs
+}
+
+/// Takes readings that are none out of a column; of torques also single wild ones, and short moments are filled in.
+fn taken_out(
+    column: &mut [f64],
+    runs: &[Range<usize>],
+    is_torque: bool,
+    (channel, joint): (&str, Option<usize>),
+) -> Vec<Dropouts> {
+    let readings = column.iter().filter(|value| value.is_finite()).count();
+    let is_some_rows = |rows: &[usize]| {
+        let share = rows.len() as f64 / readings.max(1) as f64;
+        rows.len() >= LEAST_DROPOUTS && (LEAST_DROPOUT_SHARE..MOST_DROPOUT_SHARE).contains(&share)
+    };
+    let mut found = Vec::new();
+    let mut take = |column: &mut [f64], rows: Vec<usize>, value: Option<f64>| {
+        let lines = rows.iter().map(|&row| between(column, &rows, runs, row));
+        let lines: Vec<Option<(f64, usize)>> = lines.collect();
+        let off = rows.iter().zip(&lines);
+        let off = off.filter_map(|(row, line)| Some(column[*row] - line.as_ref()?.0));
+        let squares: f64 = off.map(|off| off * off).sum();
+        found.push(Dropouts {
+            channel: channel.to_owned(),
+            joint,
+            readings,
+            value,
+            off_rms: (squares / readings as f64).sqrt(),
+            rows: rows.clone(),
+        });
+        for (row, line) in rows.into_iter().zip(lines) {
+            // a motion needs its rows without gaps: what is short is put on the line between its neighbours
+            let short = line.filter(|(_, rows)| is_torque && *rows <= FILLED_ROWS);
+            column[row] = short.map_or(f64::NAN, |(value, _)| value);
+        }
+    };
+    if let Some(value) = most_frequent(column) {
+        let rows = moments_at(column, runs, value);
+        if is_some_rows(&rows) {
+            take(column, rows, Some(value));
+        }
+    }
+    if is_torque && let Some(sd) = difference_sd(column, runs).filter(|sd| *sd > 0.0) {
+        let limit = SPIKE_SDS * sd;
+        let far = outliers(column, runs, true, limit, &vec![0.0; column.len()]);
+        let stands_alone = |row: &usize| {
+            let around = neighbours(column, &far, runs, *row);
+            around.is_some_and(|(before, after)| {
+                let [before, after] = [before, after].map(|own| column[*row] - column[own]);
+                before.abs().min(after.abs()) > limit && before * after > 0.0
+            })
+        };
+        let rows: Vec<usize> = far.iter().copied().filter(stands_alone).collect();
+        if is_some_rows(&rows) {
+            take(column, rows, None);
+        }
+    }
+    found
+}
+
+/// The value that most readings share.
+fn most_frequent(column: &[f64]) -> Option<f64> {
+    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
+    for value in column.iter().filter(|value| value.is_finite()) {
+        // a zero has two signs
+        *counts.entry((value + 0.0).to_bits()).or_default() += 1;
+    }
+    let most = counts.into_iter().max_by_key(|(_, count)| *count);
+    most.filter(|(_, count)| *count >= LEAST_DROPOUTS)
+        .map(|(bits, _)| f64::from_bits(bits))
+}
+
+/// Rows that read a value for a moment, which is far from what is read before and after. None where most rows with that value are not such:
+/// then it is one that the channel may have.
+fn moments_at(column: &[f64], runs: &[Range<usize>], value: f64) -> Vec<usize> {
+    let is_it = |row: usize| column[row] == value;
+    let others: Vec<f64> = (column.iter())
+        .map(|own| if *own == value { f64::NAN } else { *own })
+        .collect();
+    let Some(sd) = difference_sd(&others, runs).filter(|sd| *sd > 0.0) else {
+        return Vec::new();
+    };
+    let is_far = |row: usize| (column[row] - value).abs() > DROPOUT_SDS * sd;
+    let mut rows = Vec::new();
+    for run in runs {
+        let mut row = run.start;
+        while row < run.end {
+            let first = row;
+            while row < run.end && is_it(row) {
+                row += 1;
+            }
+            let is_moment = row - first <= LONGEST_DROPOUT_ROWS;
+            if row > first && is_moment && first > run.start && row < run.end {
+                if is_far(first - 1) && is_far(row) {
+                    rows.extend(first..row);
+                }
+            }
+            row = row.max(first + 1);
+        }
+    }
+    let all = (0..column.len()).filter(|row| is_it(*row)).count();
+    match 2 * rows.len() > all {
+        true => rows,
+        false => Vec::new(),
+    }
+}
+
+/// The readings around a row that stay.
+fn neighbours(
+    column: &[f64],
+    gone: &[usize],
+    runs: &[Range<usize>],
+    row: usize,
+) -> Option<(usize, usize)> {
+    let run = runs.iter().find(|run| run.contains(&row))?;
+    let stays = |row: &usize| column[*row].is_finite() && gone.binary_search(row).is_err();
+    let before = (run.start..row).rev().find(stays)?;
+    let after = (row + 1..run.end).find(stays)?;
+    Some((before, after))
+}
+
+/// The line between the readings around a row that stay, and how many rows they are apart.
+fn between(
+    column: &[f64],
+    gone: &[usize],
+    runs: &[Range<usize>],
+    row: usize,
+) -> Option<(f64, usize)> {
+    let (before, after) = neighbours(column, gone, runs, row)?;
+    let share = (row - before) as f64 / (after - before) as f64;
+    let value = column[before] + share * (column[after] - column[before]);
+    Some((value, after - before - 1))
+}
+
+impl Dropouts {
+    fn share(&self) -> f64 {
+        self.rows.len() as f64 / self.readings as f64
+    }
+
+    /// What was left out, in words.
+    pub(crate) fn words(&self) -> String {
+        let what = match self.value {
+            Some(value) => format!("read {value} for moments"),
+            None => "stand alone far from their neighbours".to_owned(),
+        };
+        format!(
+            "{} of {} readings of {} ({:.1} %) {what}: they were left out",
+            self.rows.len(),
+            self.readings,
+            self.channel,
+            100.0 * self.share()
+        )
+    }
+
+    fn cause(&self) -> CauseAnswer {
+        let spec = match self.value {
+            Some(_) => &DROPOUTS,
+            None => &OUTLIERS,
+        };
+        let share = self.share();
+        let sd = (share * (1.0 - share) / self.readings as f64).sqrt();
+        let mut cause = CauseAnswer::named(spec.name, self.joint, DATA_PROBABILITY);
+        let size = ParameterAnswer::normal(share, sd);
+        cause.parameters.insert("share".to_owned(), size);
+        cause
+    }
+
+    /// Adds them to an answer on the log without them. Where that has no gap they are all of the log's.
+    pub(crate) fn name_in(&self, found: &mut Diagnosis) {
+        found.warnings.push(self.words());
+        found.causes.push(self.cause());
+        let rows = self.rows.iter().map(|row| (self.channel.clone(), *row));
+        found.fit_rows.left_out.extend(rows);
+        let is_gap = found.verdict == Verdict::NoGap && found.admission.refusal().is_none();
+        let is_alone = found.causes.len() == 1 && is_gap;
+        let mut channels = found.gap.channels.iter_mut();
+        let Some(own) = channels.find(|own| own.channel == self.channel) else {
+            return;
+        };
+        if is_gap || own.has_gap {
+            own.rms_before = own.rms_before.hypot(self.off_rms);
+        }
+        if is_gap {
+            own.has_gap = true;
+            own.reduction_percent =
+                gap_reduction_percent(own.rms_before, own.rms_after, own.noise_floor);
+            own.no_reduction = None;
+            own.share_of_gap = f64::from(u8::from(is_alone));
+            found.place = Some(Place::new(
+                self.channel.clone(),
+                self.joint,
+                "in what the channel reads, not in the device".to_owned(),
+                [],
+            ));
+            found.verdict = Verdict::Named;
+            found.next_experiment = Some(format!("check {}", self.inspect()));
+        }
+    }
+
+    fn inspect(&self) -> &'static str {
+        match self.value {
+            Some(_) => DROPOUTS.inspect,
+            None => OUTLIERS.inspect,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Torque of a joint in motion with noise of 0.02, made up without a generator of its own.
+    fn torque(rows: usize) -> Vec<f64> {
+        let noise = |row: usize| 0.02 * (7.0 * (row as f64).powi(2)).sin();
+        let of = |row: usize| 3.0 * (0.02 * row as f64).cos() + noise(row);
+        (0..rows).map(of).collect()
+    }
+
+    fn found(column: &[f64]) -> (Vec<f64>, Vec<Dropouts>) {
+        let mut column = column.to_vec();
+        let rows = 0..column.len();
+        let found = taken_out(&mut column, &[rows], true, ("torque1", Some(0)));
+        (column, found)
+    }
+
+    #[test]
+    fn moments_at_zero_and_single_wild_torques_are_told_and_left_out() {
+        let sound = torque(1200);
+        let mut lost = sound.clone();
+        for row in (40..1200).step_by(37) {
+            lost[row] = 0.0;
+            lost[row + 1] = 0.0;
+        }
+        let (left, dropouts) = found(&lost);
+        assert_eq!(dropouts.len(), 1);
+        assert_eq!(dropouts[0].value, Some(0.0));
+        // where the torque itself is about zero nothing tells them
+        assert!(dropouts[0].rows.len() > 50, "{}", dropouts[0].rows.len());
+        let is_mended = |row: &usize| (left[*row] - sound[*row]).abs() < 0.2;
+        assert!(dropouts[0].rows.iter().all(is_mended));
+        assert!(
+            (dropouts[0].off_rms - 0.5).abs() < 0.15,
+            "{}",
+            dropouts[0].off_rms
+        );
+
+        let mut wild = sound.clone();
+        for row in (40..1200).step_by(61) {
+            wild[row] = -wild[row];
+        }
+        let (_, spikes) = found(&wild);
+        assert_eq!(spikes.len(), 1);
+        assert!(spikes[0].value.is_none() && spikes[0].rows.len() > 12);
+        assert!(spikes[0].rows.iter().all(|row| row % 61 == 40));
+    }
+
+    #[test]
+    fn steps_limits_and_rests_are_no_dropouts() {
+        let sound = torque(1200);
+        assert_eq!(found(&sound).1, []);
+        // friction that changes sides, a drive at its limit, a joint that rests
+        let friction =
+            |(row, own): (usize, &f64)| own + if row / 100 % 2 == 0 { 1.0 } else { -1.0 };
+        let reversing: Vec<f64> = sound.iter().enumerate().map(friction).collect();
+        assert_eq!(found(&reversing).1, []);
+        let limited: Vec<f64> = sound.iter().map(|own| own.clamp(-2.0, 2.0)).collect();
+        assert_eq!(found(&limited).1, []);
+        let resting = sound.iter().enumerate();
+        let resting: Vec<f64> = resting
+            .map(|(row, own)| if row / 100 % 3 == 0 { 0.0 } else { *own })
+            .collect();
+        assert_eq!(found(&resting).1, []);
+    }
+}
