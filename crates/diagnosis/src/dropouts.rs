@@ -11,8 +11,8 @@ use haptical_model::{Device, Recording};
 use crate::answer::{CauseAnswer, Diagnosis, ParameterAnswer, Place, Verdict};
 use crate::noise::{difference_sd, outliers};
 use crate::thresholds::admission::{
-    DROPOUT_SDS, FILLED_ROWS, LEAST_DROPOUT_SHARE, LEAST_DROPOUTS, LONGEST_DROPOUT_ROWS,
-    MOST_DROPOUT_SHARE, SPIKE_SDS,
+    DROPOUT_SDS, FILLED_ROWS, LEAST_DROPOUT_SHARE, LEAST_DROPOUTS, LEAST_SPIKE_SHARE,
+    LONGEST_DROPOUT_ROWS, MOST_DROPOUT_SHARE, SPIKE_SDS,
 };
 use crate::thresholds::noise::DATA_PROBABILITY;
 
@@ -83,9 +83,9 @@ fn taken_out(
     (channel, joint): (&str, Option<usize>),
 ) -> Vec<Dropouts> {
     let readings = column.iter().filter(|value| value.is_finite()).count();
-    let is_some_rows = |rows: &[usize]| {
+    let are_some = |rows: &[usize], least: f64| {
         let share = rows.len() as f64 / readings.max(1) as f64;
-        rows.len() >= LEAST_DROPOUTS && (LEAST_DROPOUT_SHARE..MOST_DROPOUT_SHARE).contains(&share)
+        rows.len() >= LEAST_DROPOUTS && (least..MOST_DROPOUT_SHARE).contains(&share)
     };
     let mut found = Vec::new();
     let mut take = |column: &mut [f64], rows: Vec<usize>, value: Option<f64>| {
@@ -110,7 +110,7 @@ fn taken_out(
     };
     if let Some(value) = most_frequent(column) {
         let rows = moments_at(column, runs, value);
-        if is_some_rows(&rows) {
+        if are_some(&rows, LEAST_DROPOUT_SHARE) {
             take(column, rows, Some(value));
         }
     }
@@ -125,7 +125,7 @@ fn taken_out(
             })
         };
         let rows: Vec<usize> = far.iter().copied().filter(stands_alone).collect();
-        if is_some_rows(&rows) {
+        if are_some(&rows, LEAST_SPIKE_SHARE) {
             take(column, rows, None);
         }
     }

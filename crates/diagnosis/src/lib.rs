@@ -32,11 +32,11 @@ mod version;
 pub use answer::BESIDE_TORQUES;
 pub use answer::BOOTSTRAP_SEED;
 pub use answer::{
-    AbsorbedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap, CorrectionAnswer, Dependence,
-    Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer, Hint, IN_NO_CATALOGUE, Invisible,
-    MovedNumber, NoReduction, NoiseAnswer, Over, ParameterAnswer, Place, Prediction, Provenance,
-    Refusal, RefusedCorrection, SECOND_RECORDING, SecondAnswer, SecondChannel, StepAnswer, Trace,
-    Untestable, Verdict, Whiteness,
+    AbsorbedAnswer, AdjustedAnswer, Asked, CandidateAnswer, CauseAnswer, ChannelGap,
+    CorrectionAnswer, Dependence, Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer, Hint,
+    IN_NO_CATALOGUE, Invisible, MovedNumber, NoReduction, NoiseAnswer, Over, OwnModel,
+    ParameterAnswer, Place, Prediction, Provenance, Refusal, RefusedCorrection, SECOND_RECORDING,
+    SecondAnswer, SecondChannel, StepAnswer, Trace, Untestable, Verdict, Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

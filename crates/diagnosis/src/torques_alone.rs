@@ -151,6 +151,8 @@ pub(crate) fn diagnose(
     let provenance = Provenance::new(recording.len(), force.numbers, force.tested, options);
     Ok(Diagnosis {
         admission: force.admission.clone(),
+        adjusted: force.adjusted.clone(),
+        own_model: force.own_model.clone(),
         not_in_file: not_held,
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: (force.course.iter())

@@ -4,6 +4,7 @@ use haptical_linalg::dot;
 use haptical_model::{Device, Recording};
 
 use crate::MotionError;
+use crate::adjusted::{adjusted, as_described};
 use crate::arm::Arm;
 use crate::dependence::{dependences, share_of_posture};
 use crate::effect::delay::ENCODER_LATENCY;
@@ -351,6 +352,8 @@ fn examined(
         left_of_second: None,
         is_push_contradicted: false,
         free_armatures: free.collect(),
+        adjusted: adjusted(base, &selection.fitted),
+        as_described: as_described(problem, base),
         other_friction: base.other_friction(solution, rows),
         has_memory: problem.has_memory,
         above_hz: None,

@@ -1,6 +1,7 @@
 //! What was examined of a motion, and whether its causes are an answer.
 
 use crate::MotionError;
+use crate::adjusted::Adjusted;
 use crate::change::Change;
 use crate::dependence::Dependence;
 use crate::effect::{contact, is_exact, is_of_own_joint, joint_compliance};
@@ -52,6 +53,10 @@ pub struct Examined {
     pub is_push_contradicted: bool,
     /// Joints whose armature no device file states, with the one that was fitted \[kg m^2\].
     pub free_armatures: Vec<(usize, f64)>,
+    /// Friction and armature of the drives as they were fitted, which counts as calibration.
+    pub adjusted: Vec<Adjusted>,
+    /// What the description leaves of each joint's torque as it is, nothing adjusted: joint, from 0, and root mean square.
+    pub as_described: Vec<(usize, f64)>,
     /// Joints whose friction differs from that of the device's file by more than a quarter and more than noise, with how many times that it is.
     pub other_friction: Vec<(usize, f64)>,
     /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.

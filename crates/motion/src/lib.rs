@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod adjusted;
 mod arm;
 mod between;
 mod change;
@@ -25,6 +26,7 @@ mod thresholds;
 mod tracking;
 mod unseen;
 
+pub use adjusted::Adjusted;
 pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};
 pub use change::Change;
 pub use dependence::{Dependence, Quantity};

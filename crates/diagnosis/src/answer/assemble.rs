@@ -140,6 +140,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     said.extend(without_name.map(|own| unexplained_place(&own.answer, &gap)));
     Ok(Diagnosis {
         admission: admission::of_positions(&findings, verdict),
+        adjusted: findings.force.adjusted.clone(),
+        own_model: findings.force.own_model.clone(),
         verdict,
         gap,
         next_experiment: (untold.map(|_| WEIGH.to_owned()))
@@ -427,6 +429,8 @@ impl Diagnosis {
             },
             verdict,
             admission: Admission::default(),
+            adjusted: Vec::new(),
+            own_model: Vec::new(),
             gap,
             place: None,
             causes,

@@ -1,5 +1,6 @@
 //! The answer: gap.json (docs/diagnosis.md), and what a report draws.
 
+mod adjusted;
 mod advice;
 mod assemble;
 mod cause;
@@ -23,6 +24,7 @@ pub use haptical_judge::Verdict;
 use haptical_model::Device;
 use serde::Serialize;
 
+pub use self::adjusted::{AdjustedAnswer, OwnModel};
 pub use self::cause::{AbsorbedAnswer, CauseAnswer, MovedNumber, ParameterAnswer};
 pub use self::correction::{CorrectionAnswer, Refusal, RefusedCorrection};
 pub use self::floor::NoReduction;
@@ -57,6 +59,12 @@ pub struct Diagnosis {
     pub verdict: Verdict,
     /// Whether there may be a verdict: four questions.
     pub admission: Admission,
+    /// What was fitted before anything was judged, and counts as calibration: friction and armature of a moving arm's drives.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub adjusted: Vec<AdjustedAnswer>,
+    /// How far the device file as it is was off, and what is left, channel by channel.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub own_model: Vec<OwnModel>,
     /// Every channel's gap.
     pub gap: Gap,
     /// Where it lies; none without a gap.

@@ -5,7 +5,7 @@ use haptical_model::Device;
 use haptical_motion::Examined;
 
 use super::warnings::of_doubt;
-use crate::thresholds::admission::LEAST_MOTION_S;
+use crate::thresholds::admission::{FOLLOWED, LEAST_MOTION_S};
 
 /// The four questions.
 pub(super) fn admission(device: &Device, examined: &Examined) -> Admission {
@@ -33,6 +33,14 @@ fn belongs(device: &Device, examined: &Examined) -> Check {
         .filter_map(|own| Some((own.joint, own.scale?)));
     let loudest = scales.max_by(|a, b| a.1.heard.total_cmp(&b.1.heard));
     match loudest {
+        Some((joint, scale)) if scale.explained < FOLLOWED => Check::no(
+            format!(
+                "log and device do not belong together: the links, friction and rotor explain {:.1} % of the largest torque, that of joint {}",
+                100.0 * scale.explained,
+                joint + 1
+            ),
+            "take the log of this device, or the device file of this log: check joints, units and signs",
+        ),
         Some((joint, scale)) => Check::yes(format!(
             "the links, friction and rotor explain {:.1} % of the largest torque, that of joint {}",
             100.0 * scale.explained,
@@ -82,7 +90,7 @@ fn enough(time_s: &[f64]) -> Check {
     steps.sort_by(f64::total_cmp);
     let usual_s = steps.get(steps.len() / 2).copied().unwrap_or_default();
     let length_s = usual_s * time_s.len() as f64;
-    let figure = format!("{length_s:.1} s of motion");
+    let figure = format!("{length_s:.2} s of motion");
     match length_s < LEAST_MOTION_S {
         true => Check::no(
             format!("{figure} are too little: {LEAST_MOTION_S} s are needed"),

@@ -141,6 +141,8 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
         closed_unseen_share: (examined.closed_unseen_share()).filter(|_| examined.is_partial()),
         candidates: refused(words),
         admission: admission::admission(words.device, examined),
+        adjusted: words.adjusted(),
+        own_model: words.own_model(),
         changes: match is_adequate {
             true => (examined.findings.iter())
                 .filter_map(|own| own.change)

@@ -6,8 +6,8 @@ use haptical_model::{Device, JointType};
 use haptical_motion::{ChannelFit, Dependence, Examined, Finding, MotionError, Quantity, Unseen};
 
 use crate::answer::{
-    CauseAnswer, ChannelGap, Floor, HeldOutAnswer, NoReduction, OnSecond, ParameterAnswer, Trace,
-    held_out, not_predicted,
+    AdjustedAnswer, CauseAnswer, ChannelGap, Floor, HeldOutAnswer, NoReduction, OnSecond, OwnModel,
+    ParameterAnswer, Trace, held_out, not_predicted,
 };
 use crate::force::answer::Followed;
 use crate::noise::NoiseSource;
@@ -249,6 +249,64 @@ impl<'e> Words<'e> {
             )
         });
         said.collect()
+    }
+
+    /// Numbers of the drives that were fitted, next to those of the file.
+    pub(super) fn adjusted(&self) -> Vec<AdjustedAnswer> {
+        let all = self.examined.adjusted.iter();
+        all.map(|own| {
+            let joint = &self.device.joints[own.joint];
+            let before = match own.number {
+                "armature_kgm2" => joint.armature_kgm2,
+                number => Some(self.in_file(own.joint, number)),
+            };
+            let name = self.number_name(Some(own.joint), own.number);
+            let after = own.of_file * before.unwrap_or(0.0) + own.more;
+            AdjustedAnswer::new(
+                &name,
+                own.joint,
+                before,
+                ParameterAnswer::normal(after, own.sd),
+            )
+        })
+        .collect()
+    }
+
+    /// A number of a drive's friction as effects of the file have it; 0 without.
+    fn in_file(&self, joint: usize, number: &str) -> f64 {
+        let effects = self.device.effects.iter();
+        let own = effects.filter(|own| own.joint == Some(joint));
+        own.filter_map(|own| own.numbers.get(number))
+            .fold(0.0, |sum, own| sum + own)
+    }
+
+    /// How far the file as it is was off, and what is left on unseen rows, or those of the fit where there are none.
+    pub(super) fn own_model(&self) -> Vec<OwnModel> {
+        let all = self.examined.as_described.iter();
+        all.filter_map(|(joint, rms)| {
+            let mut channels = self.examined.channels.iter();
+            let own = channels.find(|own| own.joint == *joint)?;
+            let mut unseen = self.examined.unseen.iter();
+            let unseen = unseen.find(|own| own.joint == *joint);
+            let left = match unseen.filter(|own| own.rows_in_all() > 0) {
+                Some(unseen) => {
+                    let sums = match self.is_adequate {
+                        true => &unseen.after,
+                        false => &unseen.before,
+                    };
+                    (sums.iter().sum::<f64>() / unseen.rows_in_all() as f64).sqrt()
+                }
+                None if self.is_adequate => own.rms_after,
+                None => own.rms_before,
+            };
+            Some(OwnModel {
+                channel: self.channel(*joint),
+                unit: self.unit(*joint).to_owned(),
+                rms_before: *rms,
+                rms_after: left,
+            })
+        })
+        .collect()
     }
 
     /// What the second recording shows, where it was predicted.

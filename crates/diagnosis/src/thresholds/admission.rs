@@ -5,8 +5,10 @@
 pub(crate) const MOST_MISSED: f64 = 0.2;
 /// Least root mean square by which a channel varies to be asked \[rad or m\]: below it a wrong zero or play is a large part of it.
 pub(crate) const LEAST_SPREAD: f64 = 0.01;
+/// Share of the variance of the largest torque that links, friction and rotor explain at least: torques of another log leave more.
+pub(crate) const FOLLOWED: f64 = 0.5;
 /// Least length of a motion whose torques are judged \[s\]: of 2 s of an elastic rope three causes had names.
-pub(crate) const LEAST_MOTION_S: f64 = 5.0;
+pub(crate) const LEAST_MOTION_S: f64 = 4.0;
 /// Standard deviations of the noise, by second differences, from which a step to one value and back is none of the motion, and one from
 /// which a single reading stands alone.
 pub(crate) const DROPOUT_SDS: f64 = 8.0;
@@ -14,6 +16,8 @@ pub(crate) const SPIKE_SDS: f64 = 15.0;
 /// Fewest such readings, their least share and their largest.
 pub(crate) const LEAST_DROPOUTS: usize = 3;
 pub(crate) const LEAST_DROPOUT_SHARE: f64 = 0.002;
+/// The same of single wild readings: a knock is one, too.
+pub(crate) const LEAST_SPIKE_SHARE: f64 = 0.005;
 pub(crate) const MOST_DROPOUT_SHARE: f64 = 0.5;
 /// Most rows of a moment that is filled in between its neighbours, in a torque.
 pub(crate) const FILLED_ROWS: usize = 4;

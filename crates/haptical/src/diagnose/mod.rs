@@ -1,6 +1,7 @@
 //! Diagnosis: what a calibration leaves, which effect causes it, and how much of it that effect closes.
 
 mod absorbed;
+mod adjusted;
 #[cfg(test)]
 mod agreement_tests;
 mod corrected;

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis};
 
 use crate::diagnose::absorbed::absorbed_sentence;
+use crate::diagnose::adjusted::adjusted;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
     closed, held_out_answer, held_out_sizes, listed, named_at, not_in_file, parameters, percent,
@@ -55,6 +56,9 @@ pub(super) fn text(diagnosis: &Diagnosis, repaired: Option<&str>, room: Room) ->
         said.push("absorbed", &absorbed, 3);
     }
     said.held_out(diagnosis);
+    if let Some(words) = adjusted(diagnosis) {
+        said.push("adjusted", &words, 3);
+    }
     if let Some(words) = not_in_file(diagnosis) {
         said.push("file", &words, 1);
     }

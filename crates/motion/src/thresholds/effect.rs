@@ -29,8 +29,7 @@ pub(crate) const MOST_OF_ROD: f64 = 1.0;
 pub(crate) const MOST_GAIN: f64 = 0.95;
 
 // `effect::joint_offset`
-/// Angle, or travel, that it is linear about at first, and the largest that is a zero of the same joint \[rad\] or \[m\].
-pub(crate) const SMALL_OFFSET_RAD: f64 = 1e-3;
+/// Largest angle, or travel, that is a zero of the same joint \[rad\] or \[m\].
 pub(crate) const MOST_OFFSET_RAD: f64 = 0.5;
 
 // `effect::cross_coupling`

@@ -16,8 +16,8 @@ use super::select::Pick;
 use super::{Means, Model, gravity, grip};
 use crate::Result;
 use crate::answer::{
-    CandidateAnswer, CauseAnswer, ChannelGap, HeldOutAnswer, NoReduction, OnSecond, Trace,
-    Untestable,
+    AdjustedAnswer, CandidateAnswer, CauseAnswer, ChannelGap, HeldOutAnswer, NoReduction, OnSecond,
+    OwnModel, Trace, Untestable,
 };
 use crate::select::{excess, misfit};
 use crate::thresholds::torque::{
@@ -33,6 +33,9 @@ pub(crate) struct ForceAnswer {
     pub(crate) findings: Vec<CauseAnswer>,
     /// Whether there may be a verdict.
     pub(crate) admission: Admission,
+    /// What was fitted before it was judged, and how far the description was off without.
+    pub(crate) adjusted: Vec<AdjustedAnswer>,
+    pub(crate) own_model: Vec<OwnModel>,
     /// What was found and is no answer, and why.
     pub(crate) candidates: Vec<CandidateAnswer>,
     /// Effects that the recording cannot test, and why.

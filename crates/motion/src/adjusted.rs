@@ -1,0 +1,76 @@
+//! What the base model adjusts before anything is judged: friction and rotors of the drives, and how far the description was off without.
+
+use haptical_linalg::dot;
+
+use crate::fit::base::{Base, Term};
+use crate::fit::problem::Problem;
+use crate::select::Fitted;
+
+/// A number of a drive that was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adjusted {
+    /// Joint, from 0.
+    pub joint: usize,
+    /// Its name, with its unit: `coulomb_nm`, `viscous_nm_s_per_rad`, `armature_kgm2`.
+    pub number: &'static str,
+    /// What it is beyond `of_file` times the file's.
+    pub more: f64,
+    /// Standard deviation of that, what the fit leaves allowed for.
+    pub sd: f64,
+    /// Share of the file's that was kept.
+    pub of_file: f64,
+}
+
+/// Friction and armature of each joint as they were fitted.
+pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
+    let solution = &fitted.solved.solution;
+    let mut found = Vec::new();
+    let mut columns = Vec::new();
+    for (index, own) in base.columns.iter().enumerate() {
+        let (joint, number) = match own.term {
+            Term::Coulomb { joint } => (joint, "coulomb_nm"),
+            Term::Viscous { joint } => (joint, "viscous_nm_s_per_rad"),
+            Term::Armature { joint } => (joint, "armature_kgm2"),
+            _ => continue,
+        };
+        let mut of_file = 1.0;
+        for (share, other) in solution.iter().zip(&base.columns) {
+            let is_own = matches!(other.term, Term::FileFriction { joint: of, .. } if of == joint);
+            if is_own && number != "armature_kgm2" {
+                of_file = *share;
+            }
+        }
+        columns.push(index);
+        found.push(Adjusted {
+            joint,
+            number,
+            more: solution[index],
+            sd: 0.0,
+            of_file,
+        });
+    }
+    let rest = &fitted.solved.rest;
+    let misfit = (dot(rest, rest) / rest.len().max(1) as f64).max(1.0);
+    let covariance = fitted.solved.covariance(&columns);
+    for (at, own) in found.iter_mut().enumerate() {
+        own.sd = (covariance[(at, at)] * misfit).max(0.0).sqrt();
+    }
+    found
+}
+
+/// Root mean square of what the description leaves of each joint's torque as it is, nothing adjusted; joint by joint, in the torque's unit.
+pub(crate) fn as_described(problem: &Problem, base: &Base) -> Vec<(usize, f64)> {
+    let mut left = problem.recorded(0.0);
+    for own in &base.columns {
+        if matches!(own.term, Term::FileFriction { .. }) {
+            own.column.add_to(&mut left, -1.0);
+        }
+    }
+    let rows = problem.states.rows();
+    let channels = problem.channels.iter().zip(left.chunks(rows));
+    let rms = |(joint, left): (&usize, &[f64]), sd: &f64| {
+        (*joint, sd * (dot(left, left) / rows as f64).sqrt())
+    };
+    let all = channels.zip(&problem.row_sd);
+    all.map(|(channel, sd)| rms(channel, sd)).collect()
+}
