@@ -344,6 +344,7 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
     }
     let joint = Joint {
         name: joint.name.clone(),
+        is_named: true,
         joint_type,
         lower_rad: lower,
         upper_rad: upper,

@@ -99,6 +99,7 @@ pub(crate) fn read_joint(
         name: section
             .text("name")?
             .map_or_else(|| (index + 1).to_string(), str::to_owned),
+        is_named: section.has("name"),
         joint_type,
         home_rad: home.unwrap_or(0.0),
         lower_rad: lower,

@@ -17,6 +17,7 @@ mod masses;
 mod mjcf_patch;
 mod mjcf_read;
 mod motion;
+mod names;
 mod pinocchio;
 mod random;
 mod refusals;

@@ -195,7 +195,7 @@ fn hand_table(hand: &Hand) -> Table {
 
 fn joint_table(joint: &Joint) -> Table {
     let mut joint_table = table([
-        ("name", text(&joint.name)),
+        ("name", text(&joint.name).filter(|_| joint.has_own_name())),
         ("type", text(word_for(JOINT_TYPES, &joint.joint_type))),
     ]);
     let limits = [

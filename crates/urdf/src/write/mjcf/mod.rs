@@ -12,8 +12,9 @@ use crate::UrdfError;
 use crate::numbers::{commented, escaped, written};
 use crate::write::effects::{Effects, YieldKind};
 use crate::write::mjcf::dynamics::{RowDynamics, row_dynamics};
+use crate::write::names::{joint_names, said_of_renamed};
 use crate::write::not_carried::{self, Form, not_carried};
-use crate::write::urdf::{FAR, joint_names, scaled};
+use crate::write::urdf::{FAR, scaled};
 use haptical_model::RowBody;
 use haptical_model::Segments;
 
@@ -324,6 +325,7 @@ impl Model<'_> {
     /// What the file makes up or leaves out.
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.not_carried();
+        warnings.extend(said_of_renamed(self.device, &self.names));
         warnings.extend(scaled(self.device));
         let keys = "mass_kg, centre_of_mass_m, inertia_kgm2";
         warnings.extend(RowBody::said_of_plausible(&self.bodies, keys, |_| true));
