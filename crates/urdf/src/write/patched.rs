@@ -219,10 +219,12 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
 
     /// Puts masses into a link's body; none where it is between two joints of one body and has no element of its own.
     fn weigh(&self, own: &Weighed, text: &str) -> Option<Edit> {
-        let link = &self.robot.links[own.link];
-        let node = self.element(link.place).filter(|node| {
-            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == link.name)
-        })?;
+        let place = self.robot.links[own.link].place;
+        // the links between a body's joints are before its own
+        let mut links = self.robot.links.iter();
+        let is_own = links.rposition(|link| link.place == place) == Some(own.link);
+        let node = self.element(place);
+        let node = node.filter(|node| is_own && node.has_tag_name("body"))?;
         Some(put(text, node, "inertial", &mjcf_element(&own.inertia)))
     }
 

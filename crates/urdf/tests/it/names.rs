@@ -80,3 +80,47 @@ fn a_name_that_cannot_be_kept_is_said_with_the_new_one() {
         assert!(!said.contains("elbow"), "{said}");
     }
 }
+
+/// A body or a joint without a name, next to those that have the name which is made up for it.
+#[test]
+fn made_up_names_are_free() {
+    let inertial = "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>";
+    let text = |bodies: [&str; 2], joints: [&str; 2]| {
+        format!(
+            "<mujoco><worldbody><body {}><joint {} axis=\"0 0 1\"/>{inertial}<body {} pos=\"1 0 0\"><joint {}/>{inertial}\
+             <site name=\"tip\"/></body></body></worldbody></mujoco>",
+            bodies[0], joints[0], bodies[1], joints[1]
+        )
+    };
+    let joints = |text: &str| -> Vec<String> {
+        let read = read(text, BaseAndTip::to("tip"));
+        read.device.joints.into_iter().map(|own| own.name).collect()
+    };
+    let (named, none) = (["name=\"a\"", "name=\"b\""], ["", "name=\"\""]);
+    assert_eq!(
+        joints(&text(named, ["", "name=\"joint1\""])),
+        ["joint1_", "joint1"]
+    );
+    assert_eq!(
+        joints(&text(named, ["name=\"joint2\"", ""])),
+        ["joint2", "joint2_"]
+    );
+    assert_eq!(joints(&text(named, none)), ["joint1", "joint2"]);
+    for bodies in [["", "name=\"body1\""], ["name=\"body2\"", ""], none] {
+        assert_eq!(
+            joints(&text(bodies, ["name=\"j\"", "name=\"k\""])),
+            ["j", "k"],
+            "{bodies:?}"
+        );
+    }
+    // a site before the body that has no name
+    let site = text(["", ""], none).replacen("<worldbody>", "<worldbody><site name=\"body1\"/>", 1);
+    assert_eq!(joints(&site), ["joint1", "joint2"]);
+    // what is between two joints of one body is a link too
+    let two = "<mujoco><worldbody><body name=\"a\"><joint name=\"j\"/><joint name=\"k\" axis=\"1 0 0\"/>\
+               <body name=\"a/j\"><joint name=\"l\"/></body></body></worldbody></mujoco>";
+    assert_eq!(
+        joints(&two.replace("</body></body>", "<site name=\"tip\"/></body></body>")),
+        ["j", "k", "l"]
+    );
+}

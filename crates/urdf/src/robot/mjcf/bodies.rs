@@ -35,7 +35,11 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     link_names: BTreeSet<String>,
     /// Names that bodies have: a site of the same name is no link.
     body_names: BTreeSet<&'d str>,
+    /// Names of bodies and sites in the file: what is made up is none of them.
+    stated_links: BTreeSet<&'d str>,
     pub(crate) joint_names: BTreeSet<String>,
+    /// Names of joints in the file.
+    pub(crate) stated_joints: BTreeSet<&'d str>,
     bodies: usize,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
@@ -51,12 +55,10 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             robot,
             references: References::new(),
             link_names: BTreeSet::new(),
-            body_names: (mjcf.reader.document.descendants())
-                .filter(|node| node.has_tag_name("body"))
-                .filter_map(|node| node.attribute("name"))
-                .chain([WORLD])
-                .collect(),
+            body_names: mjcf.stated(&["body"]).chain([WORLD]).collect(),
+            stated_links: mjcf.stated(&["body", "site"]).chain([WORLD]).collect(),
             joint_names: BTreeSet::new(),
+            stated_joints: mjcf.stated(&["joint", "freejoint"]).collect(),
             bodies: 0,
             of_geoms: Vec::new(),
             no_ends: Vec::new(),
@@ -157,9 +159,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     ) -> Result<(Vec<Part<'d, 'input>>, usize)> {
         let node = part.own.node;
         self.bodies += 1;
-        let name = match node.attribute("name") {
+        let name = match name_of(node) {
             Some(name) => name.to_owned(),
-            None => format!("body{}", self.bodies),
+            None => self.free_link(format!("body{}", self.bodies)),
         };
         let place = format!("body `{name}`");
         let pose = then(&part.frame, &self.mjcf.pose(&part.own, &place)?);
@@ -202,7 +204,7 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     /// Adds a site with a name, as a link that a chain may end at.
     fn site(&mut self, part: &Part<'d, 'input>, parent: usize) -> Result<()> {
         let node = part.own.node;
-        let Some(name) = node.attribute("name") else {
+        let Some(name) = name_of(node) else {
             return Ok(());
         };
         let place = format!("site `{name}`");
@@ -239,6 +241,14 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         Ok(child)
     }
 
+    /// A made-up name of a link that the file and what is read of it do not have.
+    pub(crate) fn free_link(&self, mut name: String) -> String {
+        while self.stated_links.contains(name.as_str()) || self.link_names.contains(&name) {
+            name.push('_');
+        }
+        name
+    }
+
     pub(crate) fn link(&mut self, name: String, place: usize) -> Result<usize> {
         if !self.link_names.insert(name.clone()) {
             let name: String = name.chars().take(60).collect();
@@ -267,6 +277,11 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         self.robot.joints.push(joint);
         Ok(index)
     }
+}
+
+/// The name of an element; an empty one is none, as for MuJoCo.
+pub(crate) fn name_of<'d>(node: Element<'d, '_>) -> Option<&'d str> {
+    node.attribute("name").filter(|name| !name.is_empty())
 }
 
 /// A joint that is only placed.
@@ -298,6 +313,13 @@ pub(crate) fn bare(
 }
 
 impl<'d> Mjcf<'d, '_> {
+    /// Names that elements of these kinds have.
+    fn stated(&self, tags: &'static [&'static str]) -> impl Iterator<Item = &'d str> + use<'d> {
+        let all = self.reader.document.descendants();
+        let own = all.filter(|node| tags.contains(&node.tag_name().name()));
+        own.filter_map(name_of)
+    }
+
     /// The class that an element names.
     fn named(&self, node: Element<'_, '_>, key: &'static str, around: ClassId) -> Result<ClassId> {
         self.classes.named(&self.reader, node, key, around)
