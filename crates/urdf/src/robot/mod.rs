@@ -3,6 +3,7 @@
 mod limits;
 pub(crate) mod mjcf;
 pub(crate) mod parse;
+mod quaternions;
 pub(crate) mod xml;
 
 use std::ops::Range;
@@ -20,7 +21,7 @@ pub(crate) struct Robot {
     pub(crate) end: Option<usize>,
     /// Gravity in the root's frame \[m/s^2\], where the file states another one than (0, 0, -9.81).
     pub(crate) stated_gravity_mps2: Option<[f64; 3]>,
-    /// What was left out of an MJCF.
+    /// What was left out.
     pub(crate) notes: Vec<String>,
     /// Joints of an MJCF in the order of its positions, with those that others yield by.
     pub(crate) coordinates: Vec<Coordinates>,

@@ -24,3 +24,4 @@ mod refusals;
 mod structure;
 mod support;
 mod trees;
+mod urdf_read;
