@@ -3,6 +3,7 @@
 mod limits;
 pub(crate) mod mjcf;
 pub(crate) mod parse;
+pub(crate) mod prefixes;
 mod quaternions;
 pub(crate) mod xml;
 
@@ -10,6 +11,8 @@ use std::ops::Range;
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Matrix3;
+
+use crate::robot::prefixes::without_prefixes;
 
 /// Links and joints in the order of the file.
 #[derive(Debug, Clone, Default)]
@@ -142,7 +145,8 @@ impl RobotJoint {
 
 /// Reads a URDF or, by its outermost element, an MJCF; `file` names it in errors.
 pub(crate) fn read_any(text: &str, file: &str) -> xml::Result<Robot> {
-    let document = xml::document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = xml::document(&plain, file)?;
     match document.root_element().tag_name().name() {
         "mujoco" => mjcf::parse(text, file),
         _ => parse::parse(text, file),

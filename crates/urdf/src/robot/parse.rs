@@ -7,12 +7,14 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::UrdfError;
 use crate::numbers::ONE_NUMBER;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, Reader, Result, document, elements};
 use crate::robot::{Inertial, Mimic, Robot, RobotJoint, RobotJointType, RobotLink};
 
 /// Reads a URDF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let reader = Reader {
         document: &document,
         file,

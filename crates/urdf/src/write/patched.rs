@@ -12,6 +12,7 @@ use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, armature as armature_of};
 use crate::numbers::{escaped, written};
 use crate::robot::mjcf::frames::ORIENTATIONS;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
@@ -87,7 +88,8 @@ pub fn corrected_mjcf(
         rows,
         mut warnings,
     } = read;
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let patch = Patch {
         device,
         robot: &robot,

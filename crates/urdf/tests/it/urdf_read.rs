@@ -112,3 +112,41 @@ fn a_corrected_urdf_has_one_rotation_in_each_origin() {
     let off = gap(&pose(&again, &[0.3]), &pose(&device, &[0.3]));
     assert!(off < 1e-14, "{off:e}");
 }
+
+#[test]
+fn prefixes_that_nobody_declares_are_names_as_they_are() {
+    let text = lever(V, "rpy=\"0 0 0\"");
+    let known = read(&text).device;
+    // none of these is a joint or a link of the robot, declared or not
+    let strange = text
+        .replacen("<link name=\"a\"/>", "<gazebo><sensor:camera sensor:é=\"&gt;:\" name='x:\"y'/></gazebo>\n<link name=\"a\" drake:a=\"1\"/>", 1)
+        .replacen("</robot>", "<drake:joint name=\"j\" xmlns:drake=\"x\"/><a:b:link name=\"a\"/><!-- <q:r> --></robot>", 1);
+    let found = read(&strange);
+    assert_eq!(found.device, known);
+    assert!(found.warnings.is_empty(), "{:?}", found.warnings);
+    // places are those of the user's text
+    let wrong = strange.replacen("0.2 0.1 0", "0.2 0.1", 1);
+    let said = refused(&wrong);
+    assert!(said.starts_with("lever.urdf:8:"), "{said}");
+    assert!(said.contains("joint `f`: xyz is \"0.2 0.1\""), "{said}");
+    // and what is written is the user's text but for the numbers
+    let mut device = known;
+    device.links[1].d_m = 0.002;
+    let written = |text: &str| {
+        let ends = BaseAndTip::to("tip");
+        corrected_urdf(text, "lever.urdf", ends, &device)
+            .unwrap()
+            .text
+    };
+    let (before, after) = (written(&text), written(&strange));
+    assert_ne!(before, text);
+    let added = |text: &str, other: &str| text.len() - other.len();
+    assert_eq!(added(&after, &before), added(&strange, &text));
+    for part in [
+        "<sensor:camera sensor:é=\"&gt;:\" name='x:\"y'/>",
+        "drake:a=\"1\"",
+        "<a:b:link name=\"a\"/><!-- <q:r> --></robot>",
+    ] {
+        assert!(after.contains(part), "{after}");
+    }
+}

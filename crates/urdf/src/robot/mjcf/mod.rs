@@ -16,6 +16,7 @@ use crate::robot::mjcf::bodies::Bodies;
 use crate::robot::mjcf::classes::{ClassId, Classes};
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::efforts::{Efforts, efforts};
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, Reader, Result, document, elements};
 
 /// An MJCF with what its elements depend on.
@@ -40,7 +41,8 @@ pub(crate) struct Attributes<'d, 'input> {
 
 /// Reads an MJCF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let reader = Reader {
         document: &document,
         file,
