@@ -3,6 +3,7 @@
 pub(crate) mod dynamics;
 mod sections;
 pub(crate) mod snippet;
+mod weightless;
 
 use std::fmt::Write;
 
@@ -12,6 +13,7 @@ use crate::UrdfError;
 use crate::numbers::{commented, escaped, written};
 use crate::write::effects::{Effects, YieldKind};
 use crate::write::mjcf::dynamics::{RowDynamics, row_dynamics};
+use crate::write::mjcf::weightless::set_weightless;
 use crate::write::names::{joint_names, said_of_renamed};
 use crate::write::not_carried::{self, Form, not_carried};
 use crate::write::urdf::{FAR, scaled};
@@ -69,7 +71,8 @@ struct Model<'d> {
 pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let segments = Segments::of_device(device)?;
     let names = joint_names(device, segments.rows.len());
-    let bodies = RowBody::of_rows(device, &segments);
+    let mut bodies = RowBody::of_rows(device, &segments);
+    set_weightless(&mut bodies, device, &segments);
     let effects = Effects::new(device);
     let gravity = device.gravity_mps2.unwrap_or(GRAVITY_MPS2);
     let (rows, step_s) = row_dynamics(device, &segments, &bodies, &effects, &gravity);
