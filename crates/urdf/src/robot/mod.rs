@@ -26,6 +26,8 @@ pub(crate) struct Robot {
     pub(crate) stated_gravity_mps2: Option<[f64; 3]>,
     /// What was left out.
     pub(crate) notes: Vec<String>,
+    /// Attributes of an MJCF's `<compiler>` that change the masses of its bodies.
+    pub(crate) mass_rules: Vec<&'static str>,
     /// Joints of an MJCF in the order of its positions, with those that others yield by.
     pub(crate) coordinates: Vec<Coordinates>,
     /// What 1 is in angles of an MJCF \[rad\].

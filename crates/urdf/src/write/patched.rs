@@ -134,7 +134,14 @@ pub fn corrected_mjcf(
         edits.extend(patch.drive(&effects, joint, own, armature));
     }
     warnings.extend(unweighed);
-    for own in &weighed {
+    if !(robot.mass_rules.is_empty() || weighed.is_empty()) {
+        warnings.push(format!(
+            "{file}: masses are not put in, because {} of <compiler> changes them: take it out, with the masses that MuJoCo has \
+             compiled",
+            robot.mass_rules.join(", ")
+        ));
+    }
+    for own in weighed.iter().filter(|_| robot.mass_rules.is_empty()) {
         match patch.weigh(own, text) {
             Some(edit) => edits.push(edit),
             None => warnings.push(format!(

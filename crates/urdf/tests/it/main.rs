@@ -14,6 +14,7 @@ mod described;
 mod hands;
 mod inertials;
 mod masses;
+mod mjcf_masses;
 mod mjcf_patch;
 mod mjcf_read;
 mod motion;

@@ -6,6 +6,7 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::robot::mjcf::classes::{ClassId, Classes};
+use crate::robot::mjcf::masses::MassOf;
 use crate::robot::mjcf::{Attributes, Mjcf, References};
 use crate::robot::xml::{Element, Result, elements};
 use crate::robot::{Inertial, PlacedBy, Robot, RobotJoint, RobotJointType, RobotLink};
@@ -41,6 +42,10 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     /// Names of joints in the file.
     pub(crate) stated_joints: BTreeSet<&'d str>,
     bodies: usize,
+    /// What the file's bodies weigh.
+    masses: Vec<MassOf>,
+    /// Whether every body is written out.
+    is_whole: bool,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
     /// Sites that share a name, or have no place.
@@ -60,6 +65,8 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             joint_names: BTreeSet::new(),
             stated_joints: mjcf.stated(&["joint", "freejoint"]).collect(),
             bodies: 0,
+            masses: Vec::new(),
+            is_whole: true,
             of_geoms: Vec::new(),
             no_ends: Vec::new(),
         };
@@ -84,6 +91,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             }
         }
         bodies.say_what_is_left_out();
+        let (file, is_whole) = (mjcf.reader.file, bodies.is_whole);
+        let rules = mjcf.compiler.masses;
+        rules.apply(bodies.robot, &bodies.masses, is_whole, file);
         Ok(bodies.references)
     }
 
@@ -132,6 +142,7 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 continue;
             }
             if NOT_READ.contains(&tag) {
+                self.is_whole = false;
                 let at = mjcf.reader.position_at(node.range().start);
                 self.robot
                     .notes
@@ -174,12 +185,19 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         };
         let link = self.behind_joints(&name, &parts, (parent, pose, placed_by))?;
         let has = |tag: &str| parts.iter().find(|part| part.own.node.has_tag_name(tag));
-        match has("inertial") {
+        let inertial = has("inertial");
+        self.masses.push(MassOf {
+            link,
+            place_m: pose.position_m,
+            is_of_geoms: inertial.is_none() && has("geom").is_some(),
+        });
+        match inertial {
             Some(inertial) => {
                 self.robot.links[link].inertial = Some(self.mjcf.inertial(&inertial.own, &place)?);
                 self.weightless_between(parent, link);
             }
             None if has("geom").is_some() => self.of_geoms.push(format!("`{name}`")),
+            None if self.mjcf.compiler.masses.has_bounds() => self.weightless_between(parent, link),
             None => {}
         }
         Ok((parts, link))

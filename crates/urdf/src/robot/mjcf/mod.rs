@@ -7,6 +7,7 @@ mod compiler;
 mod efforts;
 pub(crate) mod frames;
 mod joints;
+mod masses;
 
 use std::collections::{BTreeMap, BTreeSet};
 
