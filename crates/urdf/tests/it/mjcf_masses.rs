@@ -144,3 +144,27 @@ fn masses_are_not_put_into_a_file_whose_compiler_changes_them() {
         "{said}"
     );
 }
+
+/// MuJoCo adds what holds the weight of a body; a drive's torque then lacks it, but for one that is told to give it.
+#[test]
+fn gravcomp_is_named_by_its_bodies() {
+    let said = |joint: &str, gravcomp: [&str; 2], option: &str| {
+        let text = format!(
+            "<mujoco>{option}<worldbody><body name=\"a\" gravcomp=\"{}\"><joint name=\"j\" axis=\"1 0 0\" {joint}/>{OWN}\
+             <body name=\"b\" gravcomp=\"{}\"><joint name=\"k\" axis=\"1 0 0\" {joint}/>{OWN}<site name=\"tip\"/></body></body>\
+             </worldbody></mujoco>",
+            gravcomp[0], gravcomp[1]
+        );
+        read(&text, BaseAndTip::to("tip")).warnings.join("\n")
+    };
+    let both = said("", ["1", "0.5"], "");
+    assert!(both.contains("gravcomp of `a`, `b` is left out"), "{both}");
+    assert!(both.contains("lack gravity's part"), "{both}");
+    let one = said("", ["0", "1"], "");
+    assert!(one.contains("gravcomp of `b` is left out"), "{one}");
+    assert_eq!(said("", ["0", "0.0"], ""), "");
+    assert_eq!(said("actuatorgravcomp=\"true\"", ["1", "1"], ""), "");
+    assert_eq!(said("", ["1", "1"], "<option gravity=\"0 0 0\"/>"), "");
+    let class = "<default><joint actuatorgravcomp=\"true\"/></default>";
+    assert_eq!(said("", ["1", "1"], class), "");
+}

@@ -46,6 +46,10 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     masses: Vec<MassOf>,
     /// Whether every body is written out.
     is_whole: bool,
+    /// Bodies whose weight MuJoCo holds by itself.
+    held: Vec<String>,
+    /// Whether a joint's drive does not have to hold that weight.
+    is_passive: bool,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
     /// Sites that share a name, or have no place.
@@ -67,6 +71,8 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             bodies: 0,
             masses: Vec::new(),
             is_whole: true,
+            held: Vec::new(),
+            is_passive: false,
             of_geoms: Vec::new(),
             no_ends: Vec::new(),
         };
@@ -105,6 +111,13 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 "{file}: no <inertial>, so MuJoCo works out the masses of {names} from their geoms, and here they have none: add \
                  <inertial> elements where masses matter (MuJoCo's numbers are body_mass, body_ipos, body_iquat, body_inertia of \
                  its compiled model)"
+            ));
+        }
+        let weighs = self.robot.stated_gravity_mps2 != Some([0.0; 3]);
+        if !self.held.is_empty() && self.is_passive && weighs {
+            let names = joined(&self.held);
+            self.robot.notes.push(format!(
+                "{file}: gravcomp of {names} is left out: torques of a simulator that has it lack gravity's part"
             ));
         }
         if !self.no_ends.is_empty() {
@@ -184,6 +197,17 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             behind: Pose::default(),
         };
         let link = self.behind_joints(&name, &parts, (parent, pose, placed_by))?;
+        let gravcomp = self.mjcf.one(&part.own, &place, "gravcomp")?;
+        if gravcomp.is_some_and(|own| own != 0.0) {
+            self.held.push(format!("`{name}`"));
+        }
+        let mut joints = parts
+            .iter()
+            .filter(|own| own.own.node.has_tag_name("joint"));
+        self.is_passive |= joints.any(|own| {
+            // what the drive gives has gravity's part
+            self.mjcf.attribute(&own.own, "actuatorgravcomp") != Some("true")
+        });
         let has = |tag: &str| parts.iter().find(|part| part.own.node.has_tag_name(tag));
         let inertial = has("inertial");
         self.masses.push(MassOf {
