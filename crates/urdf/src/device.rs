@@ -8,6 +8,8 @@ use haptical_model::{
     read_text_file,
 };
 
+use haptical_model::sizes::LARGEST_LIMIT_RAD;
+
 use crate::UrdfError;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
 use crate::chain::masses::{Carried, carried};
@@ -20,8 +22,6 @@ use crate::robot::{Robot, RobotJoint, mjcf, parse};
 const LARGEST_MEBIBYTES: u64 = 8;
 /// Most joints of a chain, as of a device file.
 const MOST_JOINTS: usize = 256;
-/// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
-const LARGEST_LIMIT_RAD: f64 = 29.0;
 
 /// A device from a URDF or an MJCF.
 #[derive(Debug, Clone, PartialEq)]
@@ -344,7 +344,7 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
     }
     let joint = Joint {
         name: joint.name.clone(),
-        is_named: true,
+        has_numeric_name: joint.name.parse::<f64>().is_ok(),
         joint_type,
         lower_rad: lower,
         upper_rad: upper,

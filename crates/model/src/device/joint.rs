@@ -89,8 +89,8 @@ impl Default for TransmissionError {
 pub struct Joint {
     /// Name.
     pub name: String,
-    /// Whether a file gives the name; otherwise it is the joint's number.
-    pub is_named: bool,
+    /// Whether a file gives a name that is a number; otherwise a name such as `2` is the number of a joint without one.
+    pub has_numeric_name: bool,
     /// Revolute or prismatic.
     pub joint_type: JointType,
     /// Joint variable at home.
@@ -137,7 +137,7 @@ impl Default for Joint {
     fn default() -> Self {
         Self {
             name: String::new(),
-            is_named: false,
+            has_numeric_name: false,
             joint_type: JointType::Revolute,
             home_rad: 0.0,
             lower_rad: f64::NEG_INFINITY,
@@ -172,7 +172,7 @@ impl Joint {
     /// # Ok::<(), haptical_model::DeviceFileError>(())
     /// ```
     pub fn has_own_name(&self) -> bool {
-        self.is_named || (!self.name.is_empty() && self.name.parse::<f64>().is_err())
+        self.has_numeric_name || (!self.name.is_empty() && self.name.parse::<f64>().is_err())
     }
 
     /// The kinematics' word for the joint type.

@@ -5,6 +5,7 @@ pub(crate) mod mjcf;
 pub(crate) mod parse;
 pub(crate) mod prefixes;
 mod quaternions;
+mod questions;
 pub(crate) mod xml;
 
 use std::ops::Range;

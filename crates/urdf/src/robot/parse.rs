@@ -76,6 +76,7 @@ impl Reader<'_, '_> {
         }
         self.no_loops(&robot)?;
         robot.notes.extend(self.said_of_quaternions()?);
+        robot.notes.extend(self.questions_of_urdf(&robot));
         Ok(robot)
     }
 

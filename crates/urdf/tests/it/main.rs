@@ -20,6 +20,7 @@ mod mjcf_read;
 mod motion;
 mod names;
 mod pinocchio;
+mod questions;
 mod random;
 mod refusals;
 mod structure;

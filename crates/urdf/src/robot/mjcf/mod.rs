@@ -80,6 +80,8 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
     };
     let references = Bodies::read(&mjcf, &mut robot)?;
     mjcf.bind(&mut robot, &references)?;
+    let questions = mjcf.reader.questions_of_mjcf(&robot);
+    robot.notes.extend(questions);
     Ok(robot)
 }
 
