@@ -3,6 +3,7 @@
 mod limits;
 pub(crate) mod mjcf;
 pub(crate) mod parse;
+pub(crate) mod places;
 pub(crate) mod prefixes;
 mod quaternions;
 mod questions;

@@ -12,6 +12,8 @@ use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, armature as armature_of};
 use crate::numbers::{escaped, written};
 use crate::robot::mjcf::frames::ORIENTATIONS;
+use crate::robot::mjcf::include::of_several_files;
+use crate::robot::places::has_includes;
 use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
@@ -79,6 +81,9 @@ pub fn corrected_mjcf(
     device: &Device,
     new_joints: NewJoints,
 ) -> Result<CorrectedMjcf, UrdfError> {
+    if has_includes(text) {
+        return Err(of_several_files(file));
+    }
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
     let (weighed, unweighed) = weighed(&read, device, file)?;
@@ -134,22 +139,7 @@ pub fn corrected_mjcf(
         edits.extend(patch.drive(&effects, joint, own, armature));
     }
     warnings.extend(unweighed);
-    if !(robot.mass_rules.is_empty() || weighed.is_empty()) {
-        warnings.push(format!(
-            "{file}: masses are not put in, because {} of <compiler> changes them: take it out, with the masses that MuJoCo has \
-             compiled",
-            robot.mass_rules.join(", ")
-        ));
-    }
-    for own in weighed.iter().filter(|_| robot.mass_rules.is_empty()) {
-        match patch.weigh(own, text) {
-            Some(edit) => edits.push(edit),
-            None => warnings.push(format!(
-                "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
-                robot.links[own.link].name
-            )),
-        }
-    }
+    edits.extend(patch.masses(&weighed, text, file, &mut warnings));
     let mut lost = not_carried(device, &effects, Form::Mjcf);
     lost.extend(late_encoders(&effects));
     warnings.extend(lost.iter().cloned());
@@ -224,6 +214,35 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
             .ok()
             .and_then(|index| self.elements.get(index))
             .copied()
+    }
+
+    /// Puts masses into bodies; what is not put in is said.
+    fn masses(
+        &self,
+        weighed: &[Weighed],
+        text: &str,
+        file: &str,
+        said: &mut Vec<String>,
+    ) -> Vec<Edit> {
+        if !(self.robot.mass_rules.is_empty() || weighed.is_empty()) {
+            said.push(format!(
+                "{file}: masses are not put in, because {} of <compiler> changes them: take it out, with the masses that MuJoCo \
+                 has compiled",
+                self.robot.mass_rules.join(", ")
+            ));
+            return Vec::new();
+        }
+        let mut edits = Vec::new();
+        for own in weighed {
+            match self.weigh(own, text) {
+                Some(edit) => edits.push(edit),
+                None => said.push(format!(
+                    "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
+                    self.robot.links[own.link].name
+                )),
+            }
+        }
+        edits
     }
 
     /// Puts masses into a link's body; none where it is between two joints of one body and has no element of its own.

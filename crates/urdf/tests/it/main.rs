@@ -12,6 +12,7 @@ mod branches;
 mod corrected;
 mod described;
 mod hands;
+mod includes;
 mod inertials;
 mod masses;
 mod mjcf_masses;
