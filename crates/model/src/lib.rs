@@ -14,6 +14,7 @@ mod parameter;
 mod recording;
 pub mod rigid;
 mod rigid_bodies;
+pub mod sizes;
 mod statics;
 
 pub use device::cable::{Cable, CableFit, CableReading};

@@ -4,9 +4,10 @@ use std::path::Path as FilePath;
 
 use haptical_model::kinematics::{Convention, Link};
 use haptical_model::{
-    Device, Hand, Joint, JointCompliance, JointType, Origin, Position, Surroundings, Tracker,
-    read_text_file,
+    Device, Hand, Joint, JointCompliance, JointType, Origin, Surroundings, Tracker, read_text_file,
 };
+
+use haptical_model::sizes::LARGEST_LIMIT_RAD;
 
 use crate::UrdfError;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
@@ -14,14 +15,14 @@ use crate::chain::masses::{Carried, carried};
 use crate::chain::path::{BaseAndTip, Path};
 use crate::chain::tip::choose;
 use crate::chain::{Rows, numbering, rows};
+use crate::robot::mjcf::include::with_includes;
+use crate::robot::places::place_of;
 use crate::robot::{Robot, RobotJoint, mjcf, parse};
 
 /// Largest file \[MiB\]: a humanoid's has some hundred kilobytes.
 const LARGEST_MEBIBYTES: u64 = 8;
 /// Most joints of a chain, as of a device file.
 const MOST_JOINTS: usize = 256;
-/// Largest joint limit that a device file takes \[rad\]: what is beyond it is no limit.
-const LARGEST_LIMIT_RAD: f64 = 29.0;
 
 /// A device from a URDF or an MJCF.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,12 +37,28 @@ pub struct UrdfDevice {
     pub warnings: Vec<String>,
 }
 
-/// Reads a URDF as text: at most 8 MiB of UTF-8.
+/// Reads a URDF or an MJCF as text: at most 8 MiB of UTF-8, with what an MJCF includes.
+///
+/// `<include file="..."/>` is read from the folder of the main file, else from that of the file that includes it, and from no
+/// other folder. Errors name the file that they are in.
+///
+/// ```
+/// use haptical_urdf::{BaseAndTip, device_from_mjcf, read_urdf_text};
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("arm.xml");
+/// std::fs::write(&path, "<mujoco><worldbody><include file=\"lever.xml\"/></worldbody></mujoco>")?;
+/// let lever = path.with_file_name("lever.xml");
+/// std::fs::write(&lever, "<mujoco><body name=\"lever\"><joint name=\"shoulder\"/></body></mujoco>")?;
+/// let device = device_from_mjcf(&read_urdf_text(&path)?, "arm.xml", BaseAndTip::to("lever"))?.device;
+/// assert_eq!(device.joints[0].name, "shoulder");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
-/// [`UrdfError::File`].
+/// [`UrdfError::File`]; [`UrdfError`] with the place of an `<include>` that is refused, or of a fault in what it includes.
 pub fn read_urdf_text(path: &FilePath) -> Result<String, UrdfError> {
-    Ok(read_text_file(path, LARGEST_MEBIBYTES)?)
+    let text = read_text_file(path, LARGEST_MEBIBYTES)?;
+    with_includes(text, path, LARGEST_MEBIBYTES)
 }
 
 /// The chain of a URDF between two links as a device; `file` names it in errors.
@@ -295,7 +312,7 @@ impl ReadChain {
     ) -> Result<Self, UrdfError> {
         let mut warnings = std::mem::take(&mut robot.notes);
         let (paths, warning) = choose(&robot, file, ends)?;
-        let rows = rows(&robot, &paths, &|byte| position(text, file, byte))?;
+        let rows = rows(&robot, &paths, &|byte| place_of(text, file, byte))?;
         warnings.extend(warning);
         Ok(Self {
             robot,
@@ -304,17 +321,6 @@ impl ReadChain {
             warnings,
         })
     }
-}
-
-/// Line and column, from 1, of a byte.
-fn position(text: &str, file: &str, byte: usize) -> Box<Position> {
-    let before = text.get(..byte).unwrap_or(text);
-    let last = before.rsplit('\n').next().unwrap_or_default();
-    Box::new(Position {
-        file: file.to_owned(),
-        line: before.matches('\n').count() + 1,
-        column: last.chars().count() + 1,
-    })
 }
 
 /// A joint and what is odd about its limits.
@@ -344,6 +350,7 @@ fn device_joint(joint: &RobotJoint, file: &str) -> (Joint, Option<String>) {
     }
     let joint = Joint {
         name: joint.name.clone(),
+        has_numeric_name: joint.name.parse::<f64>().is_ok(),
         joint_type,
         lower_rad: lower,
         upper_rad: upper,

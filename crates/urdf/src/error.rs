@@ -70,6 +70,15 @@ pub enum UrdfError {
         /// What does not fit.
         message: String,
     },
+    /// An MJCF of several files, into which nothing can be written.
+    #[error(
+        "{at}: the model includes other files, and a corrected one is written into one file: write a new MJCF without --mjcf, or \
+         save the model as one file, as MuJoCo's mj_saveLastXML does"
+    )]
+    Includes {
+        /// Where.
+        at: Box<Position>,
+    },
     /// A base or a tip that is not there.
     #[error("{file}: there is no link `{link}`; the links are {links}")]
     UnknownLink {
@@ -148,7 +157,8 @@ impl UrdfError {
             | Self::NotMjcf { at, .. }
             | Self::Missing { at, .. }
             | Self::Value { at, .. }
-            | Self::Tree { at, .. } => Some(at),
+            | Self::Tree { at, .. }
+            | Self::Includes { at } => Some(at),
             Self::UnknownLink { .. }
             | Self::TipMissing { .. }
             | Self::SameLink { .. }

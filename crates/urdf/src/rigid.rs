@@ -1,7 +1,10 @@
 //! Turns about axes, and the angles in which URDF writes a rotation.
 
-use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
+use haptical_model::kinematics::nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use haptical_model::rigid::about_z;
+
+/// Shortest vector that has a direction, as a share of nothing: MuJoCo's own is 1e-15 \[m\] or without unit.
+pub(crate) const SHORTEST: f64 = 1e-10;
 
 pub(crate) fn about_x(angle_rad: f64) -> Matrix3<f64> {
     let (s, c) = libm::sincos(angle_rad);
@@ -16,6 +19,13 @@ pub(crate) fn about_y(angle_rad: f64) -> Matrix3<f64> {
 /// URDF's roll, pitch, yaw about fixed axes: Rz(yaw) Ry(pitch) Rx(roll).
 pub(crate) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> Matrix3<f64> {
     about_z(yaw) * about_y(pitch) * about_x(roll)
+}
+
+/// A rotation as a quaternion with its real part first; none without a length.
+pub(crate) fn from_quaternion([w, x, y, z]: [f64; 4]) -> Option<Matrix3<f64>> {
+    let quaternion = Quaternion::new(w, x, y, z);
+    let turn = UnitQuaternion::try_new(quaternion, SHORTEST)?;
+    Some(turn.to_rotation_matrix().into_inner())
 }
 
 /// Roll, pitch, yaw of a rotation.

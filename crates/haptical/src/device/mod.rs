@@ -123,7 +123,7 @@ impl Device {
     pub(crate) fn named_rows(&self) -> String {
         let joints = self.model.joints.iter().enumerate();
         let named: Vec<String> = joints
-            .filter(|(_, joint)| joint.name.parse::<f64>().is_err())
+            .filter(|(_, joint)| joint.has_own_name())
             .filter_map(|(index, joint)| {
                 let row = self.model.own_row(index)?;
                 Some(format!("{row} is `{}`", joint.name))

@@ -17,8 +17,7 @@ impl Error {
             } => {
                 let joints = required.iter().zip(&device.model.joints);
                 let joints = joints.filter(|(column, _)| missing.contains(column));
-                // a file that names no joints numbers them
-                let named = joints.filter(|(_, joint)| joint.name.parse::<f64>().is_err());
+                let named = joints.filter(|(_, joint)| joint.has_own_name());
                 named.map(|(_, joint)| joint.name.clone()).collect()
             }
             _ => Vec::new(),

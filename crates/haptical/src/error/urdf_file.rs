@@ -46,6 +46,15 @@ impl Error {
                 "correct links and joints: one root, one parent for each link, no joint that follows \
                  itself",
             ),
+            UrdfError::Includes { at } => {
+                text = format!(
+                    "{at}: the model includes other files, and a corrected one is one file"
+                );
+                (
+                    "not-supported",
+                    "write a new MJCF without --mjcf, or save the model as one file, as MuJoCo's mj_saveLastXML does",
+                )
+            }
             UrdfError::UnknownLink { .. } => (
                 "chain",
                 "correct the name that is given with --base or --tip",
@@ -75,6 +84,8 @@ impl Error {
             return Self::bad_input(kind, what, file, next);
         };
         let what = text.strip_prefix(&format!("{at}: ")).unwrap_or(&text);
+        // a file that the description includes has its own name
+        let path = Path::new(&at.file);
         Self::placed(kind, what, path, (at.line as u64, at.column as u64), next)
     }
 }

@@ -118,14 +118,20 @@ impl Source {
         (again.flatten()).unwrap_or_else(|| Fingerprint::from_bytes(text.as_bytes()))
     }
 
-    /// Puts the label in the place of the path in front of warnings.
+    /// Puts the label in the place of the path in front of warnings; of files that it includes, what the label has of the folder.
     pub fn relabel(&self, warnings: &mut [String]) {
         let path = self.path.display().to_string();
+        let name = file_name(&self.path);
+        let folders = path.strip_suffix(&name).zip(self.label.strip_suffix(&name));
         for warning in warnings {
             if let Some(rest) = warning.strip_prefix(&path)
                 && rest.starts_with([':', ','])
             {
                 *warning = format!("{}{rest}", self.label);
+            } else if let Some((folder, label)) = folders.filter(|(folder, _)| !folder.is_empty())
+                && let Some(rest) = warning.strip_prefix(folder)
+            {
+                *warning = format!("{label}{rest}");
             }
         }
     }
@@ -242,8 +248,17 @@ mod tests {
     #[test]
     fn warnings_name_the_label() {
         let source = Source::given(Path::new("/a/log.csv"));
-        let mut warnings = ["/a/log.csv:3:1: odd", "/a/log.csv.gz: odd", "odd"].map(str::to_owned);
+        let said = ["/a/log.csv:3:1: odd", "/b/log.csv: odd", "odd"];
+        let mut warnings = said.map(str::to_owned);
         source.relabel(&mut warnings);
-        assert_eq!(warnings, ["log.csv:3:1: odd", "/a/log.csv.gz: odd", "odd"]);
+        assert_eq!(warnings, ["log.csv:3:1: odd", "/b/log.csv: odd", "odd"]);
+        // a file that an MJCF includes
+        let mut warnings = ["/a/parts/arm.xml:3:1: odd".to_owned()];
+        source.relabel(&mut warnings);
+        assert_eq!(warnings, ["parts/arm.xml:3:1: odd"]);
+        let source = Source::by_path(Path::new("/a/arm.xml"));
+        let mut warnings = ["/a/parts/arm.xml:3:1: odd".to_owned()];
+        source.relabel(&mut warnings);
+        assert_eq!(warnings, ["/a/parts/arm.xml:3:1: odd"]);
     }
 }

@@ -89,6 +89,8 @@ impl Default for TransmissionError {
 pub struct Joint {
     /// Name.
     pub name: String,
+    /// Whether a file gives a name that is a number; otherwise a name such as `2` is the number of a joint without one.
+    pub has_numeric_name: bool,
     /// Revolute or prismatic.
     pub joint_type: JointType,
     /// Joint variable at home.
@@ -135,6 +137,7 @@ impl Default for Joint {
     fn default() -> Self {
         Self {
             name: String::new(),
+            has_numeric_name: false,
             joint_type: JointType::Revolute,
             home_rad: 0.0,
             lower_rad: f64::NEG_INFINITY,
@@ -159,6 +162,19 @@ impl Default for Joint {
 }
 
 impl Joint {
+    /// Whether its name is more than the number that a file without names gives it.
+    ///
+    /// ```
+    /// use haptical_model::Device;
+    /// let joints = |text| Device::from_toml(text, "arm.toml").map(|read| read.device.joints);
+    /// assert!(!joints("[[joint]]\n")?[0].has_own_name());
+    /// assert!(joints("[[joint]]\nname = \"1\"\n")?[0].has_own_name());
+    /// # Ok::<(), haptical_model::DeviceFileError>(())
+    /// ```
+    pub fn has_own_name(&self) -> bool {
+        self.has_numeric_name || (!self.name.is_empty() && self.name.parse::<f64>().is_err())
+    }
+
     /// The kinematics' word for the joint type.
     pub fn motion(&self) -> Motion {
         self.joint_type.motion()

@@ -7,14 +7,10 @@ use crate::device::joint::{
 };
 use crate::file::reader::{SMALLEST, Section};
 use crate::file::{JOINT_TYPES, TRANSMISSIONS};
+use crate::sizes::{LARGEST_ANGLE_RAD, LARGEST_LIMIT_RAD};
 use crate::{DeviceFileError, DriveNumber};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
-
-/// Largest angle that a single turn needs; an angle beyond it is taken for degrees.
-pub(crate) const LARGEST_ANGLE_RAD: f64 = std::f64::consts::TAU + 1e-6;
-/// Largest joint limit taken for radians: nearly five turns. Thirty and more are degrees.
-const LARGEST_LIMIT_RAD: f64 = 29.0;
 
 /// An angle of the geometry: refused where it can only be degrees.
 pub(crate) fn angle(section: &Section<'_, '_>, key: &str, largest: f64) -> Result<Option<f64>> {
@@ -29,6 +25,11 @@ pub(crate) fn angle(section: &Section<'_, '_>, key: &str, largest: f64) -> Resul
         )),
         other => Ok(other),
     }
+}
+
+/// Whether a name could be the number of a joint that has none.
+pub(crate) fn is_number(name: &str) -> bool {
+    name.parse::<f64>().is_ok()
 }
 
 pub(crate) fn read_joint(
@@ -99,6 +100,7 @@ pub(crate) fn read_joint(
         name: section
             .text("name")?
             .map_or_else(|| (index + 1).to_string(), str::to_owned),
+        has_numeric_name: section.text("name")?.is_some_and(is_number),
         joint_type,
         home_rad: home.unwrap_or(0.0),
         lower_rad: lower,

@@ -10,6 +10,7 @@ use crate::DeviceFileError;
 use crate::error::Position;
 use crate::file::Words;
 use crate::file::syntax::syntax_error;
+use crate::sizes::length_question;
 
 type Result<T> = std::result::Result<T, DeviceFileError>;
 
@@ -59,8 +60,6 @@ pub(crate) const SMALLEST: f64 = 1e-30;
 const MOST_NUMBERS: usize = 100;
 /// Most unknown keys of a table that are named one by one.
 const MOST_UNKNOWN: usize = 20;
-/// Length from which one in millimetres is suspected \[m\].
-const LONG_M: f64 = 10.0;
 
 /// What the document's outermost table is called.
 const ROOT: &str = "the file";
@@ -200,14 +199,10 @@ impl<'s, 't> Section<'s, 't> {
     /// Warns of a length, if the key is there, that is probably in millimetres.
     pub(crate) fn warn_of_millimetres(&self, key: &str, warnings: &mut Vec<String>) -> Result<()> {
         if let (Some(length_m), Some((_, offset))) = (self.number(key)?, self.find(key))
-            && length_m.abs() > LONG_M
+            && let Some(question) = length_question(length_m)
         {
             let at = self.source.position(offset);
-            let meant_m = length_m / 1000.0;
-            warnings.push(format!(
-                "{at}: {}: `{key}` is {length_m} m; if it is in millimetres, write {meant_m}",
-                self.place
-            ));
+            warnings.push(format!("{at}: {}: `{key}` {question}", self.place));
         }
         Ok(())
     }

@@ -9,9 +9,10 @@ use crate::device::joint::{Joint, JointType};
 use crate::device::rows::{Drive, Origin};
 use crate::file::JOINT_TYPES;
 use crate::file::hand::{read_hands, read_parents};
-use crate::file::joint::{LARGEST_ANGLE_RAD, angle};
+use crate::file::joint::angle;
 use crate::file::reader::{SMALLEST, Section};
 use crate::parameter::unknown::{DEVIATION_KEYS, numbers_of};
+use crate::sizes::LARGEST_ANGLE_RAD;
 use crate::{DeviceFileError, Hand, Parameter};
 
 type Result<T> = std::result::Result<T, DeviceFileError>;

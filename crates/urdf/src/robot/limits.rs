@@ -1,7 +1,5 @@
 //! Bounds what the parser of XML compares pair by pair: the attributes of one element, and the namespaces of a document.
 
-use haptical_model::Position;
-
 /// Most attributes of one element; a URDF's has up to ten.
 const MOST_ATTRIBUTES: usize = 256;
 /// Most namespaces that a document declares; xacro leaves a few.
@@ -58,15 +56,4 @@ fn declares_namespace(tag: &[u8], sign: usize) -> bool {
     let start = before.iter().rposition(u8::is_ascii_whitespace);
     let name = before.get(start.map_or(0, |place| place + 1)..);
     name.is_some_and(|name| name.starts_with(b"xmlns"))
-}
-
-/// Line and column of a byte, from 1.
-pub(crate) fn place_of(text: &str, file: &str, byte: usize) -> Box<Position> {
-    let before = text.get(..byte).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
-    Box::new(Position {
-        file: file.to_owned(),
-        line: before.matches('\n').count() + 1,
-        column: before.get(line_start..).unwrap_or_default().chars().count() + 1,
-    })
 }

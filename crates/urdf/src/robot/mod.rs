@@ -3,12 +3,18 @@
 mod limits;
 pub(crate) mod mjcf;
 pub(crate) mod parse;
+pub(crate) mod places;
+pub(crate) mod prefixes;
+mod quaternions;
+mod questions;
 pub(crate) mod xml;
 
 use std::ops::Range;
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::Matrix3;
+
+use crate::robot::prefixes::without_prefixes;
 
 /// Links and joints in the order of the file.
 #[derive(Debug, Clone, Default)]
@@ -20,8 +26,10 @@ pub(crate) struct Robot {
     pub(crate) end: Option<usize>,
     /// Gravity in the root's frame \[m/s^2\], where the file states another one than (0, 0, -9.81).
     pub(crate) stated_gravity_mps2: Option<[f64; 3]>,
-    /// What was left out of an MJCF.
+    /// What was left out.
     pub(crate) notes: Vec<String>,
+    /// Attributes of an MJCF's `<compiler>` that change the masses of its bodies.
+    pub(crate) mass_rules: Vec<&'static str>,
     /// Joints of an MJCF in the order of its positions, with those that others yield by.
     pub(crate) coordinates: Vec<Coordinates>,
     /// What 1 is in angles of an MJCF \[rad\].
@@ -141,7 +149,8 @@ impl RobotJoint {
 
 /// Reads a URDF or, by its outermost element, an MJCF; `file` names it in errors.
 pub(crate) fn read_any(text: &str, file: &str) -> xml::Result<Robot> {
-    let document = xml::document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = xml::document(&plain, file)?;
     match document.root_element().tag_name().name() {
         "mujoco" => mjcf::parse(text, file),
         _ => parse::parse(text, file),

@@ -7,13 +7,14 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::UrdfError;
 use crate::numbers::ONE_NUMBER;
-use crate::rigid::from_rpy;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, Reader, Result, document, elements};
 use crate::robot::{Inertial, Mimic, Robot, RobotJoint, RobotJointType, RobotLink};
 
 /// Reads a URDF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let reader = Reader {
         document: &document,
         file,
@@ -74,6 +75,8 @@ impl Reader<'_, '_> {
             self.count("joints", robot.joints.len(), element.range().start)?;
         }
         self.no_loops(&robot)?;
+        robot.notes.extend(self.said_of_quaternions()?);
+        robot.notes.extend(self.questions_of_urdf(&robot));
         Ok(robot)
     }
 
@@ -232,10 +235,9 @@ impl Reader<'_, '_> {
 
     fn origin(&self, element: Element<'_, '_>, place: &str) -> Result<Pose> {
         let position_m = self.vector(element, place, "xyz")?.unwrap_or([0.0; 3]);
-        let angles_rad = self.vector(element, place, "rpy")?.unwrap_or([0.0; 3]);
         Ok(Pose {
             position_m: Vector3::from(position_m),
-            rotation: from_rpy(angles_rad),
+            rotation: self.rotation(element, place)?,
         })
     }
 

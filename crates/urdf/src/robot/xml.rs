@@ -5,7 +5,8 @@ use roxmltree::{Document, Node, ParsingOptions, TextPos};
 
 use crate::UrdfError;
 use crate::numbers::{ONE_NUMBER, THREE_NUMBERS, number, three};
-use crate::robot::limits::{place_of, too_many};
+use crate::robot::limits::too_many;
+use crate::robot::places::place_of;
 
 pub(crate) type Result<T> = std::result::Result<T, UrdfError>;
 
@@ -52,7 +53,7 @@ fn position(file: &str, at: TextPos) -> Box<Position> {
 
 impl Reader<'_, '_> {
     pub(crate) fn position_at(&self, byte: usize) -> Box<Position> {
-        position(self.file, self.document.text_pos_at(byte))
+        place_of(self.document.input_text(), self.file, byte)
     }
 
     pub(crate) fn tree(&self, byte: usize, message: String) -> UrdfError {

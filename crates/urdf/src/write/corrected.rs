@@ -14,6 +14,7 @@ use crate::chain::path::{BaseAndTip, Path};
 use crate::device::{ReadChain, parents};
 use crate::numbers::{escaped, written};
 use crate::rigid::to_rpy;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::document;
 use crate::robot::{Robot, RobotJoint};
 use crate::words::listed;
@@ -133,7 +134,8 @@ fn drives(
     device: &Device,
 ) -> Result<(Vec<Edit>, Vec<String>), UrdfError> {
     let (links, mut said) = weighed(read, device, file)?;
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let end = read.robot.end.unwrap_or(text.len());
     let at = |place: usize| {
         let mut all = document.descendants();

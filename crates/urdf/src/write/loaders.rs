@@ -3,6 +3,7 @@
 use roxmltree::{Document, Node};
 
 use crate::UrdfError;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::document;
 use crate::words::joined;
 
@@ -55,7 +56,8 @@ impl Loader {
 /// # Errors
 /// [`UrdfError`] where the text is no XML.
 pub fn loader_notes(text: &str, file: &str, loader: Loader) -> Result<Vec<String>, UrdfError> {
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let facts = Facts::new(&Description::new(&document));
     let notes = match loader {
         Loader::Pinocchio => facts.for_pinocchio(),

@@ -8,6 +8,7 @@ pub(crate) mod keyframes;
 pub(crate) mod kinematics_yaml;
 pub(crate) mod loaders;
 pub(crate) mod mjcf;
+pub(crate) mod names;
 pub(crate) mod not_carried;
 pub(crate) mod origins;
 pub(crate) mod patched;

@@ -12,6 +12,9 @@ use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, armature as armature_of};
 use crate::numbers::{escaped, written};
 use crate::robot::mjcf::frames::ORIENTATIONS;
+use crate::robot::mjcf::include::of_several_files;
+use crate::robot::places::has_includes;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
@@ -78,6 +81,9 @@ pub fn corrected_mjcf(
     device: &Device,
     new_joints: NewJoints,
 ) -> Result<CorrectedMjcf, UrdfError> {
+    if has_includes(text) {
+        return Err(of_several_files(file));
+    }
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
     let (weighed, unweighed) = weighed(&read, device, file)?;
@@ -87,7 +93,8 @@ pub fn corrected_mjcf(
         rows,
         mut warnings,
     } = read;
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let patch = Patch {
         device,
         robot: &robot,
@@ -132,15 +139,7 @@ pub fn corrected_mjcf(
         edits.extend(patch.drive(&effects, joint, own, armature));
     }
     warnings.extend(unweighed);
-    for own in &weighed {
-        match patch.weigh(own, text) {
-            Some(edit) => edits.push(edit),
-            None => warnings.push(format!(
-                "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
-                robot.links[own.link].name
-            )),
-        }
-    }
+    edits.extend(patch.masses(&weighed, text, file, &mut warnings));
     let mut lost = not_carried(device, &effects, Form::Mjcf);
     lost.extend(late_encoders(&effects));
     warnings.extend(lost.iter().cloned());
@@ -217,12 +216,43 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
             .copied()
     }
 
+    /// Puts masses into bodies; what is not put in is said.
+    fn masses(
+        &self,
+        weighed: &[Weighed],
+        text: &str,
+        file: &str,
+        said: &mut Vec<String>,
+    ) -> Vec<Edit> {
+        if !(self.robot.mass_rules.is_empty() || weighed.is_empty()) {
+            said.push(format!(
+                "{file}: masses are not put in, because {} of <compiler> changes them: take it out, with the masses that MuJoCo \
+                 has compiled",
+                self.robot.mass_rules.join(", ")
+            ));
+            return Vec::new();
+        }
+        let mut edits = Vec::new();
+        for own in weighed {
+            match self.weigh(own, text) {
+                Some(edit) => edits.push(edit),
+                None => said.push(format!(
+                    "{file}: what `{}` carries is not put in: it is between two joints of one body, which has no masses there",
+                    self.robot.links[own.link].name
+                )),
+            }
+        }
+        edits
+    }
+
     /// Puts masses into a link's body; none where it is between two joints of one body and has no element of its own.
     fn weigh(&self, own: &Weighed, text: &str) -> Option<Edit> {
-        let link = &self.robot.links[own.link];
-        let node = self.element(link.place).filter(|node| {
-            node.has_tag_name("body") && node.attribute("name").is_none_or(|name| name == link.name)
-        })?;
+        let place = self.robot.links[own.link].place;
+        // the links between a body's joints are before its own
+        let mut links = self.robot.links.iter();
+        let is_own = links.rposition(|link| link.place == place) == Some(own.link);
+        let node = self.element(place);
+        let node = node.filter(|node| is_own && node.has_tag_name("body"))?;
         Some(put(text, node, "inertial", &mjcf_element(&own.inertia)))
     }
 

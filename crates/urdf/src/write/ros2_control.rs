@@ -6,8 +6,8 @@ use haptical_model::{Device, Joint, JointType, TransmissionError};
 
 use crate::numbers::{commented, escaped, rounded, written};
 use crate::write::effects::{AHEAD, FITTED_BESIDE, has_own_row, is_ahead};
+use crate::write::names::{joint_names, said_of_renamed};
 use crate::write::not_carried::of_dynamics;
-use crate::write::urdf::joint_names;
 
 /// Readings over which the line through a drive's error is drawn (assumption A213).
 const SAMPLES: usize = 401;
@@ -75,6 +75,7 @@ pub fn ros2_control(device: &Device) -> (String, Vec<String>) {
             zero(device, index),
         );
     }
+    said.extend(said_of_renamed(device, &of_rows));
     said.extend(left_out(device));
     said.extend(of_dynamics(device));
     let own = escaped(&device.name);

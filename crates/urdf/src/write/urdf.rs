@@ -11,6 +11,7 @@ use crate::write::corrected::{origin_element, type_name};
 use crate::write::effects::{Effects, Friction};
 use crate::write::loaders::Loader;
 use crate::write::mjcf::GRAVITY_MPS2;
+use crate::write::names::{joint_names, said_of_renamed};
 use crate::write::not_carried::{Form, comment, not_carried};
 use haptical_model::RowBody;
 use haptical_model::Segments;
@@ -132,6 +133,7 @@ fn written_urdf(
         actuators(&mut text, device, &segments, &names);
     }
     let mut warnings = not_carried(device, &effects, Form::Urdf);
+    warnings.extend(said_of_renamed(device, &names));
     warnings.extend(gravity(device));
     text.push_str(&comment(&warnings));
     text.push_str("</robot>\n");
@@ -279,30 +281,4 @@ pub(crate) fn scaled(device: &Device) -> Vec<String> {
         })
     });
     scaled.collect()
-}
-
-/// A name for each row's joint: the device's own for a joint's own row; all different.
-pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for row in 1..=rows {
-        let joint = device.drive(row).map_or(0, |drive| drive.joint);
-        let own = device
-            .joints
-            .get(joint)
-            .map_or("", |joint| joint.name.as_str());
-        let mut name = match (
-            own.parse::<f64>().is_ok(),
-            device.own_row(joint) == Some(row),
-        ) {
-            // a file that names no joints numbers them
-            (true, true) => format!("joint{own}"),
-            (false, true) => own.to_owned(),
-            (_, false) => format!("row{row}"),
-        };
-        while names.contains(&name) || name == "handle_fixed" || name.is_empty() {
-            name.push('_');
-        }
-        names.push(name);
-    }
-    names
 }

@@ -407,3 +407,44 @@ fn what_cannot_be_written_is_said() {
     let (_, warnings) = new_mjcf(&device).unwrap();
     assert!(warnings[0].starts_with("a robot description has no transmission errors"));
 }
+
+/// What is between two joints of one body, and a rotor whose mass is counted elsewhere, load no joint by a made-up mass.
+#[test]
+fn rows_that_weigh_nothing_weigh_nothing_in_a_new_mjcf() {
+    let text = "<mujoco><worldbody>\
+        <body name=\"rotor\"><joint name=\"m\"/><inertial pos=\"0.1 0 0\" mass=\"0\" diaginertia=\"0.05 0.06 0.07\"/>\
+        <body name=\"a\" pos=\"0.2 0 0\"><joint name=\"j\" axis=\"1 0 0\" pos=\"0 0.1 0\"/><joint name=\"k\" axis=\"0 0 1\"/>\
+        <inertial pos=\"0.1 0 0\" mass=\"1\" diaginertia=\"0.01 0.02 0.025\"/>\
+        <body name=\"end\" pos=\"0.3 0 0\"><joint name=\"l\"/><inertial pos=\"0 0 0\" mass=\"0\" diaginertia=\"0 0 0\"/>\
+        <site name=\"tip\"/></body></body></body></worldbody></mujoco>";
+    let device = device_from_mjcf(text, "two.xml", BaseAndTip::to("tip"))
+        .unwrap()
+        .device;
+    let (text, warnings) = new_mjcf(&device).unwrap();
+    let ends = BaseAndTip::to("handle");
+    let again = device_from_mjcf(&text, "new.xml", ends).unwrap().device;
+    let body = |row: usize| again.bodies[row].unwrap();
+    assert!((1e-15..1e-11).contains(&body(1).mass_kg), "{text}");
+    assert!((1e-15..1e-11).contains(&body(2).mass_kg), "{text}");
+    assert!(
+        body(2).inertia_kgm2.unwrap()[..3]
+            .iter()
+            .all(|own| (1e-15..1e-11).contains(own))
+    );
+    assert_eq!(body(3).mass_kg, 1.0);
+    let mut rotor = body(1).inertia_kgm2.unwrap()[..3].to_vec();
+    rotor.sort_by(f64::total_cmp);
+    assert!(
+        (rotor[0] - 0.05).abs() + (rotor[2] - 0.07).abs() < 1e-12,
+        "{rotor:?}"
+    );
+    // a simulator asks for a mass at the end, which nothing else gives
+    assert_eq!(body(4).mass_kg, 1e-3);
+    assert_eq!(text.matches("plausible: mass").count(), 1, "{text}");
+    let said = warnings.join("\n");
+    assert!(
+        said.contains("plausible mass, which is given as 0, and inertia of link4"),
+        "{said}"
+    );
+    assert!(!said.contains("link1") && !said.contains("link2"), "{said}");
+}

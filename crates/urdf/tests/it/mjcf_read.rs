@@ -216,7 +216,7 @@ fn the_reason_and_the_place_are_said() {
         ),
         (
             with_body("<include file=\"arm.xml\"/>"),
-            "robot.xml:4:1: <include>: the file is \"arm.xml\", but other files are not read",
+            "robot.xml:4:1: <include>: the file is \"arm.xml\", but other files are read for a file and not for a text",
         ),
     ];
     all_are_said(&cases);

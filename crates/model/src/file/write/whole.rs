@@ -7,6 +7,7 @@ use crate::device::Tracker;
 use crate::device::cable::Cable;
 use crate::device::joint::Joint;
 use crate::device::rows::{Drive, Origin};
+use crate::file::joint::is_number;
 use crate::file::sensors::fit_words;
 use crate::file::write::changes::{link_table, nominal, set_error};
 use crate::file::{BASES, CONVENTIONS, JOINT_TYPES, PLACES, TRANSMISSIONS, word_for};
@@ -34,7 +35,12 @@ impl Device {
         let file = "the device";
         // what is written must be readable: whatever the reader refuses is refused here
         let again = Self::from_toml(&text, file)?.device;
+        let joints = self.joints.iter().enumerate().map(|(index, joint)| Joint {
+            has_numeric_name: is_number(&joint.name) && writes_name(index, joint),
+            ..joint.clone()
+        });
         let written = Self {
+            joints: joints.collect(),
             surroundings: self.surroundings.settled(),
             effects: self.effects.iter().map(DeviceEffect::as_written).collect(),
             ..self.clone()
@@ -69,8 +75,9 @@ impl Device {
             "hand",
             self.hands.iter().map(hand_table).collect(),
         );
-        let joints = self.joints.iter().map(joint_table).collect();
-        insert_tables(&mut document, "joint", joints);
+        let joints = self.joints.iter().enumerate();
+        let joints = joints.map(|(index, joint)| joint_table(index, joint));
+        insert_tables(&mut document, "joint", joints.collect());
         let mut cables = self.cables.iter().map(cable_table);
         if let Some(first) = cables.next() {
             document.insert("cable_encoder", Item::Table(first));
@@ -193,9 +200,17 @@ fn hand_table(hand: &Hand) -> Table {
     hand_table
 }
 
-fn joint_table(joint: &Joint) -> Table {
+/// Whether a joint's name is more than the number that it has without one.
+fn writes_name(index: usize, joint: &Joint) -> bool {
+    joint.has_own_name() || joint.name != (index + 1).to_string()
+}
+
+fn joint_table(index: usize, joint: &Joint) -> Table {
     let mut joint_table = table([
-        ("name", text(&joint.name)),
+        (
+            "name",
+            text(&joint.name).filter(|_| writes_name(index, joint)),
+        ),
         ("type", text(word_for(JOINT_TYPES, &joint.joint_type))),
     ]);
     let limits = [

@@ -6,6 +6,7 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::robot::mjcf::classes::{ClassId, Classes};
+use crate::robot::mjcf::masses::MassOf;
 use crate::robot::mjcf::{Attributes, Mjcf, References};
 use crate::robot::xml::{Element, Result, elements};
 use crate::robot::{Inertial, PlacedBy, Robot, RobotJoint, RobotJointType, RobotLink};
@@ -35,8 +36,20 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     link_names: BTreeSet<String>,
     /// Names that bodies have: a site of the same name is no link.
     body_names: BTreeSet<&'d str>,
+    /// Names of bodies and sites in the file: what is made up is none of them.
+    stated_links: BTreeSet<&'d str>,
     pub(crate) joint_names: BTreeSet<String>,
+    /// Names of joints in the file.
+    pub(crate) stated_joints: BTreeSet<&'d str>,
     bodies: usize,
+    /// What the file's bodies weigh.
+    masses: Vec<MassOf>,
+    /// Whether every body is written out.
+    is_whole: bool,
+    /// Bodies whose weight MuJoCo holds by itself.
+    held: Vec<String>,
+    /// Whether a joint's drive does not have to hold that weight.
+    is_passive: bool,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
     /// Sites that share a name, or have no place.
@@ -51,13 +64,15 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             robot,
             references: References::new(),
             link_names: BTreeSet::new(),
-            body_names: (mjcf.reader.document.descendants())
-                .filter(|node| node.has_tag_name("body"))
-                .filter_map(|node| node.attribute("name"))
-                .chain([WORLD])
-                .collect(),
+            body_names: mjcf.stated(&["body"]).chain([WORLD]).collect(),
+            stated_links: mjcf.stated(&["body", "site"]).chain([WORLD]).collect(),
             joint_names: BTreeSet::new(),
+            stated_joints: mjcf.stated(&["joint", "freejoint"]).collect(),
             bodies: 0,
+            masses: Vec::new(),
+            is_whole: true,
+            held: Vec::new(),
+            is_passive: false,
             of_geoms: Vec::new(),
             no_ends: Vec::new(),
         };
@@ -82,6 +97,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             }
         }
         bodies.say_what_is_left_out();
+        let (file, is_whole) = (mjcf.reader.file, bodies.is_whole);
+        let rules = mjcf.compiler.masses;
+        rules.apply(bodies.robot, &bodies.masses, is_whole, file);
         Ok(bodies.references)
     }
 
@@ -93,6 +111,13 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 "{file}: no <inertial>, so MuJoCo works out the masses of {names} from their geoms, and here they have none: add \
                  <inertial> elements where masses matter (MuJoCo's numbers are body_mass, body_ipos, body_iquat, body_inertia of \
                  its compiled model)"
+            ));
+        }
+        let weighs = self.robot.stated_gravity_mps2 != Some([0.0; 3]);
+        if !self.held.is_empty() && self.is_passive && weighs {
+            let names = joined(&self.held);
+            self.robot.notes.push(format!(
+                "{file}: gravcomp of {names} is left out: torques of a simulator that has it lack gravity's part"
             ));
         }
         if !self.no_ends.is_empty() {
@@ -130,6 +155,7 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 continue;
             }
             if NOT_READ.contains(&tag) {
+                self.is_whole = false;
                 let at = mjcf.reader.position_at(node.range().start);
                 self.robot
                     .notes
@@ -157,9 +183,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     ) -> Result<(Vec<Part<'d, 'input>>, usize)> {
         let node = part.own.node;
         self.bodies += 1;
-        let name = match node.attribute("name") {
+        let name = match name_of(node) {
             Some(name) => name.to_owned(),
-            None => format!("body{}", self.bodies),
+            None => self.free_link(format!("body{}", self.bodies)),
         };
         let place = format!("body `{name}`");
         let pose = then(&part.frame, &self.mjcf.pose(&part.own, &place)?);
@@ -171,13 +197,31 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             behind: Pose::default(),
         };
         let link = self.behind_joints(&name, &parts, (parent, pose, placed_by))?;
+        let gravcomp = self.mjcf.one(&part.own, &place, "gravcomp")?;
+        if gravcomp.is_some_and(|own| own != 0.0) {
+            self.held.push(format!("`{name}`"));
+        }
+        let mut joints = parts
+            .iter()
+            .filter(|own| own.own.node.has_tag_name("joint"));
+        self.is_passive |= joints.any(|own| {
+            // what the drive gives has gravity's part
+            self.mjcf.attribute(&own.own, "actuatorgravcomp") != Some("true")
+        });
         let has = |tag: &str| parts.iter().find(|part| part.own.node.has_tag_name(tag));
-        match has("inertial") {
+        let inertial = has("inertial");
+        self.masses.push(MassOf {
+            link,
+            place_m: pose.position_m,
+            is_of_geoms: inertial.is_none() && has("geom").is_some(),
+        });
+        match inertial {
             Some(inertial) => {
                 self.robot.links[link].inertial = Some(self.mjcf.inertial(&inertial.own, &place)?);
                 self.weightless_between(parent, link);
             }
             None if has("geom").is_some() => self.of_geoms.push(format!("`{name}`")),
+            None if self.mjcf.compiler.masses.has_bounds() => self.weightless_between(parent, link),
             None => {}
         }
         Ok((parts, link))
@@ -202,7 +246,7 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
     /// Adds a site with a name, as a link that a chain may end at.
     fn site(&mut self, part: &Part<'d, 'input>, parent: usize) -> Result<()> {
         let node = part.own.node;
-        let Some(name) = node.attribute("name") else {
+        let Some(name) = name_of(node) else {
             return Ok(());
         };
         let place = format!("site `{name}`");
@@ -239,6 +283,14 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         Ok(child)
     }
 
+    /// A made-up name of a link that the file and what is read of it do not have.
+    pub(crate) fn free_link(&self, mut name: String) -> String {
+        while self.stated_links.contains(name.as_str()) || self.link_names.contains(&name) {
+            name.push('_');
+        }
+        name
+    }
+
     pub(crate) fn link(&mut self, name: String, place: usize) -> Result<usize> {
         if !self.link_names.insert(name.clone()) {
             let name: String = name.chars().take(60).collect();
@@ -267,6 +319,11 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
         self.robot.joints.push(joint);
         Ok(index)
     }
+}
+
+/// The name of an element; an empty one is none, as for MuJoCo.
+pub(crate) fn name_of<'d>(node: Element<'d, '_>) -> Option<&'d str> {
+    node.attribute("name").filter(|name| !name.is_empty())
 }
 
 /// A joint that is only placed.
@@ -298,6 +355,13 @@ pub(crate) fn bare(
 }
 
 impl<'d> Mjcf<'d, '_> {
+    /// Names that elements of these kinds have.
+    fn stated(&self, tags: &'static [&'static str]) -> impl Iterator<Item = &'d str> + use<'d> {
+        let all = self.reader.document.descendants();
+        let own = all.filter(|node| tags.contains(&node.tag_name().name()));
+        own.filter_map(name_of)
+    }
+
     /// The class that an element names.
     fn named(&self, node: Element<'_, '_>, key: &'static str, around: ClassId) -> Result<ClassId> {
         self.classes.named(&self.reader, node, key, around)

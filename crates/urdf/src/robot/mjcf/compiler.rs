@@ -2,6 +2,7 @@
 
 use crate::numbers::number;
 use crate::robot::Robot;
+use crate::robot::mjcf::masses::MassRules;
 use crate::robot::xml::{Element, Reader, Result, elements};
 
 /// Time step of an MJCF that says none \[s\].
@@ -16,6 +17,7 @@ pub(crate) struct Compiler {
     pub(crate) euler: [char; 3],
     /// Whether a range is a limit where the file does not say so.
     pub(crate) has_automatic_limits: bool,
+    pub(crate) masses: MassRules,
 }
 
 impl Compiler {
@@ -24,6 +26,7 @@ impl Compiler {
             angle_rad: std::f64::consts::PI / 180.0,
             euler: ['x', 'y', 'z'],
             has_automatic_limits: true,
+            masses: MassRules::default(),
         };
         let root = reader.document.root_element();
         for node in elements(root, "compiler") {
@@ -56,6 +59,7 @@ impl Compiler {
         let refuse = |what, found: &str, allowed| {
             Err(reader.refuse(node, "<compiler>", what, &format!("\"{found}\""), allowed))
         };
+        self.masses.add(reader, node)?;
         match node.attribute("angle") {
             None => {}
             Some("radian") => self.angle_rad = 1.0,

@@ -1,18 +1,16 @@
 //! Positions and orientations of an MJCF's elements: quaternions, axes and angles, Euler's angles, two axes, one axis.
 
 use haptical_model::kinematics::Pose;
-use haptical_model::kinematics::nalgebra::{Matrix3, Quaternion, Unit, UnitQuaternion, Vector3};
+use haptical_model::kinematics::nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
 
 use crate::numbers::exactly;
-use crate::rigid::{about_x, about_y};
+use crate::rigid::{SHORTEST, about_x, about_y, from_quaternion};
 use crate::robot::mjcf::{Attributes, Mjcf};
 use crate::robot::xml::Result;
 use haptical_model::rigid::about_z;
 
 /// Attributes with an orientation, of which an element has one at most.
 pub(crate) const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
-/// Shortest vector that has a direction, as a share of nothing: MuJoCo's own is 1e-15 \[m\] or without unit.
-const SHORTEST: f64 = 1e-10;
 
 impl<'d> Mjcf<'d, '_> {
     /// `pos` and the orientation of an element in the frame around it.
@@ -116,12 +114,6 @@ impl<'d> Mjcf<'d, '_> {
 
 pub(crate) fn direction(vector: Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
     Unit::try_new(vector, SHORTEST)
-}
-
-fn from_quaternion([w, x, y, z]: [f64; 4]) -> Option<Matrix3<f64>> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    let turn = UnitQuaternion::try_new(quaternion, SHORTEST)?;
-    Some(turn.to_rotation_matrix().into_inner())
 }
 
 /// The first axis as it is, the second one made square with it.

@@ -4,7 +4,7 @@ use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::numbers::ONE_NUMBER;
-use crate::robot::mjcf::bodies::{Bodies, Part, bare};
+use crate::robot::mjcf::bodies::{Bodies, Part, bare, name_of};
 use crate::robot::mjcf::frames::direction;
 use crate::robot::xml::Result;
 use crate::robot::{Coordinates, PlacedBy, RobotJoint, RobotJointType};
@@ -90,7 +90,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
             let name = self.joint_name(part, own.as_ref().and_then(|own| own.name.clone()))?;
             let link = match number + 1 == count && own.as_ref().is_none_or(Own::is_at_body) {
                 true => body.to_owned(),
-                false => format!("{body}/{name}"),
+                false => self.free_link(format!("{body}/{name}")),
             };
             let place = part.own.node.range().start;
             let child = self.link(link, own_place)?;
@@ -131,8 +131,14 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
 
     fn joint_name(&mut self, part: &Part<'d, 'input>, stated: Option<String>) -> Result<String> {
         let place = part.own.node.range().start;
-        let stated = stated.or_else(|| part.own.node.attribute("name").map(str::to_owned));
-        let name = stated.unwrap_or_else(|| format!("joint{}", self.joint_names.len() + 1));
+        let stated = stated.or_else(|| name_of(part.own.node).map(str::to_owned));
+        let name = stated.unwrap_or_else(|| {
+            let mut name = format!("joint{}", self.joint_names.len() + 1);
+            while self.stated_joints.contains(name.as_str()) || self.joint_names.contains(&name) {
+                name.push('_');
+            }
+            name
+        });
         if self.joint_names.insert(name.clone()) {
             return Ok(name);
         }
@@ -144,7 +150,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
     fn own_joint(&self, part: &Part<'d, 'input>) -> Result<Option<Own>> {
         let (mjcf, own) = (self.mjcf, &part.own);
         let reader = &mjcf.reader;
-        let name = own.node.attribute("name").map(str::to_owned);
+        let name = name_of(own.node).map(str::to_owned);
         let place = format!("joint `{}`", name.as_deref().unwrap_or("without a name"));
         if own.node.has_tag_name("freejoint") {
             return Ok(None);

@@ -6,7 +6,9 @@ mod classes;
 mod compiler;
 mod efforts;
 pub(crate) mod frames;
+pub(crate) mod include;
 mod joints;
+mod masses;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,6 +18,8 @@ use crate::robot::mjcf::bodies::Bodies;
 use crate::robot::mjcf::classes::{ClassId, Classes};
 use crate::robot::mjcf::compiler::Compiler;
 use crate::robot::mjcf::efforts::{Efforts, efforts};
+use crate::robot::mjcf::include::refuse_includes;
+use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, Reader, Result, document, elements};
 
 /// An MJCF with what its elements depend on.
@@ -40,7 +44,8 @@ pub(crate) struct Attributes<'d, 'input> {
 
 /// Reads an MJCF; `file` names it in errors.
 pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
-    let document = document(text, file)?;
+    let plain = without_prefixes(text);
+    let document = document(&plain, file)?;
     let reader = Reader {
         document: &document,
         file,
@@ -58,13 +63,7 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
         name: root.attribute("model").unwrap_or("robot").to_owned(),
         ..Robot::default()
     };
-    let includes = |node: &Element<'_, '_>| node.has_tag_name("include");
-    if let Some(include) = document.descendants().find(includes) {
-        let found = format!("\"{}\"", include.attribute("file").unwrap_or_default());
-        let allowed =
-            "other files are not read: save the model as one file, as MuJoCo's mj_saveLastXML does";
-        return Err(reader.refuse(include, "<include>", "the file", &found, allowed));
-    }
+    refuse_includes(&reader)?;
     let classes = Classes::read(&reader)?;
     let compiler = Compiler::read(&reader, &mut robot)?;
     let mjcf = Mjcf {
@@ -77,6 +76,8 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
     };
     let references = Bodies::read(&mjcf, &mut robot)?;
     mjcf.bind(&mut robot, &references)?;
+    let questions = mjcf.reader.questions_of_mjcf(&robot);
+    robot.notes.extend(questions);
     Ok(robot)
 }
 

@@ -3,6 +3,7 @@
 pub(crate) mod dynamics;
 mod sections;
 pub(crate) mod snippet;
+mod weightless;
 
 use std::fmt::Write;
 
@@ -12,8 +13,10 @@ use crate::UrdfError;
 use crate::numbers::{commented, escaped, written};
 use crate::write::effects::{Effects, YieldKind};
 use crate::write::mjcf::dynamics::{RowDynamics, row_dynamics};
+use crate::write::mjcf::weightless::set_weightless;
+use crate::write::names::{joint_names, said_of_renamed};
 use crate::write::not_carried::{self, Form, not_carried};
-use crate::write::urdf::{FAR, joint_names, scaled};
+use crate::write::urdf::{FAR, scaled};
 use haptical_model::RowBody;
 use haptical_model::Segments;
 
@@ -68,7 +71,8 @@ struct Model<'d> {
 pub fn new_mjcf(device: &Device) -> Result<(String, Vec<String>), UrdfError> {
     let segments = Segments::of_device(device)?;
     let names = joint_names(device, segments.rows.len());
-    let bodies = RowBody::of_rows(device, &segments);
+    let mut bodies = RowBody::of_rows(device, &segments);
+    set_weightless(&mut bodies, device, &segments);
     let effects = Effects::new(device);
     let gravity = device.gravity_mps2.unwrap_or(GRAVITY_MPS2);
     let (rows, step_s) = row_dynamics(device, &segments, &bodies, &effects, &gravity);
@@ -324,6 +328,7 @@ impl Model<'_> {
     /// What the file makes up or leaves out.
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.not_carried();
+        warnings.extend(said_of_renamed(self.device, &self.names));
         warnings.extend(scaled(self.device));
         let keys = "mass_kg, centre_of_mass_m, inertia_kgm2";
         warnings.extend(RowBody::said_of_plausible(&self.bodies, keys, |_| true));
