@@ -349,14 +349,13 @@ fn by_base(case: &Case<'_>, base: &Base) -> Result<Diagnosis> {
     let is_bounded = (base.channels.iter()).all(|channel| is_stated(case.device, *channel));
     let leaves_a_rest = found.closed_unseen_share.is_some();
     let is_open = found.verdict == Verdict::Unknown || (leaves_a_rest && is_bounded);
-    let Some(noise) = memory.filter(|_| is_open) else {
-        return Ok(found);
-    };
-    let (again, _) = by_noise(case, base, Some(&noise))?;
-    Ok(match accounts_for(&again, &found, is_bounded) {
-        true => again,
-        false => found,
-    })
+    for noise in memory.iter().filter(|_| is_open) {
+        let (again, _) = by_noise(case, base, Some(noise))?;
+        if accounts_for(&again, &found, is_bounded) {
+            return Ok(again);
+        }
+    }
+    Ok(found)
 }
 
 /// Whether the diagnosis with another noise leaves nothing of the gap that the first one left, and does not contradict it: what
@@ -379,12 +378,12 @@ fn accounts_for(again: &Diagnosis, first: &Diagnosis, is_bounded: bool) -> bool 
     }
 }
 
-/// Prepare, fit, select, judge, answer; with the noise with a memory that is left.
+/// Prepare, fit, select, judge, answer; with the noises with a memory that may be what is left.
 fn by_noise(
     case: &Case<'_>,
     base: &Base,
     known: Option<&KnownNoise>,
-) -> Result<(Diagnosis, Option<KnownNoise>)> {
+) -> Result<(Diagnosis, Vec<KnownNoise>)> {
     let recording = case.recording;
     let onto = onto_touches(base, recording)?;
     let postures = onto.as_ref().unwrap_or(recording);
@@ -418,7 +417,7 @@ fn by_noise(
         };
         let memory = selection
             .engine()
-            .noise_with_memory(&selection.refit.residual);
+            .noises_with_memory(&selection.refit.residual);
         Ok((answer(Findings::new(selection, inputs)?)?, memory))
     };
     let selection = Selector::new(&engine, case.effects, &tested).select(known.is_none())?;

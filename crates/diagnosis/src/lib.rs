@@ -43,6 +43,7 @@ pub use error::DiagnosisError;
 use error::Result;
 pub use force::asked::{AskedOfTorques, ask_torques};
 pub use haptical_effects::{Hook, names as effect_names, plausible_range};
+pub use haptical_judge::{Admission, Answered, Check};
 pub use moving::between::{NumberOfCause, effects_between};
 pub use moving::with_carried_loads;
 pub use noise::NoiseSource;

@@ -76,6 +76,16 @@ pub(crate) mod noise {
     pub(crate) const OTHER_LEVEL: f64 = 1.2;
     /// Highest lag at which products of rows are compared. Choice.
     pub(crate) const LAGS: usize = 2;
+    /// The same where a noise has two parts, one of them with a memory. Choice.
+    pub(crate) const TWO_PART_LAGS: usize = 32;
+    /// Share of its variance that the part with a memory may have.
+    pub(crate) const TWO_PART_SHARES: std::ops::Range<f64> = 0.03..0.7;
+    /// Squares of the products' deviations from that law, over those of chance. Chance: three times their mean.
+    pub(crate) const TWO_PART_CHANCE: f64 = 3.0;
+    /// Memories after which nothing is left of it, within those lags.
+    pub(crate) const TWO_PART_MEMORIES: f64 = 2.0;
+    /// Relative uncertainty of its variance at least. Choice.
+    pub(crate) const TWO_PART_UNCERTAINTY: f64 = 0.05;
     /// A segment this many times louder than the median one shows more than noise: a jump, a dent, fast motion. Chance: of
     /// white noise one in 10^5 does; leaving out more would prefer the less coloured ones.
     pub(crate) const DISTURBED: f64 = 4.0;

@@ -4,6 +4,7 @@
 use haptical_calibration::{CalibrationError, channels, check_recording};
 use haptical_effects::force::PAYLOAD;
 use haptical_effects::{Context, Effect, Form, spec};
+use haptical_judge::{Admission, Check};
 use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
@@ -150,7 +151,10 @@ pub(crate) fn diagnose(
     let not_held = not_in_file(verdict, &causes, devices, (&force.changes, is_moving));
     let provenance = Provenance::new(recording.len(), force.numbers, force.tested, options);
     Ok(Diagnosis {
-        admission: force.admission.clone(),
+        admission: match is_moving {
+            true => force.admission.clone(),
+            false => of_slow_torques(&gap, recording.len()),
+        },
         adjusted: force.adjusted.clone(),
         own_model: force.own_model.clone(),
         not_in_file: not_held,
@@ -203,6 +207,22 @@ fn between_runs(
     );
     found.warnings.extend(moving.warnings.iter().cloned());
     Ok(Some(found))
+}
+
+/// What admits a verdict on the torques of a slow motion.
+fn of_slow_torques(gap: &Gap, rows: usize) -> Admission {
+    let floors = gap.channels.iter().map(|own| {
+        let by = own.noise_source.words();
+        format!(
+            "{} {:.3e} {} by {by}",
+            own.channel, own.noise_floor, own.unit
+        )
+    });
+    Admission {
+        known_noise: Check::yes(floors.collect::<Vec<_>>().join(", ")),
+        enough: Check::yes(format!("{rows} rows")),
+        ..Admission::default()
+    }
 }
 
 /// What is said of the torques of a log.

@@ -17,8 +17,19 @@ pub enum Answered {
     No,
 }
 
+impl Answered {
+    /// In a word.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Yes => "yes",
+            Self::Unknown => "unknown",
+            Self::No => "no",
+        }
+    }
+}
+
 /// A question's answer, with what it rests on.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
     /// The answer.
     pub answer: Answered,
@@ -27,6 +38,13 @@ pub struct Check {
     /// What to do where the answer is no.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next: Option<String>,
+}
+
+impl Default for Check {
+    /// Nobody asked.
+    fn default() -> Self {
+        Self::unknown("not asked of such a log")
+    }
 }
 
 impl Check {

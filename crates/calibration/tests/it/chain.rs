@@ -93,6 +93,7 @@ pub(crate) fn cable_at(anchor_m: [f64; 3]) -> Cable {
 
 pub(crate) fn direct_joint(number: usize) -> Joint {
     Joint {
+        has_numeric_name: false,
         name: number.to_string(),
         joint_type: JointType::Revolute,
         home_rad: 0.0,

@@ -20,7 +20,7 @@ use haptical_effects::{Context, Effect, Signal, Stream};
 use haptical_linalg::SparseColumns;
 
 use crate::Result;
-use crate::noise::{KnownNoise, Noise, is_stated, with_memory};
+use crate::noise::{KnownNoise, Noise, is_stated, of_two_parts, with_memory};
 use crate::thresholds::noise::OTHER_LEVEL;
 
 pub(crate) use self::base::problem::{BaseProblem, Derivatives};
@@ -64,6 +64,9 @@ impl<'a> Deref for Engine<'a> {
     }
 }
 
+/// A noise with a memory by residuals over the stated deviation, run by run; whether that is stated.
+type Memory = fn(&[f64], &[std::ops::Range<usize>], bool) -> Option<Noise>;
+
 impl Engine<'_> {
     fn known(&self) -> KnownNoise {
         KnownNoise {
@@ -72,18 +75,25 @@ impl Engine<'_> {
         }
     }
 
-    /// The noise with a memory that other residuals show, of the size that the file states where it does, in the streams
-    /// where its level is another one; none where there is no such stream.
-    pub(crate) fn noise_with_memory(&self, residual: &[Vec<f64>]) -> Option<KnownNoise> {
+    /// Noises with a memory that other residuals show, in the streams where their level is another one: of the size that the file states
+    /// where it does, and of two parts. None where there is no such stream.
+    pub(crate) fn noises_with_memory(&self, residual: &[Vec<f64>]) -> Vec<KnownNoise> {
         if !self.context.ordered {
-            return None;
+            return Vec::new();
         }
+        let kinds: [Memory; 2] = [with_memory, of_two_parts];
+        let all = kinds.into_iter();
+        all.filter_map(|kind| self.noise_with_memory(residual, kind))
+            .collect()
+    }
+
+    fn noise_with_memory(&self, residual: &[Vec<f64>], kind: Memory) -> Option<KnownNoise> {
         let mut known = self.known();
         let mut is_other = false;
         for (stream, noise) in known.noise.iter_mut().enumerate() {
             let scaled = self.over_stated(stream, &residual[stream]);
             let stated = is_stated(self.context.device, self.context.streams[stream].channel);
-            let Some(slow) = with_memory(&scaled, &self.context.runs, stated) else {
+            let Some(slow) = kind(&scaled, &self.context.runs, stated) else {
                 continue;
             };
             if slow.level() > OTHER_LEVEL * noise.level() {

@@ -7,7 +7,8 @@ use super::colour::{
 };
 use super::{Noise, NoiseSource};
 use crate::thresholds::noise::{
-    ENOUGH_SEGMENTS, LAGS, LOUD, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY,
+    ENOUGH_SEGMENTS, LAGS, LOUD, MEMORY_STEP, SEGMENT_ROWS, STATED_UNCERTAINTY, TWO_PART_CHANCE,
+    TWO_PART_LAGS, TWO_PART_MEMORIES, TWO_PART_SHARES, TWO_PART_UNCERTAINTY,
 };
 
 /// What is known of a stream before its noise is estimated.
@@ -122,6 +123,71 @@ pub(crate) fn with_memory(scaled: &[f64], runs: &[Range<usize>], stated: bool) -
         uncertainty: noise.uncertainty * step.sqrt(),
         freedom: noise.freedom / step,
         ..noise
+    })
+}
+
+/// A noise of two parts, one white and one with a memory (a first-order autoregression), by the products of rows up to some lags apart
+/// (Yule 1927): `r(0) = s^2`, `r(k) = c s^2 a^k`. None where they do not follow that law, or where rows further apart still belong together, as
+/// of a gap they do; and none much louder than stated.
+pub(crate) fn of_two_parts(scaled: &[f64], runs: &[Range<usize>], stated: bool) -> Option<Noise> {
+    let mut products = [0.0_f64; TWO_PART_LAGS + 1];
+    let mut counts = [0.0_f64; TWO_PART_LAGS + 1];
+    for run in runs {
+        let rows = &scaled[run.clone()];
+        for (lag, (sum, count)) in products.iter_mut().zip(&mut counts).enumerate() {
+            for (one, other) in rows.iter().zip(rows.iter().skip(lag)) {
+                if one.is_finite() && other.is_finite() {
+                    *sum += one * other;
+                    *count += 1.0;
+                }
+            }
+        }
+    }
+    let of = |lag: usize| products[lag] / counts[lag].max(1.0);
+    let (square, rows) = (of(0), counts[0]);
+    if rows < (ENOUGH_SEGMENTS * SEGMENT_ROWS) as f64 || (stated && square.sqrt() > LOUD) {
+        return None;
+    }
+    let correlation: Vec<f64> = (0..=TWO_PART_LAGS).map(|lag| of(lag) / square).collect();
+    // share and misfit of a colour
+    let fitted = |colour: f64| {
+        let powers: Vec<f64> = (1..=TWO_PART_LAGS)
+            .map(|lag| colour.powi(lag as i32))
+            .collect();
+        let along: f64 = powers
+            .iter()
+            .zip(&correlation[1..])
+            .map(|(a, b)| a * b)
+            .sum();
+        let own: f64 = powers.iter().map(|power| power * power).sum();
+        let share = along / own;
+        let pairs = powers.iter().zip(&correlation[1..]);
+        let misfit: f64 = pairs
+            .map(|(power, seen)| (seen - share * power).powi(2))
+            .sum();
+        (share, misfit)
+    };
+    let colours = (4..=48).map(|step| 0.02 * f64::from(step));
+    let colour = colours.min_by(|a, b| fitted(*a).1.total_cmp(&fitted(*b).1))?;
+    let (share, misfit) = fitted(colour);
+    let lags = TWO_PART_LAGS as f64;
+    // products of white rows scatter by one over the root of their number; those of a memory by its level more
+    let level = share * (1.0 + colour) / (1.0 - colour) + 1.0 - share;
+    let is_law = misfit < TWO_PART_CHANCE * lags * level.max(1.0) / rows;
+    let memory = (TWO_PART_MEMORIES / -colour.ln()).ceil() as usize;
+    let has_ended = memory < TWO_PART_LAGS;
+    if !(TWO_PART_SHARES.contains(&share) && is_law && has_ended) {
+        return None;
+    }
+    let freedom = rows / level.max(1.0);
+    Some(Noise {
+        ratio: square.sqrt(),
+        colour,
+        coloured_share: share,
+        uncertainty: (2.0 / freedom).sqrt().max(TWO_PART_UNCERTAINTY),
+        freedom,
+        source: NoiseSource::Motion,
+        speed_ratio: 1.0,
     })
 }
 

@@ -19,7 +19,7 @@ use serde::Serialize;
 
 use crate::thresholds::noise::{BEYOND, MUCH_ROUNDING};
 
-pub(crate) use self::estimate::{Known, estimate, with_memory};
+pub(crate) use self::estimate::{Known, estimate, of_two_parts, with_memory};
 pub(crate) use self::lines::{Peak, lines, surest_peak, without_lines};
 pub(crate) use self::outliers::{difference_sd, outliers, spread, without_readings};
 pub(crate) use self::repeats::{Repeats, pooled};

@@ -2,6 +2,7 @@
 
 use haptical_effects::Effect;
 use haptical_judge::Evidence;
+use haptical_judge::{Admission, Check};
 use haptical_model::{Device, Recording};
 use haptical_servo::{Finding, NAMES};
 
@@ -125,6 +126,7 @@ pub(super) fn answer(
     let provenance = Provenance::new(recording.len(), 0, tested, options);
     let model = options.model.unwrap_or(device).clone();
     Diagnosis {
+        admission: admission(device, &joints, recording.len()),
         next_experiment: located.and_then(|joint| {
             let next = joint.answer.next.as_ref();
             next.map(|next| format!("joint {}: {next}", joint.index + 1))
@@ -149,6 +151,31 @@ pub(super) fn answer(
         predictions: joints.iter().flat_map(predictions).collect(),
         place,
         ..Diagnosis::of_causes(verdict, gap, causes, model, provenance)
+    }
+}
+
+/// What admits a verdict on loops. Joints that do not follow their command, and those of too few rows, were left out already.
+fn admission(device: &Device, joints: &[Joint], rows: usize) -> Admission {
+    let named = |say: &dyn Fn(&Joint) -> String| -> String {
+        let words: Vec<String> = joints.iter().map(say).collect();
+        words.join(", ")
+    };
+    let numbers = named(&|joint| (joint.index + 1).to_string());
+    let floors = named(&|joint| {
+        let unit = device.joints[joint.index].unit();
+        format!(
+            "joint {} {:.3e} {unit}",
+            joint.index + 1,
+            joint.answer.noise_floor
+        )
+    });
+    Admission {
+        belongs: Check::yes(format!("joints {numbers} follow their commands")),
+        credible_base: Check::yes("nothing but the answer to commands is fitted"),
+        known_noise: Check::yes(format!(
+            "by rows that follow each other, and counts: {floors}"
+        )),
+        enough: Check::yes(format!("{rows} rows")),
     }
 }
 

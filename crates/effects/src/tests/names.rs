@@ -7,7 +7,7 @@ use crate::{catalogue, names};
 
 /// Effects with the parameters that gap.json gives for them. Those that the scan does not
 /// test, and terms of the base model, have none here.
-const STABLE: [(&str, &[&str]); 81] = [
+const STABLE: [(&str, &[&str]); 82] = [
     ("capstan-compliance", &["stiffness_nm_per_rad"]),
     ("capstan-creep", &["creep_per_nm"]),
     ("capstan-slip", &["slip_rad", "time_s"]),

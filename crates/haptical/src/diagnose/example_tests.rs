@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use haptical_diagnosis::{
-    CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer,
-    Invisible, NoReduction, NoiseAnswer, NoiseSource, Over, ParameterAnswer, Place, Provenance,
-    Trace, Untestable, Verdict, Whiteness,
+    Admission, CandidateAnswer, CauseAnswer, ChannelGap, Detectable, Diagnosis, FitRows, Gap,
+    HeldOutAnswer, Invisible, NoReduction, NoiseAnswer, NoiseSource, Over, ParameterAnswer, Place,
+    Provenance, Trace, Untestable, Verdict, Whiteness,
 };
 use haptical_model::Device;
 
@@ -42,6 +42,10 @@ pub(crate) fn no_gap() -> Diagnosis {
         source: NoiseSource::Motion,
     };
     Diagnosis {
+        admission: Admission::default(),
+        adjusted: Vec::new(),
+        own_model: Vec::new(),
+        split_row: None,
         verdict: Verdict::NoGap,
         gap: Gap {
             channels: vec![

@@ -251,6 +251,7 @@ fn any_joint() -> impl Strategy<Value = ModelJoint> {
     )
         .prop_map(
             |(joint_type, home_rad, ratio, distance_m, denominator_m, error)| ModelJoint {
+                has_numeric_name: false,
                 name: "any".to_owned(),
                 joint_type,
                 home_rad,

@@ -43,6 +43,13 @@ pub(in crate::diagnose) fn page(
     let channels = tables::channels(diagnosis)?.into();
     let rests_on = Block::Paragraph(rests_on(diagnosis));
     page.fold("Channel by channel", vec![rests_on, channels]);
+    page.fold(
+        "May there be a verdict?",
+        vec![tables::admission(diagnosis)?.into()],
+    );
+    if let Some(adjusted) = tables::adjusted(diagnosis)? {
+        page.fold("Adjusted before the verdict", vec![adjusted.into()]);
+    }
     page.fold("Where the gap lies", place(diagnosis)?);
     if !diagnosis.causes.is_empty() {
         page.fold("Causes", causes(diagnosis)?);

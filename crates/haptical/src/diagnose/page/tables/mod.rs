@@ -1,5 +1,6 @@
 //! Tables of a diagnosis: the channels, what their residuals depend on, what is odd, the noise.
 
+mod admission;
 mod causes;
 mod unseen;
 
@@ -9,6 +10,7 @@ use haptical_report::{Cell, Table};
 use crate::error::Error;
 use crate::units::Shown;
 
+pub(super) use self::admission::{adjusted, admission};
 pub(super) use self::causes::{candidates, causes, parameters};
 pub(super) use self::unseen::{detectable, invisible, untestable};
 
