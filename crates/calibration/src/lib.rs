@@ -17,7 +17,7 @@ mod steps;
 
 pub use calibration::{Calibration, calibrate};
 pub use checks::held_out::{HeldOut, Split, split, without_own_places};
-pub use checks::otherwise::check_stands;
+pub use checks::otherwise::{apart, check_stands};
 pub use checks::postures::{distinct_rows, without_copies};
 pub use checks::reach::check_reach;
 pub use checks::rejection::{Growth, Kept, Rejected};

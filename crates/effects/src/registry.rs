@@ -198,6 +198,8 @@ const REGISTRY: &[Line] = &[
     elsewhere(&in_motion::ARMATURE),
     elsewhere(&in_motion::LINK_INERTIA),
     elsewhere(&in_motion::LINK_CENTRE),
+    elsewhere(&in_motion::JOINT_OFFSET),
+    elsewhere(&in_motion::TORQUE_FACTOR),
     elsewhere(&in_motion::GRAVITY_DIRECTION),
     elsewhere(&in_motion::SAMPLING),
     elsewhere(&in_motion::COMMAND_LATENCY),

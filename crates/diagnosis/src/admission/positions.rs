@@ -1,6 +1,6 @@
 //! What admits a verdict on positions, encoders and touches.
 
-use haptical_calibration::{Channel, implausible_deviations};
+use haptical_calibration::{Channel, apart, implausible_deviations};
 use haptical_judge::{Admission, Check};
 use haptical_model::Recording;
 
@@ -8,7 +8,7 @@ use crate::answer::{Verdict, channel_rms};
 use crate::engine::Engine;
 use crate::judge::Findings;
 use crate::noise::{NoiseSource, is_stated};
-use crate::thresholds::admission::{LEAST_SPREAD, MOST_MISSED, READINGS_PER_NUMBER};
+use crate::thresholds::admission::{LEAST_SPREAD, MOST_APART, MOST_MISSED, READINGS_PER_NUMBER};
 
 /// The four questions, of a verdict that they may admit.
 pub(crate) fn of_positions(findings: &Findings<'_>, verdict: Verdict) -> Admission {
@@ -110,9 +110,20 @@ fn credible_base(findings: &Findings<'_>) -> Check {
             free.len()
         )),
         Some(odd) => {
-            let next = "check units, signs and order of the columns, and that the device file describes this device";
             let why = odd.split(';').next().unwrap_or(&odd);
-            Check::no(format!("the base model needs {why}"), next)
+            let nominal = findings.inputs.nominal;
+            // one chain has many descriptions: a fit may end at one that is far from the file's and predicts the same
+            match apart(nominal, &fitted, findings.inputs.recording) {
+                Some(apart) if apart > MOST_APART => Check::no(
+                    format!("the base model needs {why}"),
+                    "check units, signs and order of the columns, and that the device file describes this device",
+                ),
+                Some(apart) => Check::yes(format!(
+                    "the fit is another description of the device file's chain, {:.2} % of its motion apart: {why}",
+                    100.0 * apart
+                )),
+                None => Check::unknown(format!("the base model has {why}")),
+            }
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The answer, part by part, from what was found.
 
+use haptical_calibration::implausible_deviations;
 use haptical_effects::{Ahead, Stream};
 use haptical_judge::Admission;
 use haptical_model::Device;
@@ -355,6 +356,10 @@ fn warnings(
     warnings.extend(first.into_iter().flatten());
     warnings.extend(on_torques(findings, verdict));
     warnings.extend(findings.force.warnings.iter().cloned());
+    let fitted = engine.problem.device_with(&engine.start.model.values);
+    let (parameters, free) = (&engine.base.parameters, &engine.base.free);
+    let nominal = findings.inputs.nominal;
+    warnings.extend(implausible_deviations(nominal, &fitted, parameters, free));
     warnings
 }
 

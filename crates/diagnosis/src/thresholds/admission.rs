@@ -3,6 +3,9 @@
 /// Share of what a channel varies by that the model, causes included, may miss. Choice: a device file's lengths are known to a few
 /// percent, and readings of no relation to the joints are missed by all of it.
 pub(crate) const MOST_MISSED: f64 = 0.2;
+/// How far the fitted chain may be from the device file's along the log, as a share of what the handle moves by, where it has numbers that no
+/// device has: less is another description of the same chain.
+pub(crate) const MOST_APART: f64 = 0.1;
 /// Least root mean square by which a channel varies to be asked \[rad or m\]: below it a wrong zero or play is a large part of it.
 pub(crate) const LEAST_SPREAD: f64 = 0.01;
 /// Share of the variance of the largest torque that links, friction and rotor explain at least: torques of another log leave more.

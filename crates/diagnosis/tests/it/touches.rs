@@ -1,6 +1,7 @@
 //! Touches of points at unknown places: what is named, and what is not.
 
 use haptical_calibration::{Options, fit_device};
+use haptical_diagnosis::Answered;
 use haptical_diagnosis::Verdict;
 
 use crate::arm::{assert_named, assert_near, summary};
@@ -156,17 +157,20 @@ fn rough_touches_of_an_arm_without_an_error_have_no_gap() {
 }
 
 #[test]
-fn without_a_stated_noise_there_is_no_gap_either() {
+fn without_a_stated_noise_nothing_says_that_there_is_no_gap() {
     let mut device = device();
     device.surroundings.contact_sd_m = None;
     for seed in SEEDS {
         let diagnosis = diagnosed(&device, &record(seed, &Errors::default()), None);
         assert_eq!(
             diagnosis.verdict,
-            Verdict::NoGap,
+            Verdict::Unknown,
             "{seed}: {}",
             summary(&diagnosis)
         );
+        let asked = &diagnosis.admission.known_noise;
+        assert_eq!(asked.answer, Answered::No, "{seed}: {}", asked.why);
+        assert!(diagnosis.causes.is_empty() && diagnosis.corrected.is_none());
         assert!(
             diagnosis
                 .warnings

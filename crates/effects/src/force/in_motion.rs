@@ -199,6 +199,30 @@ pub const LINK_CENTRE: Spec = Spec {
     ..LINK_INERTIA
 };
 
+/// A joint whose zero is another.
+pub const JOINT_OFFSET: Spec = Spec {
+    name: "joint-offset",
+    meaning: "the zero of the joint is not where the device file says",
+    inspect: "the homing stop or the reference pose",
+    adds: "tau(theta + o) - tau(theta)",
+    form: Form::Offset,
+    parameters: &[Parameter::size("offset_rad", 0.0, 0.5)],
+    follows: Follows::Angle,
+    ..MOVING
+};
+
+/// One factor on all torques.
+pub const TORQUE_FACTOR: Spec = Spec {
+    name: "torque-gain",
+    meaning: "all torques have another scale than N m at the joints",
+    inspect: "the unit of the torques, gear ratios and torque constants",
+    adds: "f tau of all joints",
+    form: Form::Scale,
+    parameters: &[Parameter::number("factor", f64::MAX)],
+    follows: Follows::Torque,
+    ..MOVING
+};
+
 /// A mount that is tilted.
 pub const GRAVITY_DIRECTION: Spec = Spec {
     name: "gravity-direction",

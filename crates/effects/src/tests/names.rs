@@ -66,7 +66,7 @@ const STABLE: [(&str, &[&str]); 82] = [
     ("zero-changed", &["offset_rad"]),
     ("tracker-moved", &["shift_m", "tilt_rad"]),
     ("periodic-disturbance", &[]),
-    ("dropouts", &["share"]),
+    ("dropouts", &[]),
     ("outliers", &[]),
     ("force-bias", &[]),
     ("force-gain", &[]),

@@ -51,6 +51,11 @@ impl Misses {
         Self { all, has_poses }
     }
 
+    /// Whether anything was measured that a device can miss.
+    pub(super) fn any(&self) -> bool {
+        self.all.iter().any(|miss| miss.is_finite())
+    }
+
     /// Root of the sum of squares over some channels.
     pub(super) fn total(&self, is_counted: impl Fn(usize) -> bool) -> f64 {
         let counted = self.all.iter().enumerate();

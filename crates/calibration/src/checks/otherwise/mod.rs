@@ -5,10 +5,12 @@ mod misses;
 mod outputs;
 mod tracker;
 
-use haptical_model::{Device, Recording};
+use haptical_model::kinematics::nalgebra::{Quaternion, Rotation3, UnitQuaternion};
+use haptical_model::{Device, Recording, Tracker};
 
 use crate::CalibrationError;
 use crate::problem::some_rows::spread_rows;
+use crate::start::prepare::handle_poses;
 use hypotheses::{Hypothesis, has_neighbours, of_joints, of_rows};
 use misses::{LEAST_ROWS, Misses};
 
@@ -22,6 +24,69 @@ const BETTER: f64 = 5.0;
 const BETTER_BY_NUMBERS: f64 = 10.0;
 /// Ratio of what they miss up to which two hypotheses are as good.
 const AS_GOOD: f64 = 1.5;
+
+/// How far two devices are from each other along a recording: root mean square of their handle's positions over its spread, and of its
+/// turns in rad, together, one of them seen by a tracker of the other that stands, and whose marker sits, where they agree best. Two
+/// descriptions of one chain are nothing apart. None where a device has no links, or no pose at a row.
+///
+/// ```
+/// use haptical_calibration::apart;
+/// use haptical_model::{Device, Recording};
+/// # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/devices/haptic7.toml");
+/// let device = Device::load(path.as_ref())?.device;
+/// let rows = 0..40;
+/// let joint = |joint: usize| rows.clone().map(|row| (0.1 * (row * (joint + 1)) as f64).sin()).collect();
+/// let log = Recording {
+///     line: rows.clone().map(|row| row + 2).collect(),
+///     joint: (0..7).map(joint).collect(),
+///     ..Recording::default()
+/// };
+/// let mut longer = device.clone();
+/// longer.links[3].a_m += 0.1;
+/// assert!(apart(&device, &device, &log).ok_or("no pose")? < 1e-6);
+/// assert!(apart(&device, &longer, &log).ok_or("no pose")? > 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn apart(device: &Device, other: &Device, recording: &Recording) -> Option<f64> {
+    let rows = spread_rows(recording.len(), MOST_ROWS);
+    let some = recording.select(&rows);
+    let poses = handle_poses(other, &some)
+        .ok()
+        .filter(|_| other.has_links())?;
+    let axis = |axis: usize| poses.iter().map(|pose| pose.position_m[axis]).collect();
+    let turns = poses.iter().map(|pose| {
+        let turn = Rotation3::from_matrix_unchecked(pose.rotation);
+        UnitQuaternion::from_rotation_matrix(&turn).into_inner()
+    });
+    let turns: Vec<Quaternion<f64>> = turns.collect();
+    let part = |part: fn(&Quaternion<f64>) -> f64| turns.iter().map(part).collect();
+    let seen = Recording {
+        line: some.line,
+        joint: some.joint,
+        torque_nm: some.torque_nm,
+        position_m: Some([0, 1, 2].map(axis)),
+        orientation_wxyz: Some([
+            part(|turn| turn.w),
+            part(|turn| turn.i),
+            part(|turn| turn.j),
+            part(|turn| turn.k),
+        ]),
+        ..Recording::default()
+    };
+    let mut anywhere = device.clone();
+    anywhere.tracker = Some(Tracker {
+        base_known: false,
+        base_per_run: false,
+        tool_known: false,
+        position_sd_m: None,
+        rotation_sd_rad: None,
+        scale_sd: None,
+    });
+    anywhere.surroundings.tracker_base = None;
+    anywhere.surroundings.tracker_tool = None;
+    let misses = Misses::new(&anywhere, &seen);
+    (misses.has_poses && misses.any()).then(|| misses.total(|_| true))
+}
 
 /// Refuses a log that misses the device by far, and several times less if its columns or rows, or the tracker's places, are
 /// others.
