@@ -48,6 +48,7 @@ mod settle;
 mod shared_data;
 mod simulate;
 mod simulate_poses;
+mod strangers_logs;
 mod torques_alone;
 mod touches;
 mod two_arms;

@@ -34,11 +34,14 @@ fn belongs(findings: &Findings<'_>) -> Check {
         return Check::unknown("no channel moves enough to say how much of it the model follows");
     };
     let unit = channel.unit(engine.context.device);
-    let figure = format!(
-        "the model misses {} by {left:.3} {unit}, {:.2} % of what it varies by ({spread:.3} {unit})",
-        channel.name(),
-        100.0 * share
-    );
+    let missed = format!("the model misses {} by {left:.3e} {unit}", channel.name());
+    let figure = match channel {
+        Channel::Orientation => missed,
+        _ => format!(
+            "{missed}, {:.2} % of what it varies by ({spread:.3} {unit})",
+            100.0 * share
+        ),
+    };
     match share > MOST_MISSED {
         true => Check::no(
             format!("log and device do not belong together: {figure}"),
@@ -98,6 +101,9 @@ fn variance(column: &[f64]) -> f64 {
 
 /// Whether the base model, next to the causes, has numbers that a device can have.
 fn credible_base(findings: &Findings<'_>) -> Check {
+    if findings.inputs.earlier.is_some() {
+        return Check::yes("what changed since an earlier model is named, whatever its size");
+    }
     let engine = findings.engine();
     let fitted = engine
         .problem
@@ -156,9 +162,9 @@ fn known_noise(findings: &Findings<'_>, verdict: Verdict) -> Check {
                 floor.rms,
                 unit(floor.channel)
             );
-            match verdict.has_causes() {
-                true => Check::unknown(why),
-                false => Check::no(
+            match verdict {
+                Verdict::Named | Verdict::Ambiguous | Verdict::Unknown => Check::unknown(why),
+                Verdict::NoGap => Check::no(
                     why,
                     "state the noise in the device file or the rig, or repeat some postures, each from one side",
                 ),

@@ -202,7 +202,7 @@ pub const LINK_CENTRE: Spec = Spec {
 /// A joint whose zero is another.
 pub const JOINT_OFFSET: Spec = Spec {
     name: "joint-offset",
-    meaning: "the zero of the joint is not where the device file says",
+    meaning: "the home of the joint is not where the device file, or its command, says",
     inspect: "the homing stop or the reference pose",
     adds: "tau(theta + o) - tau(theta)",
     form: Form::Offset,
@@ -214,8 +214,8 @@ pub const JOINT_OFFSET: Spec = Spec {
 /// One factor on all torques.
 pub const TORQUE_FACTOR: Spec = Spec {
     name: "torque-gain",
-    meaning: "all torques have another scale than N m at the joints",
-    inspect: "the unit of the torques, gear ratios and torque constants",
+    meaning: "the torque's scale is not the stated one",
+    inspect: "the motor's constant and the amplifier's gain",
     adds: "f tau of all joints",
     form: Form::Scale,
     parameters: &[Parameter::number("factor", f64::MAX)],

@@ -92,6 +92,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
                 Some(_) => "a part of the gap",
                 None if !kept_by_second(diagnosis).is_empty() => "the gap of the log alone",
                 None if is_undetermined(causes) => "the gap of the rows of its fit",
+                None if !kept_by_channels(diagnosis).is_empty() => "a part of the gap",
                 None => "the gap",
             };
             format!("{} {verb} {gap}.{}", listed(&names), besides(&of_data))
@@ -103,6 +104,9 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         && let Some(closing) = closing(diagnosis)
     {
         sentence += &format!(" {closing}");
+    }
+    if diagnosis.verdict == Verdict::Named && diagnosis.closed_unseen_share.is_none() {
+        sentence += &kept_by_channels(diagnosis);
     }
     sentence += &not_judged(diagnosis);
     sentence += &said_of_second(diagnosis);
@@ -122,6 +126,37 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
+}
+
+/// A channel keeps a gap of its own beyond this many times its noise, and this share of its squares: a large effect of one channel does not
+/// excuse a gap of another.
+const KEPT_FLOORS: f64 = 2.0;
+const KEPT_SHARE: f64 = 0.1;
+
+/// A further sentence on channels that keep a gap next to the causes; empty without any.
+fn kept_by_channels(diagnosis: &Diagnosis) -> String {
+    let keeps = |own: &&ChannelGap| {
+        let beyond = |rms: f64| rms.powi(2) - own.noise_floor.powi(2);
+        own.has_gap
+            && own.no_reduction.is_none()
+            && own.rms_after > KEPT_FLOORS * own.noise_floor
+            && beyond(own.rms_after) > KEPT_SHARE * beyond(own.rms_before)
+    };
+    let kept = diagnosis.gap.channels.iter().filter(keeps);
+    let kept: Vec<String> = kept
+        .map(|own| {
+            let left = Shown::fine(&own.unit).text(own.rms_after);
+            let times = own.rms_after / own.noise_floor;
+            format!("{} keeps {left}, {times:.1} times its noise", own.channel)
+        })
+        .collect();
+    match kept.is_empty() {
+        true => String::new(),
+        false => format!(
+            " {}: no effect of the catalogue explains that.",
+            listed(&kept)
+        ),
+    }
 }
 
 /// Whether the first cause came about between two runs of the log.

@@ -40,6 +40,8 @@ pub(crate) struct Candidate<'c> {
     /// Numbers of its shape, which its columns are not linear in.
     pub(crate) shape: Vec<(&'static str, f64)>,
     pub(crate) columns: Vec<Rc<Column>>,
+    /// How many of them any torque feels.
+    pub(crate) felt: usize,
     pub(crate) numbers: Numbers,
     /// Which of its effect's laws it is.
     pub(crate) kind: usize,
@@ -274,17 +276,18 @@ impl<'c> Candidate<'c> {
         let square = |own: &Column| own.times(own);
         let largest = columns.iter().map(square).fold(0.0, f64::max);
         // what no torque feels is nothing, and not the rounding of it
-        let felt = columns
-            .into_iter()
-            .map(|own| match square(&own) > UNFELT * largest {
-                true => own,
-                false => own.masked(|_| false),
-            });
+        let is_felt = |own: &Column| square(own) > UNFELT * largest;
+        let felt = columns.iter().filter(|own| is_felt(own)).count();
+        let columns = columns.into_iter().map(|own| match is_felt(&own) {
+            true => own,
+            false => own.masked(|_| false),
+        });
         Self {
             effect,
             joint,
             shape: Vec::new(),
-            columns: felt.map(Rc::new).collect(),
+            columns: columns.map(Rc::new).collect(),
+            felt,
             numbers,
             kind: 0,
             about: Vec::new(),

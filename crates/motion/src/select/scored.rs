@@ -125,6 +125,6 @@ pub(crate) fn score<'c>(
 
 /// What a candidate's numbers would explain of noise (Schwarz 1978) \[nats\].
 pub(crate) fn penalty(frame: &Frame<'_>, candidate: &Candidate<'_>) -> f64 {
-    let numbers = candidate.columns.len() + candidate.shape.len();
+    let numbers = candidate.felt + candidate.shape.len();
     0.5 * numbers as f64 * (frame.problem.channel_rows() as f64).ln() + candidate.of_noise
 }

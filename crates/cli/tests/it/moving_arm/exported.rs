@@ -22,10 +22,10 @@ fn export(trial: &Trial, format: &str, from: &str, out: &str) -> String {
 }
 
 /// The effect is named on one log; with what was written of it another log of the arm has no gap, and without it has one.
-fn assert_carried(arm: Arm, device: &str, effect: &str) -> Trial {
+fn assert_carried(arm: Arm, device: &str, effect: &str, further: &[&str]) -> Trial {
     let trial = Trial::new(arm);
     trial.write("log2.csv", &Log::of(arm, 2));
-    let (verdict, causes) = told(&trial.answer(device, "log.csv", &[]));
+    let (verdict, causes) = told(&trial.answer(device, "log.csv", further));
     assert_eq!(
         (verdict.as_str(), causes[0].as_str()),
         ("named", effect),
@@ -40,7 +40,10 @@ fn assert_carried(arm: Arm, device: &str, effect: &str) -> Trial {
         &["--model", corrected.to_str().unwrap()],
     );
     assert_eq!(told(&again), ("no-gap".to_owned(), Vec::new()), "{again}");
-    assert_eq!(told(&trial.answer(device, "log2.csv", &[])).1[0], effect);
+    assert_eq!(
+        told(&trial.answer(device, "log2.csv", further)).1[0],
+        effect
+    );
     trial
 }
 
@@ -59,7 +62,7 @@ fn a_payload_is_in_the_masses_of_the_file_the_urdf_and_the_mjcf() {
         payload_kg: 1.2,
         ..Arm::default()
     };
-    let trial = assert_carried(arm, "arm.xml", "payload");
+    let trial = assert_carried(arm, "arm.xml", "payload", &[]);
     let text = std::fs::read_to_string(trial.path("kept").join("corrected.toml")).unwrap();
     let device = Device::from_toml(&text, "corrected.toml").unwrap().device;
     let carried = RigidBodies::of_device(&device).unwrap();
@@ -79,7 +82,7 @@ fn a_payload_is_in_the_masses_of_the_file_the_urdf_and_the_mjcf() {
         assert!((found - wanted).abs() < 1e-9, "{found}, {wanted}");
     }
 
-    let trial = assert_carried(arm, "arm.urdf", "payload");
+    let trial = assert_carried(arm, "arm.urdf", "payload", &[]);
     export(&trial, "urdf", "arm.urdf", "new.urdf");
     assert_no_gap(&trial, "new.urdf");
 }
@@ -124,7 +127,7 @@ fn an_armature_is_in_the_file_and_in_the_mjcf() {
         armature_kgm2: 0.4,
         ..Arm::default()
     };
-    let trial = assert_carried(arm, "arm.xml", "armature");
+    let trial = assert_carried(arm, "arm.xml", "armature", &[]);
     let text = std::fs::read_to_string(trial.path("kept").join("corrected.toml")).unwrap();
     let device = Device::from_toml(&text, "corrected.toml").unwrap().device;
     let armature = device.joints[0].armature_kgm2.unwrap();
@@ -139,7 +142,9 @@ fn a_tilted_mount_is_in_the_direction_of_gravity() {
         tilt_rad: 0.15,
         ..Arm::default()
     };
-    let trial = assert_carried(arm, "arm.xml", "gravity-direction");
+    // all axes of this arm lie along one another: a tilt about them is another zero of the first joint, and no log tells the two apart
+    let without = ["--without", "joint-offset"];
+    let trial = assert_carried(arm, "arm.xml", "gravity-direction", &without);
     let text = std::fs::read_to_string(trial.path("kept").join("corrected.toml")).unwrap();
     let [x, _, z] = Device::from_toml(&text, "corrected.toml")
         .unwrap()

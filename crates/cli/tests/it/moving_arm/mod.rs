@@ -5,6 +5,7 @@ mod commands;
 mod exported;
 mod identified;
 mod log;
+mod scales;
 mod second;
 mod simulator;
 
