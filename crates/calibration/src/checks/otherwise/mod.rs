@@ -37,7 +37,7 @@ const AS_GOOD: f64 = 1.5;
 /// let rows = 0..40;
 /// let joint = |joint: usize| rows.clone().map(|row| (0.1 * (row * (joint + 1)) as f64).sin()).collect();
 /// let log = Recording {
-///     line: rows.clone().map(|row| row + 2).collect(),
+///     line: rows.clone().map(|row| row as u64 + 2).collect(),
 ///     joint: (0..7).map(joint).collect(),
 ///     ..Recording::default()
 /// };
