@@ -14,7 +14,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
-use haptical_data::{JsonCell, JsonColumns, MOST_COLUMNS, MOST_MEMORY_BYTES};
+use haptical_data::{JsonCell, JsonColumns, JsonRefusal, MOST_COLUMNS, MOST_MEMORY_BYTES};
 
 use crate::arrays;
 use crate::error::TableError;
@@ -198,9 +198,14 @@ fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
         .zip(1..)
         .filter(|(line, _)| !line.trim().is_empty())
     {
-        columns.push(line, number).map_err(|what| {
-            TableError::new("not-a-table", what, name, "write one JSON object a line")
-                .at(number, None)
+        columns.push(line, number).map_err(|refusal| {
+            let (kind, next) = match refusal {
+                JsonRefusal::TooManyKeys => {
+                    ("too-many-columns", "leave out keys that are not needed")
+                }
+                _ => ("not-a-table", "write one JSON object a line"),
+            };
+            TableError::new(kind, refusal.to_string(), name, next).at(number, None)
         })?;
     }
     let named = columns.names.into_iter().zip(columns.cells);
