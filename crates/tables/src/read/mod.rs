@@ -4,6 +4,8 @@ mod clock;
 mod decode;
 mod dialect;
 mod grid;
+mod head;
+mod motive;
 mod number;
 #[cfg(feature = "archives")]
 mod sheet;
@@ -193,11 +195,17 @@ fn parquet(_: Vec<u8>, name: &str) -> Result<Table, TableError> {
 fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
     let (text, is_latin1) = decode::text(bytes, None, name)?;
     let mut columns = JsonColumns::default();
-    for (line, number) in text
-        .lines()
-        .zip(1..)
-        .filter(|(line, _)| !line.trim().is_empty())
-    {
+    let mut notes = Vec::new();
+    let lines = text.lines().zip(1..);
+    let mut lines = lines.filter(|(line, _)| !line.trim().is_empty()).peekable();
+    while let Some((line, number)) = lines.next() {
+        let is_open = !line.trim_end().ends_with('}') && !text.ends_with(['\n', '\r']);
+        if is_open && lines.peek().is_none() && !columns.lines.is_empty() {
+            notes.push(format!(
+                "{name}: line {number}, the last, is cut off and left out"
+            ));
+            break;
+        }
         columns.push(line, number).map_err(|refusal| {
             let (kind, next) = match refusal {
                 JsonRefusal::TooManyKeys => {
@@ -227,6 +235,7 @@ fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
         columns: columns_of.collect(),
         is_named: true,
         lines: columns.lines,
+        notes,
         ..Table::default()
     };
     if is_latin1 {
