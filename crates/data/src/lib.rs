@@ -42,7 +42,7 @@ pub use edit::{LogColumn, LogEdits, edit_log};
 pub use error::near_miss::NearMiss;
 pub use error::place::Place;
 pub use error::{DataError, Fault};
-pub use json_lines::{JsonCell, JsonColumns};
+pub use json_lines::{JsonCell, JsonColumns, JsonRefusal};
 pub use nearest::{Nearest, nearest, usual_distance_ns};
 #[cfg(feature = "parquet")]
 pub use parquet_lists::{ParquetColumns, ParquetTable, parquet_table, read_parquet_columns};

@@ -46,6 +46,29 @@ pub fn diagnose_joint(log: &JointLog<'_>) -> Result<JointAnswer, Untested> {
     .answer())
 }
 
+/// Why the log of a joint cannot say how it answers its command, without a fit of its laws; none where it can.
+///
+/// ```
+/// use haptical_servo::{JointLog, Untested, untested};
+///
+/// let log = JointLog { response: &[0.1, 0.2], ..JointLog::default() };
+/// assert_eq!(untested(&log), Some(Untested::NoCommand));
+/// ```
+pub fn untested(log: &JointLog<'_>) -> Option<Untested> {
+    let mut series = match Series::new(log) {
+        Ok(series) => series,
+        Err(why) => return Some(why),
+    };
+    if !series.moves() {
+        let is_still = change::of_a_still_joint(&series).is_empty();
+        return is_still.then_some(Untested::Still);
+    }
+    for change in &change::find(&series) {
+        change.undo(&mut series);
+    }
+    series.check_related().err()
+}
+
 fn errors(series: &Series) -> Vec<f64> {
     let pairs = series.response.iter().zip(&series.command);
     pairs

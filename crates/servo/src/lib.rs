@@ -17,7 +17,7 @@ mod thresholds;
 pub use answer::{Course, Finding, Instant, JointAnswer, Number, Verdict};
 pub use change::torque_gain;
 pub use effect::NAMES;
-pub use joint::diagnose_joint;
+pub use joint::{diagnose_joint, untested};
 pub use log::{JointLog, Untested};
 pub use predict::Predicted;
 

@@ -17,6 +17,8 @@ pub struct Table {
     pub notes: Vec<String>,
     /// How a text was read.
     pub dialect: Option<Dialect>,
+    /// Order of Euler angles, such as `xyz`, where the file says it.
+    pub euler: Option<String>,
 }
 
 /// How a text separates and writes its cells.

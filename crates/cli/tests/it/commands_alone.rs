@@ -80,6 +80,35 @@ fn log_text(command_per_rad: f64) -> String {
 }
 
 #[test]
+fn a_check_says_what_commands_are_good_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    let checked = |text_of_log: &str, further: &[&str]| {
+        std::fs::write(&log, text_of_log).unwrap();
+        let mut command = haptical();
+        command.arg("check").arg(device()).arg(&log).args(further);
+        let output = command.output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let whole = log_text(1.0);
+    let said = checked(&whole, &[]);
+    let tested = "tests how joints 1, 2, 3, 4, 5, 6 follow the command: command-latency";
+    assert!(said.contains(tested) && said.contains("geometry"), "{said}");
+    let json: Value = serde_json::from_str(&checked(&whole, &["--json"])).unwrap();
+    assert_eq!(json["log"]["channels"][2]["channel"], "command3");
+    assert_eq!(json["log"]["channels"][2]["readings"], 3000);
+    // a joint without a command, and a log without times
+    let without = whole.replacen("command6_rad", "wanted_rad", 1);
+    let said = checked(&without, &[]);
+    let not = "cannot test how joint 6 follows the command: the log has no command of it";
+    assert!(said.contains(not), "{said}");
+    let said = checked(&whole.replacen("t_s", "clock", 1), &[]);
+    let not = "cannot test how joints 1, 2, 3, 4, 5, 6 follow the command: no column t_s";
+    assert!(said.contains(not), "{said}");
+}
+
+#[test]
 fn a_lost_offset_is_named_placed_and_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let (log, out) = (folder.path().join("log.csv"), folder.path().join("result"));

@@ -13,7 +13,7 @@ impl Fault {
             Self::NulByte { .. } => "nul-byte",
             Self::LineTooLong { .. } => "line-too-long",
             Self::NoRow { .. } => "no-row",
-            Self::TooManyColumns { .. } => "too-many-columns",
+            Self::TooManyColumns { .. } | Self::TooManyKeys { .. } => "too-many-columns",
             Self::TooLarge { .. } => "too-large",
             Self::LongId { .. } => "long-id",
             Self::NotBuiltIn { .. } => "not-built-in",

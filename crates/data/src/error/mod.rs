@@ -126,6 +126,15 @@ pub enum Fault {
         /// Columns allowed.
         most: usize,
     },
+    /// More different keys in lines of JSON than a log has columns.
+    #[error(
+        "the lines so far have more than {most} different keys, and each key is a column; leave out \
+         keys that are not needed"
+    )]
+    TooManyKeys {
+        /// Keys allowed.
+        most: usize,
+    },
     /// More readings than are kept in memory.
     #[error(
         "the {rows} rows so far fill {gibibytes} GiB of memory, the most that is used; keep \

@@ -1,10 +1,11 @@
 //! Objects of JSON, one after another, as columns: keys within keys are joined by points, elements are numbered from 1.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
 use serde_json::Value;
 
-use crate::size::{MOST_MEMORY_BYTES, TEXT_BYTES};
+use crate::size::{MOST_COLUMNS, MOST_MEMORY_BYTES, TEXT_BYTES};
 
 /// A value of an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +18,37 @@ pub enum JsonCell {
     Text(String),
 }
 
-/// Objects of JSON as columns of equal length.
+/// Why an object is not added.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum JsonRefusal {
+    /// The objects so far have more different keys than a log has columns.
+    TooManyKeys,
+    /// Another reason, in words.
+    NoRow(String),
+}
+
+impl fmt::Display for JsonRefusal {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooManyKeys => write!(
+                to,
+                "the objects so far have more than {MOST_COLUMNS} different keys, the most that are read"
+            ),
+            Self::NoRow(what) => to.write_str(what),
+        }
+    }
+}
+
+impl std::error::Error for JsonRefusal {}
+
+impl From<String> for JsonRefusal {
+    fn from(what: String) -> Self {
+        Self::NoRow(what)
+    }
+}
+
+/// Objects of JSON as columns of equal length, at most [`MOST_COLUMNS`].
 ///
 /// ```
 /// use haptical_data::{JsonCell, JsonColumns};
@@ -27,7 +58,7 @@ pub enum JsonCell {
 /// assert_eq!(columns.names, ["arm.q[1]", "arm.q[2]", "t"]);
 /// assert_eq!(columns.cells[1], [JsonCell::Number(2.0)]);
 /// assert!(columns.push("[1, 2]", 2).is_err());
-/// # Ok::<(), String>(())
+/// # Ok::<(), haptical_data::JsonRefusal>(())
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct JsonColumns {
@@ -45,26 +76,30 @@ impl JsonColumns {
     /// Adds the object that a line is.
     ///
     /// # Errors
-    /// In words: it is no object, it gives a key twice, or all rows together fill the memory.
-    pub fn push(&mut self, line: &str, number: u64) -> Result<(), String> {
+    /// It is no object, it gives a key twice, or all rows together have too many keys or fill the memory.
+    pub fn push(&mut self, line: &str, number: u64) -> Result<(), JsonRefusal> {
         let value: Value = serde_json::from_str(line)
             .map_err(|error| format!("the line is no JSON object: {error}"))?;
         if !value.is_object() {
-            return Err("the line is JSON, but no object".to_owned());
+            return Err("the line is JSON, but no object".to_owned().into());
         }
         self.add(&mut String::new(), &value)?;
         self.lines.push(number);
         for column in &mut self.cells {
             column.resize(self.lines.len(), JsonCell::None);
         }
+        self.check_memory()
+    }
+
+    fn check_memory(&self) -> Result<(), JsonRefusal> {
         let cells = (self.lines.len() * self.cells.len()) as u64;
-        if cells * size_of::<JsonCell>() as u64 + self.text_bytes > MOST_MEMORY_BYTES {
-            let gibibytes = MOST_MEMORY_BYTES >> 30;
-            return Err(format!(
-                "the objects so far fill {gibibytes} GiB of memory, the most that is used"
-            ));
+        if cells * size_of::<JsonCell>() as u64 + self.text_bytes <= MOST_MEMORY_BYTES {
+            return Ok(());
         }
-        Ok(())
+        let gibibytes = MOST_MEMORY_BYTES >> 30;
+        let what =
+            format!("the objects so far fill {gibibytes} GiB of memory, the most that is used");
+        Err(what.into())
     }
 
     /// The place of a column.
@@ -91,7 +126,7 @@ impl JsonColumns {
         }
     }
 
-    fn add(&mut self, path: &mut String, value: &Value) -> Result<(), String> {
+    fn add(&mut self, path: &mut String, value: &Value) -> Result<(), JsonRefusal> {
         let length = path.len();
         match value {
             Value::Null => {}
@@ -126,18 +161,22 @@ impl JsonColumns {
         Ok(())
     }
 
-    fn set(&mut self, name: &str, cell: JsonCell) -> Result<(), String> {
+    fn set(&mut self, name: &str, cell: JsonCell) -> Result<(), JsonRefusal> {
         let row = self.lines.len();
         let column = match self.by_name.get(name) {
             Some(&column) => column,
+            None if self.names.len() == MOST_COLUMNS => return Err(JsonRefusal::TooManyKeys),
             None => {
+                // keys within keys may make long names of a short line; each is kept twice
+                self.text_bytes += 2 * (TEXT_BYTES + name.len() as u64);
+                self.check_memory()?;
                 self.add_column(name.to_owned(), vec![JsonCell::None; row]);
                 self.names.len() - 1
             }
         };
         let cells = &mut self.cells[column];
         if cells.len() > row {
-            return Err(format!("`{name}` is given twice"));
+            return Err(format!("`{name}` is given twice").into());
         }
         cells.push(cell);
         Ok(())

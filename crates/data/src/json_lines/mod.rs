@@ -7,7 +7,7 @@ use std::io::{BufRead, BufReader};
 
 use csv::StringRecord;
 
-pub use self::columns::{JsonCell, JsonColumns};
+pub use self::columns::{JsonCell, JsonColumns, JsonRefusal};
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
 use crate::read::LoadedLog;
@@ -69,11 +69,15 @@ fn objects(text: TextStream<'_>, name: &str) -> Result<JsonColumns, DataError> {
         if line.trim().is_empty() {
             continue;
         }
-        let refuse = |what: String| {
-            Place::line(name, number).error(Fault::NotALog {
-                what,
-                advice: "write one JSON object a line, such as {\"t_s\": 0.0, \"theta1_rad\": 0.1}"
-                    .to_owned(),
+        let refuse = |refusal: JsonRefusal| {
+            Place::line(name, number).error(match refusal {
+                JsonRefusal::TooManyKeys => Fault::TooManyKeys { most: MOST_COLUMNS },
+                JsonRefusal::NoRow(what) => Fault::NotALog {
+                    what,
+                    advice:
+                        "write one JSON object a line, such as {\"t_s\": 0.0, \"theta1_rad\": 0.1}"
+                            .to_owned(),
+                },
             })
         };
         columns.push(&line, number).map_err(refuse)?;

@@ -113,6 +113,18 @@ fn what_is_no_row_is_refused_with_its_line() {
     assert!(list.to_string().contains("jq -c"), "{list}");
 }
 
+/// Lines whose keys all differ would fill the memory with the square of their number.
+#[test]
+fn more_keys_than_columns_are_refused_at_the_line_of_the_first_too_many() {
+    let line = |key: usize| format!("{{\"k{key}\":1}}\n");
+    let text: String = (0..6000).map(line).collect();
+    let error = refused(&text, &single(), "too-many-columns", Some(4097), None);
+    assert!(error.to_string().contains("4096 different keys"), "{error}");
+    let keys: Vec<String> = (0..4095).map(|key| format!("\"k{key}\":1")).collect();
+    let most = format!("{{\"theta1_rad\":0.5,{}}}\n", keys.join(",")).repeat(2);
+    assert_eq!(clean(&most, &single()).recording.covariates.len(), 4095);
+}
+
 #[test]
 fn a_joint_that_slides_is_in_metres() {
     let slide = JointShape {

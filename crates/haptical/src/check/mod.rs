@@ -1,5 +1,6 @@
 //! Judges what a log could identify, at the device as it is given. A fit to a part of the log shows mistaken columns alone.
 
+mod commands;
 mod text;
 mod torques;
 
@@ -143,6 +144,9 @@ pub fn check(device: &Device, log: Option<&Log>, request: &Identify) -> Result<C
         warnings.extend(log.warnings.iter().cloned());
         let place = log.source();
         if let Some(found) = torques::torques_alone(&model, &log.recording, &place.label) {
+            return Ok(found);
+        }
+        if let Some(found) = commands::commands_alone(&model, &log.recording, &place.label) {
             return Ok(found);
         }
         let found = checked_log(&model, &log.recording, &request.options, &place.label);

@@ -4,7 +4,7 @@ use haptical_calibration::channels;
 use haptical_model::{Device as Model, Missing, Recording};
 use haptical_motion::{Survey, SurveyedTorque, survey, why_not};
 
-use super::{CheckedChannel, CheckedLog};
+use super::{CheckedChannel, CheckedLog, commands};
 
 /// Below this speed inertia is small beside friction and weight \[rad/s\], \[m/s\].
 const SLOW: f64 = 0.1;
@@ -31,10 +31,12 @@ pub(super) fn torques_alone(
         readings: readings(joint),
     });
     let rows = CheckedLog::of_rows(file, recording);
+    let mut good_for = good_for(device, recording, (rows.runs, read.len()));
+    good_for.extend(commands::of_commands(device, recording));
     Some(CheckedLog {
         channels: channels.collect(),
         covariates: covariates.collect(),
-        good_for: good_for(device, recording, (rows.runs, read.len())),
+        good_for,
         ..rows
     })
 }
@@ -89,13 +91,15 @@ fn good_for(device: &Model, recording: &Recording, (runs, torques): (usize, usiz
     said
 }
 
+/// Joints by their numbers.
+pub(super) fn numbered(joints: &[usize]) -> String {
+    let numbers: Vec<String> = joints.iter().map(|own| (own + 1).to_string()).collect();
+    let s = if joints.len() == 1 { "" } else { "s" };
+    format!("joint{s} {}", numbers.join(", "))
+}
+
 /// What the equations of motion have to work with.
 fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
-    let named = |joints: &[usize]| -> String {
-        let numbers: Vec<String> = joints.iter().map(|own| (own + 1).to_string()).collect();
-        let s = if joints.len() == 1 { "" } else { "s" };
-        format!("joint{s} {}", numbers.join(", "))
-    };
     let of = |is: &dyn Fn(usize) -> bool| -> Vec<usize> {
         (0..found.joints.len()).filter(|joint| is(*joint)).collect()
     };
@@ -109,7 +113,7 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
         "A moving arm: the equations of motion can be used, with masses, centres and inertias of the device file, {:.1} rows a second and the \
          torques of {}. haptical diagnose tests payload, link-inertia, friction, gains, delays, springs, contacts and more.",
         found.rate_hz,
-        named(&good)
+        numbered(&good)
     )];
     let left_out = Missing::bodies(device).unwrap_or_default();
     if !left_out.is_empty() {
@@ -125,7 +129,7 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
     let lacking = "is not in the log: nothing is said of it";
     for (joints, what) in [(constant, throughout), (absent, lacking)] {
         if !joints.is_empty() {
-            said.push(format!("The torque of {} {what}.", named(&joints)));
+            said.push(format!("The torque of {} {what}.", numbered(&joints)));
         }
     }
     let still = of(&|joint| !found.joints[joint].moves);
@@ -134,21 +138,21 @@ fn of_motion(device: &Model, found: &Survey) -> Vec<String> {
     } else {
         said.push(format!(
             "Still throughout, so that nothing can be said of friction, gain, armature, spring or play there: {}. Move every joint.",
-            named(&still)
+            numbered(&still)
         ));
     }
     let slow = of(&|joint| found.joints[joint].moves && found.joints[joint].fastest < SLOW);
     if !slow.is_empty() {
         said.push(format!(
             "Slower than {SLOW} rad/s or m/s, so that inertia and delay hardly show there: {}.",
-            named(&slow)
+            numbered(&slow)
         ));
     }
     let unstated = of(&|joint| device.joints[joint].armature_kgm2.is_none());
     if !unstated.is_empty() {
         said.push(format!(
             "The device file has no armature_kgm2 of {}: it is fitted, and cannot be a cause.",
-            named(&unstated)
+            numbered(&unstated)
         ));
     }
     if found.jitter > 0.1 {

@@ -2,9 +2,12 @@
 
 mod groups;
 mod layout;
+mod letters;
+mod limbs;
 mod lists;
 mod named_lists;
 mod names;
+mod one_value;
 mod rivals;
 pub(crate) mod units;
 mod write;

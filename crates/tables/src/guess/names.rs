@@ -1,9 +1,10 @@
 //! What a column is by its name, else by the number of columns.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::lists::{ANGLE, COMMAND, FOREIGN, POSITION, TORQUE, VELOCITY};
-use super::{Joint, Proposal, groups, named_lists};
+use super::{Joint, Proposal, groups, letters, limbs, named_lists};
 use crate::mapping::{TEXTS, Unit, dimension_of};
 use crate::table::{Cells, Table};
 
@@ -108,19 +109,23 @@ pub(super) fn unit_at_end(name: &str) -> Option<&str> {
 
 /// Whether a name is one of time.
 pub(super) fn is_time(name: &str) -> bool {
-    let words = words(name);
-    let first = words.first().map_or("", String::as_str);
-    name == "t_s"
-        || matches!(
-            first,
+    // of a stamp the whole: its seconds or its nanoseconds alone are none
+    let field = words(name.rsplit(['.', '/']).next().unwrap_or_default());
+    let is_word = |word: &String| {
+        matches!(
+            word.as_str(),
             "t" | "time" | "timestamp" | "stamp" | "zeit" | "temps"
-        ) && words.len() == 1
-        || name.to_lowercase().contains("timestamp")
+        )
+    };
+    let is_field = field.len() == 1 && field.iter().all(is_word);
+    name == "t_s" || is_field || name.to_lowercase().contains("timestamp")
 }
 
 /// The meaning of each column of a file, with the reason; without one the reason why not.
 pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<Meaning>, String)> {
-    if !table.is_named {
+    let digits = digits(table);
+    let has_names = || digits.len() < table.columns.len();
+    if !table.is_named || !has_names() {
         return by_number(table, files, joints);
     }
     let all: Vec<&str> = table
@@ -128,10 +133,11 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
         .iter()
         .map(|column| column.name.as_str())
         .collect();
-    let lists = groups::of(table);
     let named = named_lists::of(table, joints);
+    let lists = groups::of(table);
+    let limbs = limbs::of(table, joints);
     let columns = table.columns.iter().enumerate();
-    columns
+    let mut found: Vec<(Option<Meaning>, String)> = columns
         .map(|(place, column)| {
             if let Some(own) = named.get(&place) {
                 return own.clone();
@@ -149,7 +155,8 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
                     format!("the device's joint {} is `{name}`", joint + 1),
                 );
             }
-            if let Some((meaning, why)) = lists.get(&place) {
+            let as_part = || lists.get(&place).or_else(|| limbs.get(&place));
+            if let Some((meaning, why)) = as_part().or_else(|| digits.get(&place)) {
                 return (Some(meaning.clone()), why.clone());
             }
             match by_name(&column.name, &all) {
@@ -165,10 +172,35 @@ pub(super) fn of(table: &Table, files: usize, joints: &[Joint]) -> Vec<(Option<M
                 None => (None, "its name says nothing that is known".to_owned()),
             }
         })
+        .collect();
+    let meanings: Vec<Option<Meaning>> = found.iter().map(|(own, _)| own.clone()).collect();
+    for (place, own) in letters::of(table, &meanings) {
+        found[place] = own;
+    }
+    found
+}
+
+/// Joints whose names are their numbers alone, `0` to `5` or `1` to `6` in order, by their place in the file.
+fn digits(table: &Table) -> BTreeMap<usize, (Meaning, String)> {
+    let columns = table.columns.iter().enumerate();
+    let numbers = columns.filter_map(|(place, column)| Some((place, column.name.parse().ok()?)));
+    let numbers: Vec<(usize, usize)> = numbers.collect();
+    let first = numbers.first().map_or(0, |(_, number)| *number);
+    let in_order = numbers.iter().zip(first..);
+    let is_list = in_order.clone().all(|((_, number), own)| *number == own);
+    if first > 1 || numbers.len() < 2 || numbers.len() > 64 || !is_list {
+        return BTreeMap::new();
+    }
+    let joints = numbers.into_iter();
+    joints
+        .map(|(place, number)| {
+            let why = "UNSURE: names of digits in order are taken for the joints".to_owned();
+            (place, (Meaning::Joint(OfJoint::Angle, number), why))
+        })
         .collect()
 }
 
-/// The device's joint that a name begins or ends with; the longest such name.
+/// The device's joint that a name begins or ends with; the longest such name, else the only one that begins with the name.
 pub(super) fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
     let simple = |text: &str| words(text).join("_");
     let own = simple(name);
@@ -187,6 +219,27 @@ pub(super) fn of_device(name: &str, joints: &[Joint]) -> Option<usize> {
     fitting
         .max_by_key(|(length, _)| *length)
         .map(|(_, place)| place)
+        .or_else(|| begun_by(name, joints))
+}
+
+/// The only joint of the device whose name begins with the words of a name, `base_yaw` for `Base`, kinds of readings left out.
+fn begun_by(name: &str, joints: &[Joint]) -> Option<usize> {
+    let kinds = [&TORQUE[..], &VELOCITY, &COMMAND, &ANGLE].concat();
+    let is_kind = |word: &String| kinds.contains(&word.as_str());
+    let mut own = words(name);
+    while own.len() > 1 && own.last().is_some_and(is_kind) {
+        own.pop();
+    }
+    // a letter or a word of a place may begin any name
+    let says_enough = own
+        .first()
+        .is_some_and(|word| word.len() > 2 && !is_kind(word) && !POSITION.contains(&word.as_str()));
+    let begins = |joint: &Joint| words(&joint.0).starts_with(&own);
+    let mut fitting = joints.iter().enumerate().filter(|(_, joint)| begins(joint));
+    match (fitting.next(), fitting.next()) {
+        (Some((place, _)), None) if says_enough => Some(place),
+        _ => None,
+    }
 }
 
 pub(super) fn kind_of(words: &[String]) -> Option<OfJoint> {
@@ -219,7 +272,7 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     if let Some((joint, kind)) = numbered(&parts, all, name) {
         return Some(Meaning::Joint(kind, joint));
     }
-    if let Some(meaning) = element(&parts, all) {
+    if let Some(meaning) = element(&parts, all, name.ends_with(']')) {
         return Some(meaning);
     }
     match joined.as_str() {
@@ -257,7 +310,14 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
     let says_turn = front
         .iter()
         .any(|word| word.starts_with('q') || word.starts_with("ori") || word.starts_with("rot"));
-    let part = letter(last, "q").or_else(|| letter(last, "").filter(|_| is_turn && says_turn));
+    // three letters without a real part are no quaternion
+    let real_part: Vec<&str> = front.iter().copied().chain(["w"]).collect();
+    let has_real_part = || {
+        let mut alike = all.iter().filter(|own| own.len() == name.len());
+        alike.any(|own| self::words(own) == real_part)
+    };
+    let is_part = || is_turn && says_turn && has_real_part();
+    let part = letter(last, "q").or_else(|| letter(last, "").filter(|_| is_part()));
     if let (Some(part), true) = (part, is_turn) {
         return Some(Meaning::Quaternion(part));
     }
@@ -273,6 +333,9 @@ fn by_name(name: &str, all: &[&str]) -> Option<Meaning> {
         .or_else(|| axis("p"))
         .or_else(|| axis("t"))
         .or_else(|| axis("pos"));
+    if says_turn {
+        return None;
+    }
     // a name may have a capital within: `OptiTrack`
     let whole = front.concat();
     let is_place = POSITION.contains(&whole.as_str())
@@ -351,10 +414,11 @@ fn numbered(parts: &[&str], all: &[&str], name: &str) -> Option<(usize, OfJoint)
 }
 
 /// An element of a list that is a place.
-fn element(parts: &[&str], all: &[&str]) -> Option<Meaning> {
+fn element(parts: &[&str], all: &[&str], is_list: bool) -> Option<Meaning> {
     let (last, front) = parts.split_last()?;
     let number = last.parse::<usize>().ok()?.checked_sub(1)?;
-    if front.iter().any(|word| FOREIGN.contains(word)) {
+    let is_place = front.iter().any(|word| POSITION.contains(word));
+    if front.iter().any(|word| FOREIGN.contains(word)) || !(is_list || is_place) {
         return None;
     }
     let elements = all.iter().filter(|own| {

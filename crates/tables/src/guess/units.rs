@@ -69,7 +69,7 @@ pub(super) fn scales(found: &mut [Proposal], run: &[Table]) {
 }
 
 /// What stands in brackets at the end of a name and is no number of an element.
-fn in_brackets(name: &str) -> Option<&str> {
+pub(super) fn in_brackets(name: &str) -> Option<&str> {
     let open = name.find(['[', '('])?;
     let inner = name.get(open + 1..name.len() - 1)?.trim();
     let is_closed = name.ends_with([']', ')']);
@@ -208,8 +208,14 @@ fn by_size(
                     word,
                     format!("up to {largest:e}, a time since 1970 in {word}"),
                 ),
-                None if is_whole && step >= 1e5 => {
-                    unit("ns", format!("whole numbers, {step} apart: CHECK the unit"))
+                // logs have 1 to 1000 rows a second
+                None if is_whole && step >= 100.0 => {
+                    let word = match step {
+                        1e6.. => "ns",
+                        1e3.. => "us",
+                        _ => "ms",
+                    };
+                    unit(word, format!("whole numbers, {step} apart: CHECK the unit"))
                 }
                 None if is_whole && step > 0.0 => (
                     Scale::None,

@@ -1,10 +1,12 @@
 //! The proposal as a text for people: a comment with the reason, then the lines.
 
-use super::Proposal;
+use std::f64::consts::PI;
+
 use super::layout::Arrangement;
 use super::names::Meaning;
 use super::units::{Scale, stated};
-use crate::mapping::{Dimension, Matching};
+use super::{Proposal, one_value};
+use crate::mapping::{Dimension, Matching, Unit};
 use crate::table::{Cells, Table};
 
 const HEAD: &str = "\
@@ -60,6 +62,9 @@ pub(super) fn toml(
     orientation(run, turned, &mut text);
     if !found.iter().any(|own| matches!(&own.meaning, Meaning::Joint(kind, _) if own.meaning.to_string().starts_with("theta") && *kind as u8 <= 1)) {
         text.push_str("\n# NO JOINT WAS FOUND. Each joint of the device needs a column, such as\n# [[column]]\n# log = \"theta1_rad\"\n# from = \"#1\"\n# unit = \"deg\"\n");
+        for advice in run.iter().filter_map(one_value::advice) {
+            text.push_str(&format!("# {}\n", comment(&advice)));
+        }
     }
     if !unknown.is_empty() {
         text.push_str("\n# Left out:\n");
@@ -181,7 +186,16 @@ fn orientation(run: &[Table], mut parts: Vec<&Proposal>, text: &mut String) {
     let Some(first) = parts.first() else {
         return;
     };
-    let from: Vec<String> = parts.iter().map(|own| quoted(&source(run, own))).collect();
+    let order = match &first.meaning {
+        Meaning::Vector(_) => run[first.file].euler.clone().unwrap_or_default(),
+        _ => String::new(),
+    };
+    let mut listed = parts.clone();
+    listed.sort_by_key(|own| match own.meaning {
+        Meaning::Vector(part) => order.find(['x', 'y', 'z'][part.min(2)]),
+        _ => None,
+    });
+    let from: Vec<String> = listed.iter().map(|own| quoted(&source(run, own))).collect();
     let by_size = first.why.rsplit("; ").next().unwrap_or_default();
     let (kind, further, why) = match &first.meaning {
         Meaning::Quaternion(_) => ("quaternion", "order = \"wxyz\"   # `from` lists w first\n".to_owned(), first.why.clone()),
@@ -189,6 +203,16 @@ fn orientation(run: &[Table], mut parts: Vec<&Proposal>, text: &mut String) {
             "euler",
             "order = \"xyz\"\naxes = \"extrinsic\"   # roll, pitch, yaw about fixed axes, as ROS, KUKA (C, B, A) and Fanuc (W, P, R) have it: CHECK\n".to_owned(),
             format!("by their names; {by_size}"),
+        ),
+        Meaning::Vector(_) if !order.is_empty() => (
+            "euler",
+            format!("order = {}\naxes = \"intrinsic\"   # CHECK whether the axes are the fixed ones: \"extrinsic\"\n", quoted(&order)),
+            format!("Euler angles in the order that the file says; {by_size}"),
+        ),
+        Meaning::Vector(_) if is_beyond_half_a_turn(run, &parts) => (
+            "euler",
+            "order = \"xyz\"\naxes = \"extrinsic\"   # CHECK the order, and whether the axes are the moved ones: \"intrinsic\"\n".to_owned(),
+            format!("longer than half a turn, so no rotation vector; {by_size}"),
         ),
         Meaning::Vector(_) => (
             "rotation_vector",
@@ -209,6 +233,29 @@ fn orientation(run: &[Table], mut parts: Vec<&Proposal>, text: &mut String) {
     }
     text.push_str(&further);
     text.push_str("# invert = true   # where the file has the target seen from the camera, and the camera seen from the target is wanted\n");
+}
+
+/// Whether three angles are longer than a rotation vector gets.
+fn is_beyond_half_a_turn(run: &[Table], parts: &[&Proposal]) -> bool {
+    let numbers = parts.iter().map(|own| {
+        let unit = match &own.scale {
+            Scale::Unit(unit) => Unit::parse(unit),
+            _ => None,
+        };
+        let numbers = run[own.file].columns[own.column].cells.numbers();
+        (
+            unit.map_or(1.0, |unit| unit.factor),
+            numbers.unwrap_or_default(),
+        )
+    });
+    let numbers: Vec<(f64, &[f64])> = numbers.collect();
+    let rows = numbers.iter().map(|(_, numbers)| numbers.len());
+    (0..rows.min().unwrap_or(0)).any(|row| {
+        let squares = numbers
+            .iter()
+            .map(|(factor, numbers)| (factor * numbers[row]).powi(2));
+        squares.sum::<f64>().sqrt() > 1.01 * PI
+    })
 }
 
 /// Layout and unit of a 4 x 4 matrix, by where its 0, 0, 0, 1 are.

@@ -2,6 +2,7 @@
 
 use super::clock;
 use super::dialect::usual;
+use super::head::head;
 use super::number::{is_missing, is_number, is_unit, number};
 use crate::error::TableError;
 use crate::mapping::Reading;
@@ -18,13 +19,8 @@ pub(super) struct Grid {
     pub(super) rows: Vec<Row>,
     /// Words of a comment line above the rows.
     pub(super) comment: Option<Vec<String>>,
-}
-
-/// Names and units, and how many rows they take.
-struct Head {
-    names: Option<Vec<String>>,
-    units: Option<Vec<String>>,
-    rows: usize,
+    /// Whether the last line lacks its end.
+    pub(super) is_cut: bool,
 }
 
 pub(super) fn to_table(
@@ -44,15 +40,25 @@ pub(super) fn to_table(
     }
     let head = head(grid, width, reading, name)?;
     let mut notes = Vec::new();
-    let above = head.rows - usize::from(head.units.is_some());
-    let used = usize::from(head.names.is_some()).min(above);
-    if above > used {
+    if head.preamble > 0 {
+        let lines = head.preamble;
         notes.push(format!(
-            "{name}: the first {} lines are taken for a preamble",
-            above - used
+            "{name}: the first {lines} lines are taken for a preamble"
         ));
     }
-    let rows = &grid.rows[head.rows..];
+    if let Some(note) = &head.note {
+        notes.push(format!("{name}: {note}"));
+    }
+    let mut rows = &grid.rows[head.rows..];
+    if let Some((last, before)) = rows.split_last()
+        && is_cut(last, before, grid.is_cut, width)
+    {
+        let line = last.line;
+        notes.push(format!(
+            "{name}: line {line}, the last, is cut off and left out"
+        ));
+        rows = before;
+    }
     let uneven = rows.iter().find(|row| row.cells.len() != width);
     if let Some(row) = uneven {
         let what = format!("{} cells where most rows have {width}", row.cells.len());
@@ -77,6 +83,7 @@ pub(super) fn to_table(
         lines: rows.iter().map(|row| row.line).collect(),
         notes,
         dialect: None,
+        euler: head.euler,
     })
 }
 
@@ -164,75 +171,14 @@ fn unit_in(name: &str) -> Option<String> {
     crate::mapping::Unit::parse(inner.trim()).map(|_| inner.trim().to_owned())
 }
 
-/// Whether a row is one of readings: half of its filled cells are numbers, times or lists of numbers, or each says that it has none.
-fn is_data(row: &Row) -> bool {
-    let filled = row.cells.iter().filter(|cell| !is_missing(cell));
-    let is_reading =
-        |cell: &str| is_number(cell) || clock::seconds(cell).is_some() || list(cell).is_some();
-    let readings = filled.clone().filter(|cell| is_reading(cell)).count();
-    let filled = filled.count();
-    let says_none = filled == 0 && row.cells.iter().all(|cell| !cell.is_empty());
-    says_none || (readings > 0 && 2 * readings >= filled)
-}
-
-fn head(grid: &Grid, width: usize, reading: &Reading, name: &str) -> Result<Head, TableError> {
-    let comment = || {
-        let names = grid.comment.clone()?;
-        (names.len() == width && !names.iter().any(|own| is_number(own))).then_some(names)
-    };
-    if reading.header == Some(false) {
-        return Ok(Head {
-            names: None,
-            units: None,
-            rows: 0,
-        });
+/// Whether a writer stopped within the last row: it lacks cells, or its line lacks the end and its last cell is no number alone.
+fn is_cut(last: &Row, before: &[Row], lacks_end: bool, width: usize) -> bool {
+    if before.is_empty() || before.iter().any(|row| row.cells.len() != width) {
+        return false;
     }
-    let is_row = |row: &Row| row.cells.len() == width && is_data(row);
-    let first = match (reading.header, grid.rows.iter().position(is_row)) {
-        // texts alone: the first line has the names
-        (_, None) => 1,
-        (Some(true), Some(0)) => 1,
-        (_, Some(first)) => first,
-    };
-    let above = &grid.rows[..first];
-    let whole: Vec<usize> = (0..above.len())
-        .filter(|&row| above[row].cells.len() == width)
-        .collect();
-    let says_units = |row: usize| {
-        let cells = &above[row].cells;
-        let filled = cells.iter().filter(|cell| !cell.is_empty());
-        filled.clone().count() > 0 && filled.clone().all(|cell| is_unit(cell).is_some())
-    };
-    let last = whole.last().copied();
-    let units = match (reading.units_row, last) {
-        (Some(false), _) | (_, None) => None,
-        (Some(true), last) => last,
-        (None, Some(last)) => (whole.len() > 1 && says_units(last)).then_some(last),
-    };
-    if reading.units_row == Some(true) && units.is_none() {
-        let what = "there is no line of units above the rows";
-        return Err(TableError::new(
-            "no-units",
-            what,
-            name,
-            "delete units_row from [table]",
-        ));
-    }
-    let names = whole.iter().rev().find(|&&row| Some(row) != units).copied();
-    let text = |row: usize| above[row].cells.clone();
-    let found = Head {
-        names: names.map(text).or_else(comment),
-        units: units.map(text),
-        rows: first,
-    };
-    if found.names.is_none() && reading.header == Some(true) {
-        let what = "there is no line of names above the rows";
-        return Err(TableError::new(
-            "no-header",
-            what,
-            name,
-            "say `header = false` in [table]",
-        ));
-    }
-    Ok(found)
+    let last_cell = |row: &Row| row.cells.last().cloned().unwrap_or_default();
+    let cell = last_cell(last);
+    let is_whole = is_number(&cell) || (is_missing(&cell) && cell != "-" && !cell.is_empty());
+    let lacks_letters = !is_whole && before.iter().all(|row| is_number(&last_cell(row)));
+    last.cells.len() < width || (lacks_end && last.cells.len() == width && lacks_letters)
 }

@@ -4,6 +4,8 @@ mod clock;
 mod decode;
 mod dialect;
 mod grid;
+mod head;
+mod motive;
 mod number;
 #[cfg(feature = "archives")]
 mod sheet;
@@ -14,7 +16,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
-use haptical_data::{JsonCell, JsonColumns, MOST_COLUMNS, MOST_MEMORY_BYTES};
+use haptical_data::{JsonCell, JsonColumns, JsonRefusal, MOST_COLUMNS, MOST_MEMORY_BYTES};
 
 use crate::arrays;
 use crate::error::TableError;
@@ -193,14 +195,25 @@ fn parquet(_: Vec<u8>, name: &str) -> Result<Table, TableError> {
 fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
     let (text, is_latin1) = decode::text(bytes, None, name)?;
     let mut columns = JsonColumns::default();
-    for (line, number) in text
-        .lines()
-        .zip(1..)
-        .filter(|(line, _)| !line.trim().is_empty())
-    {
-        columns.push(line, number).map_err(|what| {
-            TableError::new("not-a-table", what, name, "write one JSON object a line")
-                .at(number, None)
+    let mut notes = Vec::new();
+    let lines = text.lines().zip(1..);
+    let mut lines = lines.filter(|(line, _)| !line.trim().is_empty()).peekable();
+    while let Some((line, number)) = lines.next() {
+        let is_open = !line.trim_end().ends_with('}') && !text.ends_with(['\n', '\r']);
+        if is_open && lines.peek().is_none() && !columns.lines.is_empty() {
+            notes.push(format!(
+                "{name}: line {number}, the last, is cut off and left out"
+            ));
+            break;
+        }
+        columns.push(line, number).map_err(|refusal| {
+            let (kind, next) = match refusal {
+                JsonRefusal::TooManyKeys => {
+                    ("too-many-columns", "leave out keys that are not needed")
+                }
+                _ => ("not-a-table", "write one JSON object a line"),
+            };
+            TableError::new(kind, refusal.to_string(), name, next).at(number, None)
         })?;
     }
     let named = columns.names.into_iter().zip(columns.cells);
@@ -222,6 +235,7 @@ fn json_lines(bytes: &[u8], name: &str) -> Result<Table, TableError> {
         columns: columns_of.collect(),
         is_named: true,
         lines: columns.lines,
+        notes,
         ..Table::default()
     };
     if is_latin1 {

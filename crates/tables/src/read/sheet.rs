@@ -47,6 +47,7 @@ pub(super) fn read(bytes: Vec<u8>, name: &str, reading: &Reading) -> Result<Tabl
     let grid = Grid {
         rows: rows.collect(),
         comment: None,
+        is_cut: false,
     };
     to_table(&grid, '.', name, reading)
 }

@@ -135,6 +135,7 @@ pub(super) fn read(bytes: &[u8], name: &str, reading: &Reading) -> Result<Table,
         &Grid {
             rows,
             comment: names,
+            is_cut: !text.ends_with(['\n', '\r']),
         },
         decimal,
         name,

@@ -2,40 +2,7 @@
 
 use haptical_tables::{Mapping, guess};
 
-use crate::support::table;
-
-/// Log names and sources of a proposal, with their units.
-fn proposed(texts: &[&str], joints: &[(&str, bool)]) -> Vec<(String, String, Option<String>)> {
-    let tables: Vec<_> = texts.iter().map(|text| table(text)).collect();
-    let joints: Vec<(String, bool)> = joints
-        .iter()
-        .map(|(name, slides)| ((*name).to_owned(), *slides))
-        .collect();
-    // what is left to a person
-    let text = guess(&tables, &joints).replace("counts_per_turn = 0 ", "counts_per_turn = 4096 ");
-    let mapping =
-        Mapping::from_toml(&text, "columns.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
-    let rules = mapping.column.into_iter();
-    rules
-        .map(|rule| {
-            (
-                rule.log.names()[0].clone(),
-                rule.from.names()[0].clone(),
-                rule.unit,
-            )
-        })
-        .collect()
-}
-
-#[track_caller]
-fn is(text: &str, wanted: &[(&str, &str, &str)]) {
-    let found = proposed(&[text], &[]);
-    let found: Vec<(&str, &str, &str)> = found
-        .iter()
-        .map(|(log, from, unit)| (log.as_str(), from.as_str(), unit.as_deref().unwrap_or("")))
-        .collect();
-    assert_eq!(found, wanted, "{text}");
-}
+use crate::support::{is, proposed, table};
 
 #[test]
 fn joints_are_counted_from_1_whatever_the_file_says() {

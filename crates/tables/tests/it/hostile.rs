@@ -62,6 +62,13 @@ fn wide_rows_are_refused() {
             "{error}"
         );
     }
+    let keys: String = (0..6000).map(|key| format!("{{\"k{key}\":1}}\n")).collect();
+    let error = table_from_bytes(keys.into(), "file", &Reading::default()).unwrap_err();
+    assert_eq!(
+        (error.kind, error.line),
+        ("too-many-columns", Some(4097)),
+        "{error}"
+    );
     let skipping = Reading {
         skip_lines: Some(usize::MAX),
         ..Reading::default()

@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout, reason = "a test without its data says so")]
 
 mod arrays;
+mod formats;
 mod guessed;
 mod hostile;
 mod makers;

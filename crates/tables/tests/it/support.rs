@@ -1,7 +1,7 @@
 //! Shorthands that several tests share.
 
 use haptical_tables::{
-    Applied, Cells, Mapping, Reading, Table, TableError, apply, table_from_bytes,
+    Applied, Cells, Mapping, Reading, Table, TableError, apply, guess, table_from_bytes,
 };
 
 pub(crate) fn table(text: &str) -> Table {
@@ -51,4 +51,40 @@ pub(crate) fn close(found: &[f64], wanted: &[f64], within: f64) {
         let same = (a.is_nan() && b.is_nan()) || (a - b).abs() <= within;
         assert!(same, "{found:?} {wanted:?}");
     }
+}
+
+/// Log names and sources of a proposal, with their units.
+pub(crate) fn proposed(
+    texts: &[&str],
+    joints: &[(&str, bool)],
+) -> Vec<(String, String, Option<String>)> {
+    let tables: Vec<_> = texts.iter().map(|text| table(text)).collect();
+    let joints: Vec<(String, bool)> = joints
+        .iter()
+        .map(|(name, slides)| ((*name).to_owned(), *slides))
+        .collect();
+    // what is left to a person
+    let text = guess(&tables, &joints).replace("counts_per_turn = 0 ", "counts_per_turn = 4096 ");
+    let mapping =
+        Mapping::from_toml(&text, "columns.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let rules = mapping.column.into_iter();
+    rules
+        .map(|rule| {
+            (
+                rule.log.names()[0].clone(),
+                rule.from.names()[0].clone(),
+                rule.unit,
+            )
+        })
+        .collect()
+}
+
+#[track_caller]
+pub(crate) fn is(text: &str, wanted: &[(&str, &str, &str)]) {
+    let found = proposed(&[text], &[]);
+    let found: Vec<(&str, &str, &str)> = found
+        .iter()
+        .map(|(log, from, unit)| (log.as_str(), from.as_str(), unit.as_deref().unwrap_or("")))
+        .collect();
+    assert_eq!(found, wanted, "{text}");
 }
