@@ -164,10 +164,9 @@ fn moments_at(column: &[f64], runs: &[Range<usize>], value: f64) -> Vec<usize> {
                 row += 1;
             }
             let is_moment = row - first <= LONGEST_DROPOUT_ROWS;
-            if row > first && is_moment && first > run.start && row < run.end {
-                if is_far(first - 1) && is_far(row) {
-                    rows.extend(first..row);
-                }
+            let is_inside = row > first && first > run.start && row < run.end;
+            if is_inside && is_moment && is_far(first - 1) && is_far(row) {
+                rows.extend(first..row);
             }
             row = row.max(first + 1);
         }

@@ -25,6 +25,7 @@ diagnosis/src/judge/earlier_model/groups.rs 1: a number of the base model goes b
 diagnosis/src/judge/earlier_model/mod.rs 1: a number of the base model goes by a name of the catalogue
 diagnosis/src/judge/earlier_model/zeros.rs 1: the one effect whose columns are those of a number of the base model
 diagnosis/src/moving/mod.rs 2: a fault of the log, which no catalogue of a device has
+diagnosis/src/torques_alone.rs 1: the one load that comes and goes between runs
 haptical/src/diagnose/next.rs 2: sentences with the joint's number within
 model/src/device/drive.rs 1: the model knows no effects, and has the numbers of a joint's friction
 model/src/device/effect.rs 1: the model knows no effects, and has the numbers of a joint's friction
@@ -32,8 +33,9 @@ model/src/file/effect.rs 4: the model knows no effects, and reads a compliance a
 motion/src/between/answer.rs 1: a rival that this crate has no law for
 motion/src/between/terms.rs 4: the terms between motor and link, named once where their laws are
 motion/src/examine.rs 2: rows and encoders that are set right before anything else is looked for
-motion/src/examined.rs 5: what a finding is, asked for here alone
+motion/src/examined.rs 3: what a finding is, asked for here alone
 motion/src/findings.rs 1: the fault of a log, named where it is found
+motion/src/select/mod.rs 1: the one factor on all torques, which stands alone
 motion/src/select/rivals.rs 1: the one effect that an inertia may pass for
 motion/src/tracking/mod.rs 2: the delay of commands, named where its law is
 servo/src/next.rs 6: the next experiment of each law of a servo

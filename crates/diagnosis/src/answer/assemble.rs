@@ -115,11 +115,9 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     }
     let (detectable, invisible) = unseen(&findings);
     let adequacy = &findings.adequacy;
-    let of_torques = torques.place;
-    let of_torques = of_torques.map(|own| in_torques(own, in_positions.verdict));
-    let place = located
-        .as_ref()
-        .map_or(of_torques, |own| Some(own.answer.clone()));
+    let of_torques = (torques.place).map(|own| in_torques(own, in_positions.verdict));
+    let of_positions = located.as_ref().map(|own| own.answer.clone());
+    let place = of_positions.or(of_torques);
     let located_in = place.as_ref().map(|place| place.channel.as_str());
     let (file, left) = file_of(&findings, verdict, &causes, kept.as_ref())?;
     let gap = Gap::new(verdict, located_in, channels(&findings, &left));
@@ -140,7 +138,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     };
     said.extend(without_name.map(|own| unexplained_place(&own.answer, &gap)));
     Ok(Diagnosis {
-        admission: admission::of_positions(&findings, verdict),
+        admission: admission_of(&findings, verdict),
         adjusted: findings.force.adjusted.clone(),
         own_model: findings.force.own_model.clone(),
         verdict,
@@ -177,10 +175,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         correction: kept.map(|correction| correction.answer),
         correction_refused: refused,
         causes,
-        split_row: match verdict {
-            Verdict::Unknown => split(&findings.selection)?,
-            _ => None,
-        },
+        split_row: split_of(&findings, verdict)?,
         steps: steps(&findings.selection),
         held_out: match is_by_positions || torques.held_out.is_empty() {
             true => findings.shrink.description,
@@ -188,6 +183,25 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         },
         predictions: [findings.shrink.predictions, torques.predictions].concat(),
     })
+}
+
+/// What admits the verdict, by positions and by the torques of a moving arm next to them.
+fn admission_of(findings: &Findings<'_>, verdict: Verdict) -> Admission {
+    let of_positions = admission::of_positions(findings, verdict);
+    match findings.inputs.moving {
+        Some(moving) if moving.not_tested.is_none() => {
+            of_positions.with(findings.force.admission.clone())
+        }
+        _ => of_positions,
+    }
+}
+
+/// Where a displacement within a run may be, of a gap without a name.
+fn split_of(findings: &Findings<'_>, verdict: Verdict) -> Result<Option<usize>> {
+    match verdict {
+        Verdict::Unknown => split(&findings.selection),
+        _ => Ok(None),
+    }
 }
 
 /// The device with what was found, where a file can hold any of it, and what it leaves per stream and row.

@@ -16,6 +16,7 @@ mod page;
 pub(crate) mod quantity;
 mod refitted;
 mod repair;
+mod rest;
 mod several;
 mod summary;
 pub(crate) mod words;

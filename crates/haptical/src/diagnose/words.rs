@@ -8,6 +8,7 @@ use haptical_report::Tone;
 
 use crate::diagnose::kept::{kept_by_second, not_judged, of_second_alone, said_of_second};
 use crate::diagnose::quantity::Quantity;
+use crate::diagnose::rest::{is_of_runs, kept_by_channels, of_change};
 use crate::units::Shown;
 
 /// `capstan-compliance at joint 2`, `cable-latency`.
@@ -126,60 +127,6 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
-}
-
-/// A channel keeps a gap of its own beyond this many times its noise, and this share of its squares: a large effect of one channel does not
-/// excuse a gap of another.
-const KEPT_FLOORS: f64 = 2.0;
-const KEPT_SHARE: f64 = 0.1;
-
-/// A further sentence on channels that keep a gap next to the causes; empty without any.
-fn kept_by_channels(diagnosis: &Diagnosis) -> String {
-    let keeps = |own: &&ChannelGap| {
-        let beyond = |rms: f64| rms.powi(2) - own.noise_floor.powi(2);
-        own.has_gap
-            && own.no_reduction.is_none()
-            && own.rms_after > KEPT_FLOORS * own.noise_floor
-            && beyond(own.rms_after) > KEPT_SHARE * beyond(own.rms_before)
-    };
-    let kept = diagnosis.gap.channels.iter().filter(keeps);
-    let kept: Vec<String> = kept
-        .map(|own| {
-            let left = Shown::fine(&own.unit).text(own.rms_after);
-            let times = own.rms_after / own.noise_floor;
-            format!("{} keeps {left}, {times:.1} times its noise", own.channel)
-        })
-        .collect();
-    match kept.is_empty() {
-        true => String::new(),
-        false => format!(
-            " {}: no effect of the catalogue explains that.",
-            listed(&kept)
-        ),
-    }
-}
-
-/// Whether the first cause came about between two runs of the log.
-fn is_of_runs(causes: &[CauseAnswer]) -> bool {
-    let first = causes.first();
-    first.is_some_and(|first| first.parameters.contains_key("from_run"))
-}
-
-/// How much of a change between runs closes; what the runs share is no part of it.
-fn of_change(held_out: &HeldOutAnswer) -> String {
-    let [before, after, noise] = [
-        held_out.rms_before,
-        held_out.rms_after,
-        held_out.noise_floor,
-    ];
-    let share = haptical_metrics::gap_reduction_percent(before, after, noise);
-    let share = share.map_or_else(String::new, |percent| {
-        format!("{percent:.1} % of it closes: ")
-    });
-    format!(
-        "On data that the fit did not see, {share}{}. No effect of the catalogue explains the gap that the runs share.",
-        held_out_sizes(held_out)
-    )
 }
 
 /// Whether no row that the fit did not see says whether the first cause closes anything.

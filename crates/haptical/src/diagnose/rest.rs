@@ -1,0 +1,83 @@
+//! What causes leave, in words: channels that keep a gap of their own, and what the runs of a log share.
+
+use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer};
+use haptical_metrics::gap_reduction_percent;
+
+use crate::diagnose::words::{held_out_sizes, listed};
+use crate::units::Shown;
+
+/// A channel keeps a gap of its own beyond this many times its noise, and this share of its squares: a large effect of one channel does not
+/// excuse a gap of another.
+const KEPT_FLOORS: f64 = 2.0;
+const KEPT_SHARE: f64 = 0.1;
+
+/// A further sentence on channels that keep a gap next to the causes; empty without any.
+pub(super) fn kept_by_channels(diagnosis: &Diagnosis) -> String {
+    let keeps = |own: &&ChannelGap| {
+        let beyond = |rms: f64| rms.powi(2) - own.noise_floor.powi(2);
+        own.has_gap
+            && own.no_reduction.is_none()
+            && own.rms_after > KEPT_FLOORS * own.noise_floor
+            && beyond(own.rms_after) > KEPT_SHARE * beyond(own.rms_before)
+    };
+    let kept = diagnosis.gap.channels.iter().filter(keeps);
+    let kept: Vec<String> = kept
+        .map(|own| {
+            let left = Shown::fine(&own.unit).text(own.rms_after);
+            let times = own.rms_after / own.noise_floor;
+            format!("{} keeps {left}, {times:.1} times its noise", own.channel)
+        })
+        .collect();
+    match kept.is_empty() {
+        true => String::new(),
+        false => format!(
+            " {}: no effect of the catalogue explains that.",
+            listed(&kept)
+        ),
+    }
+}
+
+/// Whether the first cause came about between two runs of the log.
+pub(super) fn is_of_runs(causes: &[CauseAnswer]) -> bool {
+    let first = causes.first();
+    first.is_some_and(|first| first.parameters.contains_key("from_run"))
+}
+
+/// How much of a change between runs closes; what the runs share is no part of it.
+pub(super) fn of_change(held_out: &HeldOutAnswer) -> String {
+    let [before, after, noise] = [
+        held_out.rms_before,
+        held_out.rms_after,
+        held_out.noise_floor,
+    ];
+    let share = gap_reduction_percent(before, after, noise);
+    let share = share.map_or_else(String::new, |percent| {
+        format!("{percent:.1} % of it closes: ")
+    });
+    format!(
+        "On data that the fit did not see, {share}{}. No effect of the catalogue explains the gap that the runs share.",
+        held_out_sizes(held_out)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::example_tests::named;
+
+    #[test]
+    fn a_large_effect_excuses_no_gap_of_another_channel() {
+        let mut found = named();
+        assert_eq!(kept_by_channels(&found), "");
+        let mut other = found.gap.channels[0].clone();
+        other.channel = "out3".to_owned();
+        (other.has_gap, other.no_reduction) = (true, None);
+        (other.rms_before, other.rms_after, other.noise_floor) = (8e-4, 3.4e-4, 1e-4);
+        found.gap.channels.push(other);
+        let words = kept_by_channels(&found);
+        assert!(
+            words.contains("out3 keeps 0.3400 mrad, 3.4 times its noise"),
+            "{words}"
+        );
+    }
+}
