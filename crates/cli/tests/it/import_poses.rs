@@ -150,7 +150,7 @@ fn what_cannot_be_a_log_is_refused_and_nothing_is_written() {
         &["--map", "theta1_rad=q"],
         &["two columns are called `q`", "#1 or #2"],
     );
-    let ragged = Bench::new("q,w\n1,2\n3\n");
+    let ragged = Bench::new("q,w\n1,2\n3\n4,5\n");
     ragged.refused(
         &["--map", "theta1_rad=q"],
         &["1 cells where most rows have 2", "table.csv:3"],
