@@ -10,6 +10,7 @@ use haptical_model::{
 use haptical_model::sizes::LARGEST_LIMIT_RAD;
 
 use crate::UrdfError;
+use crate::chain::friction::frictions;
 use crate::chain::gravity::{gravity_mps2, said_of_no_gravity};
 use crate::chain::masses::{Carried, carried};
 use crate::chain::path::{BaseAndTip, Path};
@@ -241,6 +242,7 @@ fn device_of(read: ReadChain, file: &str) -> Result<UrdfDevice, UrdfError> {
             scale_sd: None,
         }),
         gravity_mps2,
+        effects: frictions(&robot, &rows),
         surroundings: Surroundings {
             compliance: match yields.iter().any(|own| own.rad_per_nm != 0.0) {
                 true => yields,

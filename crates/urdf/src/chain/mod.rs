@@ -1,6 +1,7 @@
 //! The moving rows of a path: the fixed parts between them, and the joint that drives each.
 
 pub(crate) mod ends;
+pub(crate) mod friction;
 pub(crate) mod gaps;
 pub(crate) mod gravity;
 pub(crate) mod masses;

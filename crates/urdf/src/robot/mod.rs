@@ -110,6 +110,8 @@ pub(crate) struct RobotJoint {
     pub(crate) limits: Option<(f64, f64)>,
     /// Inertia of rotor and gear, seen at the joint \[kg m^2\], \[kg\].
     pub(crate) armature: Option<f64>,
+    /// Coulomb's friction, and friction per speed \[N m\], \[N m s/rad\]; of a slide \[N\], \[N s/m\].
+    pub(crate) friction: [f64; 2],
     /// Largest torque of its drive \[N m\], \[N\].
     pub(crate) effort: Option<f64>,
     pub(crate) mimic: Option<Mimic>,

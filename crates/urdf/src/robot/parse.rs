@@ -223,6 +223,7 @@ impl Reader<'_, '_> {
             },
             limits: self.limits(element, &place)?,
             armature: None,
+            friction: self.friction(element, &place)?,
             effort: self.effort(element, &place)?,
             mimic: self.mimic(element, &place)?,
             placed_by: None,
@@ -273,6 +274,15 @@ impl Reader<'_, '_> {
             },
         };
         Ok(Some((limit("lower")?, limit("upper")?)))
+    }
+
+    /// What `<dynamics>` says of friction.
+    fn friction(&self, element: Element<'_, '_>, place: &str) -> Result<[f64; 2]> {
+        let Some(node) = elements(element, "dynamics").next() else {
+            return Ok([0.0; 2]);
+        };
+        let one = |key| -> Result<f64> { Ok(self.one(node, place, key)?.unwrap_or(0.0).max(0.0)) };
+        Ok([one("friction")?, one("damping")?])
     }
 
     /// The limit of effort; exporters write 0 where they know none.

@@ -9,6 +9,7 @@ use haptical_model::{Device, Hand, JointType};
 
 use crate::UrdfError;
 use crate::chain::End;
+use crate::chain::friction::friction as known_friction;
 use crate::chain::gaps::{Correction, corrections};
 use crate::chain::path::{BaseAndTip, Path};
 use crate::device::{ReadChain, parents};
@@ -155,6 +156,10 @@ fn drives(
             .drivers
             .get(joint)
             .map(|own| &read.robot.joints[*own]);
+        let known = known_friction(&read.robot, &read.rows, joint);
+        if friction.sizes() == known {
+            continue;
+        }
         let element = dynamics(*friction);
         let node = driver
             .and_then(|own| at(own.place))

@@ -61,6 +61,13 @@ pub(crate) struct Friction {
     pub(crate) viscous: Option<f64>,
 }
 
+impl Friction {
+    /// Both, 0 where nothing is known.
+    pub(crate) fn sizes(self) -> [f64; 2] {
+        [self.coulomb, self.viscous].map(|own| own.unwrap_or(0.0))
+    }
+}
+
 /// What the effects of a device give, joint by joint.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Effects<'d> {

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use haptical_model::{Device, DeviceEffect, DriveNumber, FrictionNumber, drive_numbers_in_words};
 
+use crate::chain::friction::turnover_per_s;
 use crate::numbers::{commented, rounded};
 use crate::write::corrected::{TRANSMISSIONS, has_transmission_errors};
 use crate::write::effects::{Effects, FITTED_BESIDE, is_ahead};
@@ -58,8 +59,13 @@ fn turnovers(device: &Device, effects: &Effects<'_>, form: Form) -> Option<Strin
         effects.friction.get(joint)?.coulomb?;
         let unit = device.joints.get(joint)?.unit();
         let size = |number: FrictionNumber| number.stated(effect).filter(|own| *own > 0.0);
-        let speed = size(FrictionNumber::TurnoverSpeed)
-            .map(|own| format!("tanh over {} {unit}/s", rounded(own)));
+        // a description has no other
+        let usual = turnover_per_s(device.joints.get(joint)?.joint_type);
+        let speed = size(FrictionNumber::TurnoverSpeed);
+        if speed == Some(usual) {
+            return None;
+        }
+        let speed = speed.map(|own| format!("tanh over {} {unit}/s", rounded(own)));
         let law = speed.or_else(|| {
             let travel = size(FrictionNumber::TurnoverTravel)?;
             Some(format!("Dahl's state over {} {unit}", rounded(travel)))

@@ -7,6 +7,8 @@ use haptical_model::Origin;
 use haptical_model::kinematics::Pose;
 
 use crate::UrdfError;
+use crate::chain::Rows;
+use crate::chain::friction::friction as known_friction;
 use crate::chain::gaps::Correction;
 use crate::chain::path::BaseAndTip;
 use crate::device::{ReadChain, armature as armature_of};
@@ -136,7 +138,9 @@ pub fn corrected_mjcf(
                 let behind = known.unwrap_or(0.0) - own.armature.unwrap_or(0.0);
                 (wanted - behind).max(0.0)
             });
-        edits.extend(patch.drive(&effects, joint, own, armature));
+        let friction = effects.friction.get(joint).copied().unwrap_or_default();
+        let friction = changed_friction(&robot, &rows, joint, [friction.coulomb, friction.viscous]);
+        edits.extend(patch.drive(own, friction, armature));
     }
     warnings.extend(unweighed);
     edits.extend(patch.masses(&weighed, text, file, &mut warnings));
@@ -174,6 +178,22 @@ pub fn corrected_mjcf(
         tip: tips.next().unwrap_or_default(),
         further_tips: tips.collect(),
         warnings,
+    })
+}
+
+/// Friction of a joint's own element where the device has another one than the file; what the joint's followers have stays.
+fn changed_friction(
+    robot: &Robot,
+    rows: &Rows,
+    joint: usize,
+    wanted: [Option<f64>; 2],
+) -> [Option<f64>; 2] {
+    let known = known_friction(robot, rows, joint);
+    let own = robot.joints[rows.drivers[joint]].friction;
+    [0, 1].map(|number| {
+        let behind = known[number] - own[number];
+        let wanted = wanted[number].filter(|wanted| *wanted != known[number]);
+        wanted.map(|wanted| (wanted - behind).max(0.0))
     })
 }
 
@@ -332,18 +352,16 @@ impl<'d, 'input> Patch<'_, 'd, 'input> {
     /// Friction that the device knows, and an armature that is not the file's.
     fn drive(
         &self,
-        effects: &Effects<'_>,
-        joint: usize,
         own: &RobotJoint,
+        [coulomb, viscous]: [Option<f64>; 2],
         armature: Option<f64>,
     ) -> Vec<Edit> {
-        let friction = effects.friction.get(joint).copied().unwrap_or_default();
         let Some(node) = self.element(own.place) else {
             return Vec::new();
         };
         let numbers = [
-            ("frictionloss", friction.coulomb),
-            ("damping", friction.viscous),
+            ("frictionloss", coulomb),
+            ("damping", viscous),
             ("armature", armature),
         ];
         let stated = numbers.into_iter();

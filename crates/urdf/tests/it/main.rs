@@ -11,6 +11,7 @@ mod across_refusals;
 mod branches;
 mod corrected;
 mod described;
+mod friction;
 mod hands;
 mod includes;
 mod inertials;

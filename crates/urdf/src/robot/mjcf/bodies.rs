@@ -345,6 +345,7 @@ pub(crate) fn bare(
         axis: [0.0, 0.0, 1.0],
         limits: None,
         armature: None,
+        friction: [0.0; 2],
         effort: None,
         mimic: None,
         placed_by,

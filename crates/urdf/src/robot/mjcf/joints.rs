@@ -3,7 +3,8 @@
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::numbers::ONE_NUMBER;
+use crate::numbers::{ONE_NUMBER, number};
+use crate::robot::mjcf::Attributes;
 use crate::robot::mjcf::bodies::{Bodies, Part, bare, name_of};
 use crate::robot::mjcf::frames::direction;
 use crate::robot::xml::Result;
@@ -25,6 +26,7 @@ struct Own {
     limits: Option<(f64, f64)>,
     stiffness: f64,
     armature: Option<f64>,
+    friction: [f64; 2],
     effort: Option<f64>,
 }
 
@@ -100,6 +102,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
                 axis: axis.into_inner().into(),
                 limits: own.as_ref().and_then(|own| own.limits),
                 armature: own.as_ref().and_then(|own| own.armature),
+                friction: own.as_ref().map_or([0.0; 2], |own| own.friction),
                 effort: own.as_ref().and_then(|own| own.effort),
                 name: name.clone(),
                 ..bare(place, (at, child), then(&before, &behind), placed)
@@ -188,6 +191,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
         let stiffness = stiffness.and_then(|text| text.split_ascii_whitespace().next());
         Ok(Some(Own {
             armature: self.armature(part, &place)?,
+            friction: [self.first(own, "frictionloss"), self.first(own, "damping")],
             effort: mjcf.effort(own),
             name,
             is_slide,
@@ -197,6 +201,13 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
             limits: self.limits(part, &place, unit)?,
             stiffness: stiffness.and_then(|word| word.parse().ok()).unwrap_or(0.0),
         }))
+    }
+
+    /// The first number of an attribute; MuJoCo takes further coefficients of a damping that grows.
+    fn first(&self, own: &Attributes<'d, 'input>, key: &str) -> f64 {
+        let text = self.mjcf.attribute(own, key);
+        let word = text.and_then(|text| text.split_ascii_whitespace().next());
+        word.and_then(number).unwrap_or(0.0).max(0.0)
     }
 
     /// What the file or the joint's class says of its armature.
