@@ -143,10 +143,14 @@ impl dyn Effect + '_ {
     }
 
     /// Whether it cannot be tested for want of the covariate that drives it alone: what it shows on is recorded. An effect on drives
-    /// shows on the torque.
+    /// shows on the torque of a motion: not without that torque, and not in postures without times.
     pub fn lacks_covariate(&self, context: &Context<'_>) -> bool {
         let joint = self.joint().unwrap_or(0);
         let is_on_drives = self.spec().hook.is_on_drives();
+        let is_still = || context.recording.time_s.is_none();
+        if is_on_drives && (is_still() || self.unseen_by_drives(context).is_some()) {
+            return false;
+        }
         let needs = self.spec().needs.iter();
         let mut lacking = needs
             .filter(|need| need.missing(joint, context).is_some())

@@ -2,7 +2,7 @@
 
 use haptical_linalg::dot;
 
-use crate::fit::base::{Base, Term};
+use crate::fit::base::{Base, BaseColumn, Term};
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
 
@@ -19,6 +19,17 @@ pub struct Adjusted {
     pub sd: f64,
     /// Share of the file's that was kept.
     pub of_file: f64,
+    /// Variance of that share, and its covariance with `more`.
+    pub of_share: [f64; 2],
+}
+
+impl Adjusted {
+    /// The number and its standard deviation, where the file says `before`.
+    pub fn beside(&self, before: f64) -> (f64, f64) {
+        let [share, both] = self.of_share;
+        let variance = self.sd.powi(2) + 2.0 * before * both + before.powi(2) * share;
+        (self.of_file * before + self.more, variance.max(0.0).sqrt())
+    }
 }
 
 /// Friction and armature of each joint as they were fitted.
@@ -26,6 +37,7 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
     let solution = &fitted.solved.solution;
     let mut found = Vec::new();
     let mut columns = Vec::new();
+    let mut shares = Vec::new();
     for (index, own) in base.columns.iter().enumerate() {
         let (joint, number) = match own.term {
             Term::Coulomb { joint } => (joint, "coulomb_nm"),
@@ -33,27 +45,34 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
             Term::Armature { joint } => (joint, "armature_kgm2"),
             _ => continue,
         };
-        let mut of_file = 1.0;
-        for (share, other) in solution.iter().zip(&base.columns) {
-            let is_own = matches!(other.term, Term::FileFriction { joint: of, .. } if of == joint);
-            if is_own && number != "armature_kgm2" {
-                of_file = *share;
-            }
-        }
+        let is_own = |other: &BaseColumn| {
+            let of_joint =
+                matches!(other.term, Term::FileFriction { joint: of, .. } if of == joint);
+            of_joint && number != "armature_kgm2"
+        };
+        let share = base.columns.iter().rposition(is_own);
         columns.push(index);
+        shares.push(share);
         found.push(Adjusted {
             joint,
             number,
             more: solution[index],
             sd: 0.0,
-            of_file,
+            of_file: share.map_or(1.0, |share| solution[share]),
+            of_share: [0.0; 2],
         });
     }
     let rest = &fitted.solved.rest;
     let misfit = (dot(rest, rest) / rest.len().max(1) as f64).max(1.0);
+    let of_numbers = columns.len();
+    columns.extend(shares.iter().flatten());
     let covariance = fitted.solved.covariance(&columns);
-    for (at, own) in found.iter_mut().enumerate() {
+    let mut place = of_numbers..;
+    for (at, (own, share)) in found.iter_mut().zip(shares).enumerate() {
         own.sd = (covariance[(at, at)] * misfit).max(0.0).sqrt();
+        if let Some(share) = share.and_then(|_| place.next()) {
+            own.of_share = [(share, share), (at, share)].map(|pair| covariance[pair] * misfit);
+        }
     }
     found
 }

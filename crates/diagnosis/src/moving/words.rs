@@ -261,13 +261,8 @@ impl<'e> Words<'e> {
                 number => Some(self.in_file(own.joint, number)),
             };
             let name = self.number_name(Some(own.joint), own.number);
-            let after = own.of_file * before.unwrap_or(0.0) + own.more;
-            AdjustedAnswer::new(
-                &name,
-                own.joint,
-                before,
-                ParameterAnswer::normal(after, own.sd),
-            )
+            let (after, sd) = own.beside(before.unwrap_or(0.0));
+            AdjustedAnswer::new(&name, own.joint, before, ParameterAnswer::normal(after, sd))
         })
         .collect()
     }

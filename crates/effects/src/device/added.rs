@@ -14,8 +14,8 @@ use crate::{Context, Follows, Signal, Stream, streams};
 /// A recording with what the effects of a device add to its readings ([`Recording::added`]), torques among them; `device` gets the
 /// numbers with which each effect that is to be fitted is fitted, none for those on torques, which no calibration fits. The recording itself for a device without effects.
 ///
-/// An effect that the recording cannot show, for want of the channel that shows it, adds nothing; one whose covariate is
-/// missing is refused.
+/// An effect that the recording cannot show, for want of the channel that shows it, adds nothing; one on drives adds nothing to
+/// postures without times. One whose covariate is missing is refused.
 ///
 /// # Errors
 /// [`DeviceEffectError`].

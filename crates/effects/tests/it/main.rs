@@ -7,3 +7,4 @@
 
 mod catalogue;
 mod correction;
+mod drives;

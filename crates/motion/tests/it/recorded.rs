@@ -123,12 +123,18 @@ fn a_sound_arm_has_no_gap_whatever_friction_its_file_has() {
 /// Friction that is fitted is compared with that of the file: it is no gap, and is not passed over either.
 #[test]
 fn friction_that_is_not_that_of_the_file_is_listed() {
-    let friction = |seed: u64, times: f64| {
+    let examined = |seed: u64, times: f64| {
         let mut log = with_friction(recording(Truth::default(), seed), TURNOVERS[0]);
         let of_joint = &mut log.added[0];
         assert_eq!(of_joint.channel, "torque1_nm");
         of_joint.readings.iter_mut().for_each(|own| *own /= times);
-        examine(&device(), &log, None, &[]).unwrap().other_friction
+        examine(&device(), &log, None, &[]).unwrap()
+    };
+    let friction = |seed: u64, times: f64| examined(seed, times).other_friction;
+    let coulomb = |seed: u64, times: f64| {
+        let all = examined(seed, times).adjusted.into_iter();
+        let mut own = all.filter(|own| own.joint == 0 && own.number == "coulomb_nm");
+        own.next().unwrap()
     };
     for seed in 1..=4 {
         for as_good_as_that in [1.0, 1.1] {
@@ -140,6 +146,13 @@ fn friction_that_is_not_that_of_the_file_is_listed() {
             let (joint, of_file) = found[0];
             assert_eq!(joint, 0);
             assert!((of_file / times - 1.0).abs() < 0.1, "{times}: {of_file}");
+            // what is fitted beside the file's friction and the share that is kept of it are one number
+            let (friction, sd) = coulomb(seed, times).beside(FRICTION[0][0] / times);
+            assert!(
+                (friction - FRICTION[0][0]).abs() < 0.1,
+                "{times}: {friction}"
+            );
+            assert!(sd < 0.05, "{times}: {sd}");
         }
     }
 }
