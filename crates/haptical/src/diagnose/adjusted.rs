@@ -13,8 +13,8 @@ const SAID: usize = 3;
 /// How far the device file as it is was off, and what was adjusted; none where it was not, or nothing was adjusted.
 pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
     let off = |own: &OwnModel| own.rms_before / own.rms_after.max(f64::MIN_POSITIVE);
-    let models = diagnosis.own_model.iter();
-    let worst = models.max_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let models = diagnosis.own_model.iter().filter(|own| off(own) > OFF);
+    let worst = models.max_by(|a, b| a.rms_before.total_cmp(&b.rms_before))?;
     let joint: usize = worst.channel.trim_start_matches("torque").parse().ok()?;
     let is_other = |own: &&AdjustedAnswer| {
         let before = own.before.unwrap_or(0.0);
@@ -23,7 +23,7 @@ pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
     let others = diagnosis.adjusted.iter().filter(is_other);
     let (first, rest): (Vec<&AdjustedAnswer>, Vec<&AdjustedAnswer>) =
         others.partition(|own| own.joint == joint);
-    if off(worst) < OFF || first.is_empty() {
+    if first.is_empty() {
         return None;
     }
     let said: Vec<String> = first.iter().take(SAID).map(|own| number(own)).collect();
