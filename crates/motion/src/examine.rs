@@ -20,6 +20,7 @@ use crate::select::{Fitted, Pick, Selection, select};
 use crate::survey::usable;
 use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
 use crate::unseen::{Unseen, within};
+use crate::without_gravity::lacks_gravity;
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
 /// torques in time, of a motion.
@@ -355,6 +356,7 @@ fn examined(
         adjusted: adjusted(base, &selection.fitted),
         as_described: as_described(problem, base),
         other_friction: base.other_friction(solution, rows),
+        lacks_gravity: selection.bare.excess > 0.0 && lacks_gravity(problem, &selection.bare),
         has_memory: problem.has_memory,
         above_hz: None,
         jitter: problem.samples.jitter,

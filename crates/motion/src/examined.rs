@@ -59,6 +59,8 @@ pub struct Examined {
     pub as_described: Vec<(usize, f64)>,
     /// Joints whose friction differs from that of the device's file by more than a quarter and more than noise, with how many times that it is.
     pub other_friction: Vec<(usize, f64)>,
+    /// Whether the torques lack what gravity asks of the links.
+    pub lacks_gravity: bool,
     /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
     pub has_memory: bool,
     /// What is faster than this was left out, and has no name: a spring was found in what is slower \[Hz\].

@@ -25,6 +25,7 @@ mod survey;
 mod thresholds;
 mod tracking;
 mod unseen;
+mod without_gravity;
 
 pub use adjusted::Adjusted;
 pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};

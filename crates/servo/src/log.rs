@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::thresholds::{
     DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, LONGEST_STEP_S, MOST_LAG_S,
-    OPPOSITE, SAME_MOTION, STILL_COUNTS, STILL_RANGE, WRAP,
+    OPPOSITE, SAME_MOTION, SHORTEST_S, STILL_COUNTS, STILL_RANGE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -40,6 +40,11 @@ pub enum Untested {
     Short {
         /// Rows that have all three.
         rows: usize,
+    },
+    /// They last too short.
+    Brief {
+        /// How long \[s\].
+        length_s: f64,
     },
     /// The command does not move.
     Still,
@@ -78,6 +83,10 @@ impl fmt::Display for Untested {
             Self::Short { rows } => write!(
                 f,
                 "{rows} rows have time, command and position; {FEWEST_ROWS} are needed"
+            ),
+            Self::Brief { length_s } => write!(
+                f,
+                "{length_s:.1} s of rows have time, command and position; {SHORTEST_S} s are needed"
             ),
             Self::Still => {
                 f.write_str("its command does not move: what it rests beside it has many causes")
@@ -177,6 +186,11 @@ impl Series {
         if series.step_s > LONGEST_STEP_S {
             let step_s = series.step_s;
             return Err(Untested::Coarse { step_s });
+        }
+        // rows at the ends of pieces take a step less
+        let length_s = (series.row.len() + 1) as f64 * series.step_s;
+        if length_s < SHORTEST_S {
+            return Err(Untested::Brief { length_s });
         }
         series.unwrap_turns();
         series.count = smallest_step(&series.response);

@@ -6,6 +6,8 @@
 pub(crate) const LONGEST_STEP_S: f64 = 0.0505;
 /// Rows that a joint needs.
 pub(crate) const FEWEST_ROWS: usize = 200;
+/// Least time that they last \[s\], as of the torques of a motion: of 2 s of a sound arm four joints had causes.
+pub(crate) const SHORTEST_S: f64 = 4.0;
 /// Steps in time from which rows are no longer neighbours.
 pub(crate) const GAP_STEPS: f64 = 3.0;
 /// A command that moves by less is still, in counts of the sensor and \[rad\].

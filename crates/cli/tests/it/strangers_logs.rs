@@ -257,6 +257,21 @@ fn logs_of_a_six_axis_arm_in_motion_are_told_apart() {
 }
 
 #[test]
+fn torques_without_gravitys_part_are_said_to_lack_it() {
+    for args in [
+        "--device arm.xml --tip tool --log log.csv",
+        "--device arm-without-attribute.xml --tip tool --log log-gravity-subtracted.csv",
+    ] {
+        if let Some(gap) = diagnosed("06-gravcomp", args) {
+            assert_eq!(gap["verdict"], "unknown");
+            let mut warnings = gap["warnings"].as_array().unwrap().iter();
+            let is_it = |own: &Value| own.as_str().unwrap().contains("lack what gravity asks");
+            assert!(warnings.any(is_it), "{}", gap["warnings"]);
+        }
+    }
+}
+
+#[test]
 fn a_noise_of_two_parts_is_no_gap() {
     let args = "--device ../../devices/haptic7.toml --log log.csv.gz";
     if let Some(gap) = diagnosed("33-noise-of-two-parts", args) {

@@ -43,6 +43,13 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
             own.rms_after / own.noise
         ));
     }
+    if examined.lacks_gravity && examined.has_gap() {
+        warnings.push(
+            "the torques lack what gravity asks of the links: a simulator's gravity compensation, or a controller that takes it off (an \
+             \"external\" torque)? Log the torques of the drives, or add gravity's part"
+                .to_owned(),
+        );
+    }
     if examined.has_memory {
         warnings.push(
             "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),

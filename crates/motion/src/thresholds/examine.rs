@@ -26,6 +26,10 @@ pub(crate) const LEFT_OF_POSTURE: f64 = 0.5;
 pub(crate) const LEFT_BY_LAW: f64 = 1e-3;
 /// Share of what the base model leaves beyond noise that effects may leave which explain a part of it (A311).
 pub(crate) const LEFT_BY_PART: f64 = 0.1;
+/// Torques lack gravity's part where that of the nominal bodies explains this share of the gap, with a factor in this range: bodies are
+/// known to some percent.
+pub(crate) const GRAVITY_EXPLAINS: f64 = 0.8;
+pub(crate) const GRAVITY_OFF: std::ops::Range<f64> = -1.2..-0.8;
 /// Share of a channel's gap that counts as closed: less is no part.
 pub(crate) const LEAST_PART: f64 = 0.2;
 /// A joint with less than this share of the gap may keep it: that is another gap than the one that has a name.

@@ -12,3 +12,4 @@ mod identified;
 mod laws;
 mod recorded;
 mod second;
+mod without_gravity;

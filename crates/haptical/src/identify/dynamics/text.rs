@@ -145,6 +145,10 @@ pub(super) fn bodies(result: &IdentifiedDynamics) -> Result<Table, Error> {
 /// A number with half the width of its interval, to the digits that this leaves.
 pub(super) fn in_words(own: &NumberEntry) -> String {
     let half = 0.5 * (own.ci95[1] - own.ci95[0]);
+    if half <= 0.0 {
+        // it was held where physics ends, and nothing says how far from there it is
+        return "not determined".to_owned();
+    }
     let decimals = earned_decimals(half).unwrap_or(4);
     format!("{:.decimals$} ± {half:.decimals$}", own.value)
 }
