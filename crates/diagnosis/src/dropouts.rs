@@ -4,7 +4,9 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use haptical_calibration::Channel;
 use haptical_effects::noise::{DROPOUTS, OUTLIERS};
+use haptical_effects::runs_of;
 use haptical_metrics::gap_reduction_percent;
 use haptical_model::{Device, Recording};
 
@@ -54,25 +56,12 @@ pub(crate) fn without_dropouts(
         }
     }
     for (index, column) in without.cable_m.iter_mut().enumerate() {
-        let channel = haptical_calibration::Channel::Cable { index }.name();
+        let channel = Channel::Cable { index }.name();
         if let Some(column) = column {
             found.extend(taken_out(column, &runs, false, (&channel, None)));
         }
     }
     (!found.is_empty()).then_some((without, found))
-}
-
-fn runs_of(recording: &Recording) -> Vec<Range<usize>> {
-    let mut runs = Vec::new();
-    let mut first = 0;
-    for row in 1..=recording.len() {
-        let ends = row == recording.len() || recording.run_at(row) != recording.run_at(row - 1);
-        if ends {
-            runs.push(first..row);
-            first = row;
-        }
-    }
-    runs
 }
 
 /// Takes readings that are none out of a column; of torques also single wild ones, and short moments are filled in.

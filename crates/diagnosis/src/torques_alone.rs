@@ -197,7 +197,7 @@ fn between_runs(
         .chain(options.without.iter().cloned());
     let others: Vec<String> = others.collect();
     let mut found = examine(context, options.validation, &others)?;
-    if !found.findings.first().is_some_and(is_of_runs) {
+    if !found.findings.first().is_some_and(CauseAnswer::is_of_runs) {
         return Ok(None);
     }
     found.warnings.push(
@@ -268,16 +268,11 @@ fn put_second(
 ) -> Option<HeldOutAnswer> {
     let is_put = |first: &&mut CauseAnswer| !is_of_log(first) && (!is_moving || !is_checked(first));
     let first = causes.first_mut().filter(is_put)?;
-    if is_of_runs(first) {
+    if first.is_of_runs() {
         return shown;
     }
     first.held_out = shown.or(first.held_out.take());
     None
-}
-
-/// Whether a cause came about between two runs of the log.
-fn is_of_runs(cause: &CauseAnswer) -> bool {
-    cause.parameters.contains_key("from_run")
 }
 
 /// Whether a cause is checked at its own joint already, as what moves an arm is.

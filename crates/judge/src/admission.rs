@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use crate::Verdict;
-
 /// Whether a question is answered with yes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -119,22 +117,6 @@ impl Admission {
     pub fn refusal(&self) -> Option<&Check> {
         let mut all = self.all().into_iter();
         all.find(|check| check.answer == Answered::No)
-    }
-
-    /// A verdict as far as it is admitted.
-    ///
-    /// ```
-    /// use haptical_judge::{Admission, Check, Verdict};
-    /// let stranger = Check::no("log and device do not belong together", "take the log's device");
-    /// let admission = Admission { belongs: stranger, ..Admission::default() };
-    /// assert_eq!(admission.of(Verdict::NoGap), Verdict::Unknown);
-    /// assert_eq!(Admission::default().of(Verdict::NoGap), Verdict::NoGap);
-    /// ```
-    pub fn of(&self, verdict: Verdict) -> Verdict {
-        match self.refusal() {
-            Some(_) => Verdict::Unknown,
-            None => verdict,
-        }
     }
 
     /// Of two views of a log, question by question the worse answer.

@@ -233,14 +233,7 @@ fn device_of(read: ReadChain, file: &str) -> Result<UrdfDevice, UrdfError> {
         drives: if is_plain { Vec::new() } else { drives },
         bodies,
         // nobody measures in the base's frame by luck
-        tracker: Some(Tracker {
-            base_known: false,
-            base_per_run: false,
-            tool_known: false,
-            position_sd_m: None,
-            rotation_sd_rad: None,
-            scale_sd: None,
-        }),
+        tracker: Some(Tracker::default()),
         gravity_mps2,
         effects: frictions(&robot, &rows),
         surroundings: Surroundings {

@@ -1,5 +1,6 @@
 //! What was fitted before anything was judged, and how far the device file was off without.
 
+use haptical_effects::Unit;
 use serde::Serialize;
 
 use super::ParameterAnswer;
@@ -44,15 +45,6 @@ impl AdjustedAnswer {
         before: Option<f64>,
         after: ParameterAnswer,
     ) -> Self {
-        let endings = [
-            ("_nm_s_per_rad", "N m s/rad"),
-            ("_n_s_per_m", "N s/m"),
-            ("_kgm2", "kg m^2"),
-            ("_kg", "kg"),
-            ("_nm", "N m"),
-            ("_n", "N"),
-        ];
-        let unit = endings.iter().find(|own| number.ends_with(own.0));
         Self {
             name: match number.starts_with("armature") {
                 true => "armature",
@@ -60,7 +52,7 @@ impl AdjustedAnswer {
             },
             number: number.to_owned(),
             joint: joint + 1,
-            unit: unit.map_or("", |own| own.1),
+            unit: Unit::by_name(number).symbol(),
             before,
             after: after.value,
             ci95: after.ci95,

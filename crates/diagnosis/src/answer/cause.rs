@@ -46,6 +46,11 @@ impl CauseAnswer {
         Ahead::of(&self.effect, delay_s, &self.confusable_with)
     }
 
+    /// Whether it came about between two runs of the log.
+    pub fn is_of_runs(&self) -> bool {
+        self.parameters.contains_key("from_run")
+    }
+
     /// Whether it is an effect at a place, its joint from 0.
     pub(crate) fn is_of(&self, effect: &str, joint: Option<usize>) -> bool {
         self.effect == effect && self.joint == joint.map(|joint| joint + 1)

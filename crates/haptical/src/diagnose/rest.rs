@@ -1,6 +1,6 @@
 //! What causes leave, in words: channels that keep a gap of their own, and what the runs of a log share.
 
-use haptical_diagnosis::{CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer};
+use haptical_diagnosis::{ChannelGap, Diagnosis, HeldOutAnswer};
 use haptical_metrics::gap_reduction_percent;
 
 use crate::diagnose::words::{held_out_sizes, listed};
@@ -35,12 +35,6 @@ pub(super) fn kept_by_channels(diagnosis: &Diagnosis) -> String {
             listed(&kept)
         ),
     }
-}
-
-/// Whether the first cause came about between two runs of the log.
-pub(super) fn is_of_runs(causes: &[CauseAnswer]) -> bool {
-    let first = causes.first();
-    first.is_some_and(|first| first.parameters.contains_key("from_run"))
 }
 
 /// How much of a change between runs closes; what the runs share is no part of it.

@@ -8,7 +8,7 @@ use haptical_report::Tone;
 
 use crate::diagnose::kept::{kept_by_second, not_judged, of_second_alone, said_of_second};
 use crate::diagnose::quantity::Quantity;
-use crate::diagnose::rest::{is_of_runs, kept_by_channels, of_change};
+use crate::diagnose::rest::{kept_by_channels, of_change};
 use crate::units::Shown;
 
 /// `capstan-compliance at joint 2`, `cable-latency`.
@@ -89,7 +89,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
                 _ => "explain",
             };
             let gap = match diagnosis.closed_unseen_share {
-                Some(_) if is_of_runs(causes) => "what changed between the runs",
+                Some(_) if is_of_runs(diagnosis) => "what changed between the runs",
                 Some(_) => "a part of the gap",
                 None if !kept_by_second(diagnosis).is_empty() => "the gap of the log alone",
                 None if is_undetermined(causes) => "the gap of the rows of its fit",
@@ -113,7 +113,7 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
     sentence += &said_of_second(diagnosis);
     if let Some(closed) = diagnosis
         .closed_unseen_share
-        .filter(|_| !is_of_runs(causes))
+        .filter(|_| !is_of_runs(diagnosis))
     {
         sentence += &format!(
             " No effect of the catalogue explains the rest: of the squares beyond noise, rows that the fit did not \
@@ -127,6 +127,14 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
         sentence += &format!(" Left out of the catalogue on request: {names}.");
     }
     sentence
+}
+
+/// Whether the first cause came about between two runs of the log.
+fn is_of_runs(diagnosis: &Diagnosis) -> bool {
+    diagnosis
+        .causes
+        .first()
+        .is_some_and(CauseAnswer::is_of_runs)
 }
 
 /// Whether no row that the fit did not see says whether the first cause closes anything.
@@ -332,7 +340,7 @@ fn closing(diagnosis: &Diagnosis) -> Option<String> {
         reduction(channel.reduction_percent, channel.reduction_ci95).filter(|_| channel.has_gap)
     };
     let held_out = held_out_answer(diagnosis);
-    if diagnosis.closed_unseen_share.is_some() && is_of_runs(&diagnosis.causes) {
+    if diagnosis.closed_unseen_share.is_some() && is_of_runs(diagnosis) {
         return Some(of_change(held_out?));
     }
     if let Some(held_out) = held_out

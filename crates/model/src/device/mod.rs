@@ -74,7 +74,7 @@ pub struct Body {
 }
 
 /// An external tracker of the handle.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tracker {
     /// Whether its readings are in frame (-1).
     pub base_known: bool,

@@ -287,21 +287,22 @@ impl<'c> Needless for Search<'_, '_, 'c> {
 /// tell, as for the places of one law (docs/assumptions.md, A308): in another unit all bodies are off in proportion, which is no less likely
 /// than one body that is off.
 fn scale_by_rows(proposals: &mut Vec<Proposal<State<'_>>>) {
-    let is_scale = |own: &Proposal<State<'_>>| {
-        let last = own.further.taken.last();
+    let is_scale = |proposal: &Proposal<State<'_>>| {
+        let last = proposal.further.taken.last();
         last.is_some_and(is_scale_of_all)
     };
-    proposals.retain(|own| !is_scale(own) || own.further.taken.len() == 1);
-    let others = proposals.iter().filter(|own| !is_scale(own));
-    let best = others.max_by(|a, b| a.merit.total_cmp(&b.merit));
-    let Some((merit, fitted)) = best.map(|best| (best.merit, best.further.fitted.clone())) else {
+    proposals.retain(|proposal| !is_scale(proposal) || proposal.further.taken.len() == 1);
+    let Some(scale) = proposals.iter().position(is_scale) else {
         return;
     };
-    for own in proposals.iter_mut().filter(|own| is_scale(own)) {
-        let of_noise = own.further.taken.last().map_or(0.0, |last| last.of_noise);
-        let behind = own.further.fitted.behind(&fitted) + of_noise;
-        own.merit = own.merit.max(merit - behind);
-    }
+    let others = proposals.iter().filter(|proposal| !is_scale(proposal));
+    let Some(best) = others.max_by(|a, b| a.merit.total_cmp(&b.merit)) else {
+        return;
+    };
+    let State { taken, fitted, .. } = &proposals[scale].further;
+    let of_noise = taken.last().map_or(0.0, |last| last.of_noise);
+    let by_rows = best.merit - fitted.behind(&best.further.fitted) - of_noise;
+    proposals[scale].merit = proposals[scale].merit.max(by_rows);
 }
 
 fn is_scale_of_all(own: &Candidate<'_>) -> bool {

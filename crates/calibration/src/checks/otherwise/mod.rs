@@ -74,14 +74,7 @@ pub fn apart(device: &Device, other: &Device, recording: &Recording) -> Option<f
         ..Recording::default()
     };
     let mut anywhere = device.clone();
-    anywhere.tracker = Some(Tracker {
-        base_known: false,
-        base_per_run: false,
-        tool_known: false,
-        position_sd_m: None,
-        rotation_sd_rad: None,
-        scale_sd: None,
-    });
+    anywhere.tracker = Some(Tracker::default());
     anywhere.surroundings.tracker_base = None;
     anywhere.surroundings.tracker_tool = None;
     let misses = Misses::new(&anywhere, &seen);
