@@ -203,10 +203,10 @@ impl Dropouts {
     pub(crate) fn words(&self) -> String {
         let what = match self.value {
             Some(value) => format!("read {value} for moments"),
-            None => "stand alone far from their neighbours".to_owned(),
+            None => "are far from both their neighbours".to_owned(),
         };
         format!(
-            "{} of {} readings of {} ({:.1} %) {what}: they were left out",
+            "{} of {} readings of {} ({:.1} %) {what}: they count for nothing",
             self.rows.len(),
             self.readings,
             self.channel,
@@ -227,38 +227,6 @@ impl Dropouts {
         cause
     }
 
-    /// Adds them to an answer on the log without them. Where that has no gap they are all of the log's.
-    pub(crate) fn name_in(&self, found: &mut Diagnosis) {
-        found.warnings.push(self.words());
-        found.causes.push(self.cause());
-        let rows = self.rows.iter().map(|row| (self.channel.clone(), *row));
-        found.fit_rows.left_out.extend(rows);
-        let is_gap = found.verdict == Verdict::NoGap && found.admission.refusal().is_none();
-        let is_alone = found.causes.len() == 1 && is_gap;
-        let mut channels = found.gap.channels.iter_mut();
-        let Some(own) = channels.find(|own| own.channel == self.channel) else {
-            return;
-        };
-        if is_gap || own.has_gap {
-            own.rms_before = own.rms_before.hypot(self.off_rms);
-        }
-        if is_gap {
-            own.has_gap = true;
-            own.reduction_percent =
-                gap_reduction_percent(own.rms_before, own.rms_after, own.noise_floor);
-            own.no_reduction = None;
-            own.share_of_gap = f64::from(u8::from(is_alone));
-            found.place = Some(Place::new(
-                self.channel.clone(),
-                self.joint,
-                "in what the channel reads, not in the device".to_owned(),
-                [],
-            ));
-            found.verdict = Verdict::Named;
-            found.next_experiment = Some(format!("check {}", self.inspect()));
-        }
-    }
-
     fn inspect(&self) -> &'static str {
         match self.value {
             Some(_) => DROPOUTS.inspect,
@@ -267,9 +235,52 @@ impl Dropouts {
     }
 }
 
+/// Adds dropouts to an answer on the log without them. Where that has no gap they are all of the log's.
+pub(crate) fn name_dropouts(dropouts: &[Dropouts], found: &mut Diagnosis) {
+    let Some(worst) = dropouts
+        .iter()
+        .max_by(|a, b| a.share().total_cmp(&b.share()))
+    else {
+        return;
+    };
+    let is_all = found.verdict == Verdict::NoGap && found.admission.refusal().is_none();
+    let all: f64 = dropouts.iter().map(Dropouts::share).sum();
+    for own in dropouts {
+        found.warnings.push(own.words());
+        found.causes.push(own.cause());
+        let rows = own.rows.iter().map(|row| (own.channel.clone(), *row));
+        found.fit_rows.left_out.extend(rows);
+        let mut channels = found.gap.channels.iter_mut();
+        let channel = channels.find(|channel| channel.channel == own.channel);
+        if let Some(channel) = channel.filter(|channel| is_all || channel.has_gap) {
+            channel.rms_before = channel.rms_before.hypot(own.off_rms);
+            if is_all {
+                channel.has_gap = true;
+                channel.reduction_percent = gap_reduction_percent(
+                    channel.rms_before,
+                    channel.rms_after,
+                    channel.noise_floor,
+                );
+                channel.no_reduction = None;
+                channel.share_of_gap = own.share() / all;
+            }
+        }
+    }
+    if is_all {
+        let region = "in what the channel reads, not in the device".to_owned();
+        found.place = Some(Place::new(worst.channel.clone(), worst.joint, region, []));
+        found.verdict = Verdict::Named;
+        found.next_experiment = Some(format!("check {}", worst.inspect()));
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use haptical_judge::Check;
+
     use super::*;
+    use crate::answer::{ChannelGap, Floor, Gap, Provenance};
+    use crate::noise::NoiseSource;
 
     /// Torque of a joint in motion with noise of 0.02, made up without a generator of its own.
     fn torque(rows: usize) -> Vec<f64> {
@@ -314,6 +325,56 @@ mod tests {
         assert_eq!(spikes.len(), 1);
         assert!(spikes[0].value.is_none() && spikes[0].rows.len() > 12);
         assert!(spikes[0].rows.iter().all(|row| row % 61 == 40));
+    }
+
+    #[test]
+    fn each_channel_with_dropouts_has_its_gap_and_no_other() {
+        let device = Device::from_toml("[[joint]]\n", "device.toml")
+            .unwrap()
+            .device;
+        let channel = |number: usize| {
+            let channel = Channel::Output { joint: number };
+            let floor = Floor::new(channel, 0.02, 1000.0, NoiseSource::Motion);
+            let name = format!("torque{}", number + 1);
+            ChannelGap::fitted(name, Some(number), [0.019; 2], &floor, "N m")
+        };
+        let gap = Gap::new(Verdict::NoGap, None, (0..3).map(channel).collect());
+        let clear = Diagnosis::of_causes(
+            Verdict::NoGap,
+            gap,
+            Vec::new(),
+            device,
+            Provenance::default(),
+        );
+        let lost = |joint: usize, rows: usize| Dropouts {
+            channel: format!("torque{}", joint + 1),
+            joint: Some(joint),
+            rows: (0..rows).collect(),
+            readings: 64,
+            value: Some(0.0),
+            off_rms: 0.5,
+        };
+        let dropouts = [lost(0, 4), lost(2, 12)];
+        let mut found = clear.clone();
+        name_dropouts(&dropouts, &mut found);
+        assert_eq!((found.verdict, found.causes.len()), (Verdict::Named, 2));
+        let gaps = found
+            .gap
+            .channels
+            .iter()
+            .map(|gap| (gap.has_gap, gap.share_of_gap));
+        assert_eq!(
+            gaps.collect::<Vec<_>>(),
+            [(true, 0.25), (false, 0.0), (true, 0.75)]
+        );
+        assert_eq!(found.place.unwrap().channel, "torque3");
+
+        // an answer that is not admitted stays what it is
+        let mut barred = clear;
+        barred.admission.enough = Check::no("2 s", "record 10 s");
+        name_dropouts(&dropouts, &mut barred);
+        assert_eq!(barred.verdict, Verdict::NoGap);
+        assert!(barred.gap.channels.iter().all(|gap| !gap.has_gap));
     }
 
     #[test]

@@ -156,7 +156,13 @@ impl Weighed {
         }
         answer.admission = match verdict.has_causes() {
             // what another view may not say bars no name of this one
-            true => answer.admission,
+            true => {
+                let refusal = other.admission.refusal();
+                let said = refusal
+                    .map(|refusal| format!("no verdict on the rest of the log: {}", refusal.why));
+                answer.warnings.extend(said);
+                answer.admission
+            }
             false => answer.admission.with(other.admission),
         };
         answer.place = answer.place.or(other.place);
@@ -226,6 +232,7 @@ fn untestable(first: &Diagnosis, second: &Diagnosis, names: &[&str]) -> Vec<Unte
 
 #[cfg(test)]
 mod tests {
+    use haptical_judge::Check;
     use haptical_model::Device;
 
     use super::*;
@@ -270,5 +277,25 @@ mod tests {
         assert!(is_second_first([none, unknown], [0.0, 1.0]));
         assert!(is_second_first([named, named], [1.0, 2.0]));
         assert!(!is_second_first([named, named], [2.0, 1.0]));
+    }
+
+    #[test]
+    fn what_another_view_may_not_say_is_said_and_bars_no_name() {
+        let named = answer(&[], &["command-latency"]);
+        let named = Diagnosis {
+            verdict: Verdict::Named,
+            ..named
+        };
+        let mut barred = answer(&[], &[]);
+        barred.verdict = Verdict::Unknown;
+        barred.admission.belongs = Check::no("mixed rows", "take the rows as measured");
+        let both = of_both(named, barred.clone(), &[]);
+        assert_eq!(
+            (both.verdict, both.admission.refusal()),
+            (Verdict::Named, None)
+        );
+        assert!(both.warnings.iter().any(|said| said.contains("mixed rows")));
+        let clear = of_both(answer(&[], &[]), barred, &[]);
+        assert!(clear.admission.refusal().is_some());
     }
 }

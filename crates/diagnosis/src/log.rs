@@ -7,7 +7,7 @@ use haptical_model::{Device, Recording};
 use haptical_motion::unwrapped;
 
 use crate::answer::{Diagnosis, FitRows, Prediction, SECOND_RECORDING};
-use crate::dropouts::{Dropouts, without_dropouts};
+use crate::dropouts::{Dropouts, name_dropouts, without_dropouts};
 use crate::hand::without_idle_force;
 use crate::thresholds::recording::MOST_ROWS;
 
@@ -104,9 +104,7 @@ impl<'r> Log<'r> {
                 None => row_of(*row),
             };
         }
-        for own in &self.dropouts {
-            own.name_in(found);
-        }
+        name_dropouts(&self.dropouts, found);
         for own in second.into_iter().flat_map(|second| &second.dropouts) {
             found
                 .warnings

@@ -9,13 +9,14 @@ use haptical_model::{Device, Joint, Recording};
 use haptical_motion::why_not;
 
 use crate::answer::{
-    CandidateAnswer, CauseAnswer, Diagnosis, Gap, HeldOutAnswer, NoReduction, Place, Prediction,
-    Provenance, SECOND_RECORDING, SecondAnswer, Untestable, Verdict, in_torques, not_in_file,
-    of_drives,
+    CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, Place,
+    Prediction, Provenance, SECOND_RECORDING, SecondAnswer, Untestable, Verdict, in_torques,
+    not_in_file, of_drives,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{examine, names};
 use crate::judge::{by_torques, on_unseen};
+use crate::noise::NoiseSource;
 use crate::servo_loop::has_commands;
 use crate::thresholds::servo::UNTRUSTED_SCALE;
 use crate::{DiagnosisError, Options, Result};
@@ -218,8 +219,13 @@ fn of_slow_torques(gap: &Gap, rows: usize) -> Admission {
             own.channel, own.noise_floor, own.unit
         )
     });
+    let floors = floors.collect::<Vec<_>>().join(", ");
+    let is_rest = |channel: &ChannelGap| channel.noise_source == NoiseSource::Rest;
     Admission {
-        known_noise: Check::yes(floors.collect::<Vec<_>>().join(", ")),
+        known_noise: match gap.channels.iter().any(is_rest) {
+            true => Check::unknown(floors),
+            false => Check::yes(floors),
+        },
         enough: Check::yes(format!("{rows} rows")),
         ..Admission::default()
     }

@@ -34,7 +34,11 @@ fn belongs(findings: &Findings<'_>) -> Check {
         return Check::unknown("no channel moves enough to say how much of it the model follows");
     };
     let unit = channel.unit(engine.context.device);
-    let missed = format!("the model misses {} by {left:.3e} {unit}", channel.name());
+    let left = match left < 0.01 {
+        true => format!("{left:.2e}"),
+        false => format!("{left:.3}"),
+    };
+    let missed = format!("the model misses {} by {left} {unit}", channel.name());
     let figure = match channel {
         Channel::Orientation => missed,
         _ => format!(

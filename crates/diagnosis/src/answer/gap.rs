@@ -6,6 +6,7 @@ use super::floor::{Floor, NoReduction};
 use super::{HeldOutAnswer, Verdict};
 use crate::answer::CauseAnswer;
 use crate::noise::NoiseSource;
+use crate::thresholds::answer::{KEPT_FLOORS, KEPT_SHARE};
 use haptical_linalg::jackknife_sd;
 use haptical_metrics::gap_reduction_percent;
 use haptical_motion::{PARTS, Unseen};
@@ -85,6 +86,16 @@ impl ChannelGap {
             reduction_percent,
             reduction_ci95: None,
         }
+    }
+
+    /// How many times its noise a channel keeps next to the causes, where that is a gap of its own: a large effect of one channel does not
+    /// excuse a gap of another.
+    pub fn keeps(&self) -> Option<f64> {
+        let times = self.rms_after / self.noise_floor;
+        let beyond = |rms: f64| rms.powi(2) - self.noise_floor.powi(2);
+        let is_share = beyond(self.rms_after) > KEPT_SHARE * beyond(self.rms_before);
+        let is_known = self.has_gap && self.no_reduction.is_none();
+        (is_known && times > KEPT_FLOORS && is_share).then_some(times)
     }
 
     /// The same gap where causes leave this share of its squares beyond noise.

@@ -17,3 +17,8 @@ pub(crate) const ALL_PERCENT: f64 = 99.95;
 // `answer::shrink::second`
 /// Share of the squares beyond which a constant is a zero of its own.
 pub(crate) const ZERO_SHARE: f64 = 0.5;
+
+// `answer::gap`
+/// A channel keeps a gap of its own beyond this many times its noise, and this share of the gap's squares.
+pub(crate) const KEPT_FLOORS: f64 = 2.0;
+pub(crate) const KEPT_SHARE: f64 = 0.1;

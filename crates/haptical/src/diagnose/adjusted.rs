@@ -33,8 +33,13 @@ pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
     };
     let [before, after] =
         [worst.rms_before, worst.rms_after].map(|rms| Shown::fine(&worst.unit).text(rms));
+    let causes = match diagnosis.verdict.has_causes() {
+        true => "the causes, ",
+        false => "",
+    };
     Some(format!(
-        "the device file as it is misses {} by {before}, and {after} are left with {}{more}; `haptical identify --with dynamics` writes them",
+        "the device file as it is misses {} by {before}; {after} are left with {causes}{}{more}; `haptical identify --with dynamics` writes \
+         friction and armature",
         worst.channel,
         listed(&said)
     ))

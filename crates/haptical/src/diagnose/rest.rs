@@ -6,28 +6,17 @@ use haptical_metrics::gap_reduction_percent;
 use crate::diagnose::words::{held_out_sizes, listed};
 use crate::units::Shown;
 
-/// A channel keeps a gap of its own beyond this many times its noise, and this share of its squares: a large effect of one channel does not
-/// excuse a gap of another.
-const KEPT_FLOORS: f64 = 2.0;
-const KEPT_SHARE: f64 = 0.1;
-
 /// A further sentence on channels that keep a gap next to the causes; empty without any.
 pub(super) fn kept_by_channels(diagnosis: &Diagnosis) -> String {
-    let keeps = |own: &&ChannelGap| {
-        let beyond = |rms: f64| rms.powi(2) - own.noise_floor.powi(2);
-        own.has_gap
-            && own.no_reduction.is_none()
-            && own.rms_after > KEPT_FLOORS * own.noise_floor
-            && beyond(own.rms_after) > KEPT_SHARE * beyond(own.rms_before)
+    let words = |gap: &ChannelGap| {
+        let times = gap.keeps()?;
+        let left = Shown::fine(&gap.unit).text(gap.rms_after);
+        Some(format!(
+            "{} keeps {left}, {times:.1} times its noise",
+            gap.channel
+        ))
     };
-    let kept = diagnosis.gap.channels.iter().filter(keeps);
-    let kept: Vec<String> = kept
-        .map(|own| {
-            let left = Shown::fine(&own.unit).text(own.rms_after);
-            let times = own.rms_after / own.noise_floor;
-            format!("{} keeps {left}, {times:.1} times its noise", own.channel)
-        })
-        .collect();
+    let kept: Vec<String> = diagnosis.gap.channels.iter().filter_map(words).collect();
     match kept.is_empty() {
         true => String::new(),
         false => format!(

@@ -61,9 +61,8 @@ pub fn apart(device: &Device, other: &Device, recording: &Recording) -> Option<f
     let turns: Vec<Quaternion<f64>> = turns.collect();
     let part = |part: fn(&Quaternion<f64>) -> f64| turns.iter().map(part).collect();
     let seen = Recording {
-        line: some.line,
-        joint: some.joint,
-        torque_nm: some.torque_nm,
+        cable_m: Vec::new(),
+        output: vec![None; some.joint.len()],
         position_m: Some([0, 1, 2].map(axis)),
         orientation_wxyz: Some([
             part(|turn| turn.w),
@@ -71,7 +70,7 @@ pub fn apart(device: &Device, other: &Device, recording: &Recording) -> Option<f
             part(|turn| turn.j),
             part(|turn| turn.k),
         ]),
-        ..Recording::default()
+        ..some
     };
     let mut anywhere = device.clone();
     anywhere.tracker = Some(Tracker::default());
