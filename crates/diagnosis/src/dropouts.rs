@@ -247,7 +247,13 @@ pub(crate) fn name_dropouts(dropouts: &[Dropouts], found: &mut Diagnosis) {
     let all: f64 = dropouts.iter().map(Dropouts::share).sum();
     for own in dropouts {
         found.warnings.push(own.words());
-        found.causes.push(own.cause());
+        found.causes.push(CauseAnswer {
+            share: match is_all {
+                true => own.share() / all,
+                false => 0.0,
+            },
+            ..own.cause()
+        });
         let rows = own.rows.iter().map(|row| (own.channel.clone(), *row));
         found.fit_rows.left_out.extend(rows);
         let mut channels = found.gap.channels.iter_mut();

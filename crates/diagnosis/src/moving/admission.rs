@@ -1,24 +1,26 @@
 //! What admits a verdict on the torques of a moving arm, or on encoders on its links.
 
 use haptical_judge::{Admission, Check};
-use haptical_model::Device;
 use haptical_motion::Examined;
 
 use super::warnings::of_doubt;
+use super::words::Words;
 use crate::thresholds::admission::{FOLLOWED, LEAST_MOTION_S};
 
 /// The four questions.
-pub(super) fn admission(device: &Device, examined: &Examined) -> Admission {
+pub(super) fn admission(words: &Words<'_>) -> Admission {
+    let examined = words.examined;
     Admission {
-        belongs: belongs(device, examined),
+        belongs: belongs(words),
         credible_base: credible_base(examined),
-        known_noise: known_noise(examined),
+        known_noise: known_noise(words),
         enough: enough(&examined.time_s),
     }
 }
 
 /// Whether each torque is one of its joint.
-fn belongs(device: &Device, examined: &Examined) -> Check {
+fn belongs(words: &Words<'_>) -> Check {
+    let (device, examined) = (words.device, words.examined);
     if let Some(doubt) = examined.doubts.first() {
         let next = "correct the column, or take the log of this device";
         let said = of_doubt(device, doubt);
@@ -35,19 +37,23 @@ fn belongs(device: &Device, examined: &Examined) -> Check {
     match loudest {
         Some((joint, scale)) if scale.explained < FOLLOWED => Check::no(
             format!(
-                "log and device do not belong together: the links, friction and rotor explain {:.1} % of the largest torque, that of joint {}",
-                100.0 * scale.explained,
-                joint + 1
+                "log and device do not belong together: {}",
+                explained(words, joint, scale.explained)
             ),
             "take the log of this device, or the device file of this log: check joints, units and signs",
         ),
-        Some((joint, scale)) => Check::yes(format!(
-            "the links, friction and rotor explain {:.1} % of the largest torque, that of joint {}",
-            100.0 * scale.explained,
-            joint + 1
-        )),
+        Some((joint, scale)) => Check::yes(explained(words, joint, scale.explained)),
         None => Check::unknown("no torque was compared with what the links ask for"),
     }
+}
+
+/// How much of the torque that is clearest above its noise the base model explains.
+fn explained(words: &Words<'_>, joint: usize, share: f64) -> String {
+    format!(
+        "links, friction and rotor explain {:.1} % of the variance of {}, which is clearest above its noise",
+        100.0 * share,
+        words.channel(joint)
+    )
 }
 
 /// Whether the numbers that are fitted beside the bodies are those of an arm.
@@ -66,11 +72,12 @@ fn credible_base(examined: &Examined) -> Check {
 }
 
 /// What is faster than the motion says how large the noise is.
-fn known_noise(examined: &Examined) -> Check {
-    let sizes = examined
-        .channels
-        .iter()
-        .map(|own| format!("joint {} {:.3e}", own.joint + 1, own.noise));
+fn known_noise(words: &Words<'_>) -> Check {
+    let examined = words.examined;
+    let sizes = examined.channels.iter().map(|channel| {
+        let (name, unit) = (words.channel(channel.joint), words.unit(channel.joint));
+        format!("{name} {:.3e} {unit}", channel.noise)
+    });
     let sizes = sizes.collect::<Vec<_>>().join(", ");
     let memory = if examined.has_memory {
         ", with a memory"

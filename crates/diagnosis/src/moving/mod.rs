@@ -140,7 +140,7 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
         tested: examined.tried,
         closed_unseen_share: (examined.closed_unseen_share()).filter(|_| examined.is_partial()),
         candidates: refused(words),
-        admission: admission::admission(words.device, examined),
+        admission: admission::admission(words),
         adjusted: words.adjusted(),
         own_model: words.own_model(),
         changes: match is_adequate {

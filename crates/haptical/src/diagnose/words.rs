@@ -84,8 +84,10 @@ pub(crate) fn verdict_sentence(diagnosis: &Diagnosis) -> String {
                 false => (of_data, of_device),
             };
             let names: Vec<String> = of_device.into_iter().map(with_probability).collect();
+            // dropouts and outliers are several
+            let are_many = causes.iter().all(is_of_data);
             let verb = match names.len() {
-                1 => "explains",
+                1 if !are_many => "explains",
                 _ => "explain",
             };
             let gap = match diagnosis.closed_unseen_share {

@@ -47,6 +47,6 @@ pub(in crate::diagnose::page) fn adjusted(diagnosis: &Diagnosis) -> Result<Optio
         ]
     };
     let heads = "number | joint | unit | device file | adjusted | 95 % interval";
-    let table = Table::with_heads("Adjusted before the verdict", heads);
+    let table = Table::with_heads("Friction and armature of the drives", heads);
     Ok(Some(table.with_rows(diagnosis.adjusted.iter().map(row))?))
 }
