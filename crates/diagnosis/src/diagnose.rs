@@ -118,7 +118,7 @@ fn with_split(
         .is_some_and(|first| haptical_effects::spec(&first.effect).is_some_and(is_displacement));
     let said = |then: &str| {
         format!(
-            "from line {line} of the log on (row {}) something stands elsewhere{then}",
+            "from line {line} of the log on (row {}) something is displaced{then}",
             row + 1
         )
     };

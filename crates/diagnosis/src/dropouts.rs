@@ -109,7 +109,7 @@ fn taken_out(
         let stands_alone = |row: &usize| {
             let around = neighbours(column, &far, runs, *row);
             around.is_some_and(|(before, after)| {
-                let [before, after] = [before, after].map(|own| column[*row] - column[own]);
+                let [before, after] = [before, after].map(|item| column[*row] - column[item]);
                 before.abs().min(after.abs()) > limit && before * after > 0.0
             })
         };
@@ -138,7 +138,7 @@ fn most_frequent(column: &[f64]) -> Option<f64> {
 fn moments_at(column: &[f64], runs: &[Range<usize>], value: f64) -> Vec<usize> {
     let is_it = |row: usize| column[row] == value;
     let others: Vec<f64> = (column.iter())
-        .map(|own| if *own == value { f64::NAN } else { *own })
+        .map(|item| if *item == value { f64::NAN } else { *item })
         .collect();
     let Some(sd) = difference_sd(&others, runs).filter(|sd| *sd > 0.0) else {
         return Vec::new();
@@ -245,21 +245,21 @@ pub(crate) fn name_dropouts(dropouts: &[Dropouts], found: &mut Diagnosis) {
     };
     let is_all = found.verdict == Verdict::NoGap && found.admission.refusal().is_none();
     let all: f64 = dropouts.iter().map(Dropouts::share).sum();
-    for own in dropouts {
-        found.warnings.push(own.words());
+    for item in dropouts {
+        found.warnings.push(item.words());
         found.causes.push(CauseAnswer {
             share: match is_all {
-                true => own.share() / all,
+                true => item.share() / all,
                 false => 0.0,
             },
-            ..own.cause()
+            ..item.cause()
         });
-        let rows = own.rows.iter().map(|row| (own.channel.clone(), *row));
+        let rows = item.rows.iter().map(|row| (item.channel.clone(), *row));
         found.fit_rows.left_out.extend(rows);
         let mut channels = found.gap.channels.iter_mut();
-        let channel = channels.find(|channel| channel.channel == own.channel);
+        let channel = channels.find(|channel| channel.channel == item.channel);
         if let Some(channel) = channel.filter(|channel| is_all || channel.has_gap) {
-            channel.rms_before = channel.rms_before.hypot(own.off_rms);
+            channel.rms_before = channel.rms_before.hypot(item.off_rms);
             if is_all {
                 channel.has_gap = true;
                 channel.reduction_percent = gap_reduction_percent(
@@ -268,7 +268,7 @@ pub(crate) fn name_dropouts(dropouts: &[Dropouts], found: &mut Diagnosis) {
                     channel.noise_floor,
                 );
                 channel.no_reduction = None;
-                channel.share_of_gap = own.share() / all;
+                channel.share_of_gap = item.share() / all;
             }
         }
     }
@@ -389,14 +389,14 @@ mod tests {
         assert_eq!(found(&sound).1, []);
         // friction that changes sides, a drive at its limit, a joint that rests
         let friction =
-            |(row, own): (usize, &f64)| own + if row / 100 % 2 == 0 { 1.0 } else { -1.0 };
+            |(row, item): (usize, &f64)| item + if row / 100 % 2 == 0 { 1.0 } else { -1.0 };
         let reversing: Vec<f64> = sound.iter().enumerate().map(friction).collect();
         assert_eq!(found(&reversing).1, []);
-        let limited: Vec<f64> = sound.iter().map(|own| own.clamp(-2.0, 2.0)).collect();
+        let limited: Vec<f64> = sound.iter().map(|item| item.clamp(-2.0, 2.0)).collect();
         assert_eq!(found(&limited).1, []);
         let resting = sound.iter().enumerate();
         let resting: Vec<f64> = resting
-            .map(|(row, own)| if row / 100 % 3 == 0 { 0.0 } else { *own })
+            .map(|(row, item)| if row / 100 % 3 == 0 { 0.0 } else { *item })
             .collect();
         assert_eq!(found(&resting).1, []);
     }

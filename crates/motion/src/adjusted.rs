@@ -38,8 +38,8 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
     let mut found = Vec::new();
     let mut columns = Vec::new();
     let mut shares = Vec::new();
-    for (index, own) in base.columns.iter().enumerate() {
-        let (joint, number) = match own.term {
+    for (index, entry) in base.columns.iter().enumerate() {
+        let (joint, number) = match entry.term {
             Term::Coulomb { joint } => (joint, "coulomb_nm"),
             Term::Viscous { joint } => (joint, "viscous_nm_s_per_rad"),
             Term::Armature { joint } => (joint, "armature_kgm2"),
@@ -68,10 +68,10 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
     columns.extend(shares.iter().flatten());
     let covariance = fitted.solved.covariance(&columns);
     let mut place = of_numbers..;
-    for (at, (own, share)) in found.iter_mut().zip(shares).enumerate() {
-        own.sd = (covariance[(at, at)] * misfit).max(0.0).sqrt();
+    for (at, (entry, share)) in found.iter_mut().zip(shares).enumerate() {
+        entry.sd = (covariance[(at, at)] * misfit).max(0.0).sqrt();
         if let Some(share) = share.and_then(|_| place.next()) {
-            own.of_share = [(share, share), (at, share)].map(|pair| covariance[pair] * misfit);
+            entry.of_share = [(share, share), (at, share)].map(|pair| covariance[pair] * misfit);
         }
     }
     found
@@ -80,9 +80,9 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
 /// Root mean square of what the description leaves of each joint's torque as it is, nothing adjusted; joint by joint, in the torque's unit.
 pub(crate) fn as_described(problem: &Problem, base: &Base) -> Vec<(usize, f64)> {
     let mut left = problem.recorded(0.0);
-    for own in &base.columns {
-        if matches!(own.term, Term::FileFriction { .. }) {
-            own.column.add_to(&mut left, -1.0);
+    for entry in &base.columns {
+        if matches!(entry.term, Term::FileFriction { .. }) {
+            entry.column.add_to(&mut left, -1.0);
         }
     }
     let rows = problem.states.rows();

@@ -76,7 +76,7 @@ fn assert_named(name: &str, args: &str, wanted: &[&str], number: (&str, f64, f64
         (gap["verdict"].as_str(), causes(&gap)),
         (
             Some("named"),
-            wanted.iter().map(|own| (*own).to_owned()).collect()
+            wanted.iter().map(|entry| (*entry).to_owned()).collect()
         ),
         "{name}"
     );
@@ -250,8 +250,9 @@ fn logs_of_a_six_axis_arm_in_motion_are_told_apart() {
     if let Some(gap) = diagnosed(name, &args("friction")) {
         assert_eq!(gap["verdict"], "no-gap");
         let adjusted = gap["adjusted"].as_array().unwrap().iter();
-        let mut own = adjusted.filter(|own| own["number"] == "coulomb_nm" && own["joint"] == 2);
-        let friction = own.next().unwrap()["after"].as_f64().unwrap();
+        let mut entry =
+            adjusted.filter(|entry| entry["number"] == "coulomb_nm" && entry["joint"] == 2);
+        let friction = entry.next().unwrap()["after"].as_f64().unwrap();
         assert!((friction - 5.4).abs() < 0.05, "{friction}");
     }
 }
@@ -265,7 +266,7 @@ fn torques_without_gravitys_part_are_said_to_lack_it() {
         if let Some(gap) = diagnosed("06-gravcomp", args) {
             assert_eq!(gap["verdict"], "unknown");
             let mut warnings = gap["warnings"].as_array().unwrap().iter();
-            let is_it = |own: &Value| own.as_str().unwrap().contains("lack what gravity asks");
+            let is_it = |entry: &Value| entry.as_str().unwrap().contains("lack what gravity asks");
             assert!(warnings.any(is_it), "{}", gap["warnings"]);
         }
     }

@@ -20,8 +20,9 @@ pub(crate) fn admitted(found: Diagnosis) -> Diagnosis {
     }
     let mut candidates = found.candidates;
     for cause in &found.causes {
-        let is_it = |own: &CandidateAnswer| own.effect == cause.effect && own.joint == cause.joint;
-        candidates.retain(|own| !is_it(own));
+        let is_it =
+            |entry: &CandidateAnswer| entry.effect == cause.effect && entry.joint == cause.joint;
+        candidates.retain(|entry| !is_it(entry));
         candidates.push(CandidateAnswer::of_cause(cause, Some(why.clone())));
     }
     let channels = found.gap.channels.into_iter().map(|gap| match gap.has_gap {

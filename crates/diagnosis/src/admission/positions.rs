@@ -68,7 +68,7 @@ fn resting(recording: &Recording) -> String {
     };
     let columns: Vec<(usize, &Vec<f64>)> = recording.joint.iter().enumerate().collect();
     let names = columns.iter().filter(is_one);
-    let names: Vec<String> = names.map(|own| format!("theta{}", own.0 + 1)).collect();
+    let names: Vec<String> = names.map(|entry| format!("theta{}", entry.0 + 1)).collect();
     match names.is_empty() {
         true => String::new(),
         false => format!("; {} has one value throughout", names.join(", ")),

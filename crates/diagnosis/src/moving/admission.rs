@@ -32,7 +32,7 @@ fn belongs(words: &Words<'_>) -> Check {
     let scales = examined
         .channels
         .iter()
-        .filter_map(|own| Some((own.joint, own.scale?)));
+        .filter_map(|entry| Some((entry.joint, entry.scale?)));
     let loudest = scales.max_by(|a, b| a.1.heard.total_cmp(&b.1.heard));
     match loudest {
         Some((joint, scale)) if scale.explained < FOLLOWED => Check::no(
@@ -58,7 +58,7 @@ fn explained(words: &Words<'_>, joint: usize, share: f64) -> String {
 
 /// Whether the numbers that are fitted beside the bodies are those of an arm.
 fn credible_base(examined: &Examined) -> Check {
-    let negative = examined.free_armatures.iter().find(|own| own.1 < 0.0);
+    let negative = examined.free_armatures.iter().find(|entry| entry.1 < 0.0);
     match negative {
         Some((joint, armature)) => Check::unknown(format!(
             "the armature of joint {} is fitted as {armature:.4} kg m^2, below zero",

@@ -1,4 +1,4 @@
-//! The row from which on something stands elsewhere: a tracker that was touched, a joint that slipped, within one run of single postures.
+//! The row from which on something is displaced, within one run of single postures: a tracker that was touched, a joint that slipped.
 
 use haptical_effects::{Context, Follows, Spec};
 
@@ -17,7 +17,7 @@ pub(crate) fn split(selection: &Selection<'_>) -> Result<Option<usize>> {
         return Ok(None);
     }
     let effects = selection.selector.effects.iter().enumerate();
-    let effects = effects.filter(|(_, own)| is_displacement(own.spec()));
+    let effects = effects.filter(|(_, entry)| is_displacement(entry.spec()));
     let effects: Vec<_> = effects.collect();
     let streams = context.streams.clone();
     let mut cut = Context::new(context.device, context.recording, &streams)?;
@@ -54,7 +54,7 @@ pub(crate) fn split(selection: &Selection<'_>) -> Result<Option<usize>> {
     Ok(best.map(|best| best.1))
 }
 
-/// Whether an effect is something that stands elsewhere from a run on.
+/// Whether an effect is a displacement from a run on.
 pub(crate) fn is_displacement(spec: &Spec) -> bool {
     spec.follows == Follows::Run
 }

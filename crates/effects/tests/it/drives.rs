@@ -16,7 +16,8 @@ fn device() -> Device {
 /// Postures of a lever with places, and what is said beside.
 fn recording(has_times: bool, has_torques: bool) -> Recording {
     let angle: Vec<f64> = (0..200).map(|row| (0.05 * f64::from(row)).sin()).collect();
-    let place = [f64::cos, f64::sin].map(|part| angle.iter().map(|own| 0.4 * part(*own)).collect());
+    let place =
+        [f64::cos, f64::sin].map(|part| angle.iter().map(|entry| 0.4 * part(*entry)).collect());
     let [x, y] = place;
     Recording {
         line: (2..202).collect(),
@@ -39,7 +40,8 @@ fn friction_adds_nothing_to_a_log_that_does_not_show_it() {
     ] {
         let recording = recording(has_times, has_torques);
         let with = attached(&mut device(), &recording).unwrap();
-        let shown = (with.added.iter()).filter(|own| own.readings.iter().any(|own| *own != 0.0));
+        let shown =
+            (with.added.iter()).filter(|entry| entry.readings.iter().any(|entry| *entry != 0.0));
         assert_eq!(shown.count(), count, "{has_times} {has_torques}");
         let mut simulated = recording.clone();
         add_effects(&device(), &mut simulated).unwrap();

@@ -18,11 +18,11 @@ pub(super) fn commands_alone(
         return None;
     }
     let joints = device.joints.iter().enumerate();
-    let channels = joints.filter_map(|(joint, own)| {
+    let channels = joints.filter_map(|(joint, entry)| {
         let command = recording.command(joint)?;
         Some(CheckedChannel {
             channel: format!("command{}", joint + 1),
-            unit: own.unit(),
+            unit: entry.unit(),
             readings: command.iter().filter(|value| value.is_finite()).count(),
         })
     });
@@ -64,10 +64,10 @@ pub(super) fn of_commands(device: &Model, recording: &Recording) -> Vec<String> 
     }
     let with = |wanted: &Option<String>| -> String {
         let is_so = |why: &Option<Untested>| why.as_ref().map(ToString::to_string) == *wanted;
-        let own = whys.iter().filter(|(_, why)| is_so(why));
-        let own: Vec<usize> = own.map(|(joint, _)| *joint).collect();
-        let s = if own.len() == 1 { "s" } else { "" };
-        format!("how {} follow{s} the command", numbered(&own))
+        let entry = whys.iter().filter(|(_, why)| is_so(why));
+        let entry: Vec<usize> = entry.map(|(joint, _)| *joint).collect();
+        let s = if entry.len() == 1 { "s" } else { "" };
+        format!("how {} follow{s} the command", numbered(&entry))
     };
     let mut said = Vec::new();
     if whys.iter().any(|(_, why)| why.is_none()) {

@@ -12,21 +12,21 @@ const SAID: usize = 3;
 
 /// How far the device file as it is was off, and what was adjusted; none where it was not, or nothing was adjusted.
 pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
-    let off = |own: &OwnModel| own.rms_before / own.rms_after.max(f64::MIN_POSITIVE);
-    let models = diagnosis.own_model.iter().filter(|own| off(own) > OFF);
+    let off = |entry: &OwnModel| entry.rms_before / entry.rms_after.max(f64::MIN_POSITIVE);
+    let models = diagnosis.own_model.iter().filter(|entry| off(entry) > OFF);
     let worst = models.max_by(|a, b| a.rms_before.total_cmp(&b.rms_before))?;
     let joint: usize = worst.channel.trim_start_matches("torque").parse().ok()?;
-    let is_other = |own: &&AdjustedAnswer| {
-        let before = own.before.unwrap_or(0.0);
-        !(own.ci95[0]..=own.ci95[1]).contains(&before)
+    let is_other = |entry: &&AdjustedAnswer| {
+        let before = entry.before.unwrap_or(0.0);
+        !(entry.ci95[0]..=entry.ci95[1]).contains(&before)
     };
     let others = diagnosis.adjusted.iter().filter(is_other);
     let (first, rest): (Vec<&AdjustedAnswer>, Vec<&AdjustedAnswer>) =
-        others.partition(|own| own.joint == joint);
+        others.partition(|entry| entry.joint == joint);
     if first.is_empty() {
         return None;
     }
-    let said: Vec<String> = first.iter().take(SAID).map(|own| number(own)).collect();
+    let said: Vec<String> = first.iter().take(SAID).map(|entry| number(entry)).collect();
     let more = match first.len().saturating_sub(SAID) + rest.len() {
         0 => String::new(),
         more => format!(" and {more} more numbers, see gap.json"),
@@ -45,18 +45,18 @@ pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
     ))
 }
 
-fn number(own: &AdjustedAnswer) -> String {
-    let what = match own.number.split('_').next() {
+fn number(entry: &AdjustedAnswer) -> String {
+    let what = match entry.number.split('_').next() {
         Some("viscous") => "viscous friction",
         Some("armature") => "armature",
         _ => "friction",
     };
-    let before = own.before.map_or("none".to_owned(), |before| {
+    let before = entry.before.map_or("none".to_owned(), |before| {
         format!("{}", (before * 1e3).round() / 1e3)
     });
     format!(
         "{what} of joint {} {before} -> {:.3} {}",
-        own.joint, own.after, own.unit
+        entry.joint, entry.after, entry.unit
     )
 }
 

@@ -88,22 +88,22 @@ fn of<'c>(
         false => "offset_rad",
     };
     let columns = vec![problem.of_joints(signals)];
-    let own = Candidate::new(EFFECT.name, Some(joint), columns, first(name));
+    let entry = Candidate::new(EFFECT.name, Some(joint), columns, first(name));
     Candidate {
         within: [-MOST_OFFSET_RAD, MOST_OFFSET_RAD],
         about: about_rad.into_iter().collect(),
-        finer: Finer::About(Rc::new(move |own| {
-            let offset_rad = own.first().copied().filter(|own| *own != 0.0)?;
+        finer: Finer::About(Rc::new(move |entry| {
+            let offset_rad = entry.first().copied().filter(|entry| *entry != 0.0)?;
             secant(context, joint, offset_rad)
         })),
-        ..own
+        ..entry
     }
 }
 
 fn change(found: &Found<'_>) -> Option<Change> {
     let joint = found.joint?;
     let mut numbers = found.numbers.iter();
-    let offset = numbers.find(|own| own.0 == "offset_rad" || own.0 == "offset_m")?;
+    let offset = numbers.find(|entry| entry.0 == "offset_rad" || entry.0 == "offset_m")?;
     Some(Change::Offset {
         joint,
         more: offset.1,

@@ -107,7 +107,7 @@ pub(super) fn of(
     meanings: &[Option<Meaning>],
 ) -> BTreeMap<usize, (Option<Meaning>, String)> {
     let groups = groups(table, meanings);
-    let has = |whole: Whole| meanings.iter().flatten().any(|own| whole.is(own));
+    let has = |whole: Whole| meanings.iter().flatten().any(|item| whole.is(item));
     let mut found = BTreeMap::new();
     let mut propose = |group: &Group, why: &dyn Fn(&str) -> String| {
         for (part, column) in group.columns.iter().enumerate() {
@@ -121,12 +121,12 @@ pub(super) fn of(
         if has(whole) || (whole.is_turn() && Whole::ALL[1..].iter().any(|turn| has(*turn))) {
             continue;
         }
-        let own: Vec<&Group> = groups.iter().filter(|group| group.whole == whole).collect();
-        let known: Vec<&&Group> = own.iter().filter(|group| group.says(&POSITION)).collect();
-        let beside = own.iter().find(|group| {
+        let item: Vec<&Group> = groups.iter().filter(|group| group.whole == whole).collect();
+        let known: Vec<&&Group> = item.iter().filter(|group| group.says(&POSITION)).collect();
+        let beside = item.iter().find(|group| {
             place.is_some_and(|place| whole.is_turn() && group.front.as_slice() == place)
         });
-        match (&own[..], beside, &known[..]) {
+        match (&item[..], beside, &known[..]) {
             ([], ..) => {}
             (_, Some(group), _) => {
                 propose(group, &|name| {
@@ -148,7 +148,7 @@ pub(super) fn of(
                 );
                 propose(group, &|_| why.clone());
             }
-            _ => doubts.extend(own),
+            _ => doubts.extend(item),
         }
     }
     for group in doubts {

@@ -60,21 +60,21 @@ pub(super) fn of(table: &Table, joints: &[Joint]) -> BTreeMap<usize, (Meaning, S
         OfJoint::Velocity,
         OfJoint::Command,
     ] {
-        let mut own: Vec<&Limb> = limbs.iter().filter(|limb| limb.kind == kind).collect();
-        own.sort_by_key(|limb| (limb.order, limb.place));
-        for (joint, limb) in own.iter().enumerate() {
+        let mut entry: Vec<&Limb> = limbs.iter().filter(|limb| limb.kind == kind).collect();
+        entry.sort_by_key(|limb| (limb.order, limb.place));
+        for (joint, limb) in entry.iter().enumerate() {
             found.insert(limb.place, (kind, joint + 1));
         }
         let name = |limb: &&&Limb| of_device(&table.columns[limb.place].name, joints);
-        let named = own.iter().enumerate();
+        let named = entry.iter().enumerate();
         let contradicts = named
             .clone()
-            .any(|(joint, limb)| name(&limb).is_some_and(|own| own != joint));
+            .any(|(joint, limb)| name(&limb).is_some_and(|entry| entry != joint));
         // a limb's joint turns
-        let lacks =
-            !joints.is_empty() && (own.len() != joints.len() || joints.iter().any(|own| own.1));
-        if is_no_arm(&own, &all) || contradicts || lacks {
-            own.iter().for_each(|limb| _ = found.remove(&limb.place));
+        let lacks = !joints.is_empty()
+            && (entry.len() != joints.len() || joints.iter().any(|entry| entry.1));
+        if is_no_arm(&entry, &all) || contradicts || lacks {
+            entry.iter().for_each(|limb| _ = found.remove(&limb.place));
         }
     }
     let found = found.into_iter();
@@ -90,21 +90,21 @@ pub(super) fn of(table: &Table, joints: &[Joint]) -> BTreeMap<usize, (Meaning, S
 }
 
 /// Whether columns are not those of one arm: of one limb alone, of two sides, or one joint twice.
-fn is_no_arm(own: &[&Limb], all: &[Vec<String>]) -> bool {
+fn is_no_arm(entry: &[&Limb], all: &[Vec<String>]) -> bool {
     let says = |limb: &Limb, side: &[&str]| {
         let words = &all[limb.place];
         words.iter().any(|word| side.contains(&word.as_str()))
     };
-    let has = |side: &[&str]| own.iter().any(|limb| says(limb, side));
+    let has = |side: &[&str]| entry.iter().any(|limb| says(limb, side));
     let two_sides = has(&["left", "l"]) && has(&["right", "r"]);
-    let first = own.first().map(|limb| limb.order.0);
-    let one_limb = own.iter().all(|limb| Some(limb.order.0) == first);
+    let first = entry.first().map(|limb| limb.order.0);
+    let one_limb = entry.iter().all(|limb| Some(limb.order.0) == first);
     let bare = |limb: &Limb| {
         let mut words = all[limb.place].clone();
         words.retain(|word| !ANGLE.contains(&word.as_str()));
         words
     };
-    let mut names: Vec<Vec<String>> = own.iter().map(|limb| bare(limb)).collect();
+    let mut names: Vec<Vec<String>> = entry.iter().map(|limb| bare(limb)).collect();
     names.sort();
     let twice = names.windows(2).any(|pair| pair[0] == pair[1]);
     two_sides || one_limb || twice
@@ -112,9 +112,13 @@ fn is_no_arm(own: &[&Limb], all: &[Vec<String>]) -> bool {
 
 /// The limb that a column's words say, where they say nothing else.
 fn limb(place: usize, words: &[String]) -> Option<Limb> {
-    let of = |word: &String| LIMBS.iter().position(|own| own.contains(&word.as_str()));
-    let mut own = words.iter().filter_map(of);
-    let (limb, None) = (own.next()?, own.next()) else {
+    let of = |word: &String| {
+        LIMBS
+            .iter()
+            .position(|entry| entry.contains(&word.as_str()))
+    };
+    let mut entry = words.iter().filter_map(of);
+    let (limb, None) = (entry.next()?, entry.next()) else {
         return None;
     };
     let known = [&TORQUE[..], &VELOCITY, &COMMAND, &ANGLE, &BESIDE].concat();
@@ -135,7 +139,7 @@ fn limb(place: usize, words: &[String]) -> Option<Limb> {
         order: (
             limb,
             number,
-            turn.fold(1, |found, own| if own == 1 { found } else { own }),
+            turn.fold(1, |found, entry| if entry == 1 { found } else { entry }),
         ),
     })
 }

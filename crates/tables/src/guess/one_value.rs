@@ -15,7 +15,7 @@ pub(super) fn advice(table: &Table) -> Option<String> {
     };
     let name = |column: &Column| column.name.replace('\'', "");
     let (index, value) = (
-        table.columns.iter().find(|own| is_time(&own.name)),
+        table.columns.iter().find(|entry| is_time(&entry.name)),
         name(number),
     );
     if texts.is_empty() && index.is_none() && !table.is_named {

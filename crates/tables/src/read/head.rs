@@ -83,7 +83,7 @@ fn counts(row: &Row, below: &[&Row]) -> bool {
     let numbers: Vec<Option<usize>> = numbers.map(|cell| cell.parse().ok()).collect();
     let first = numbers.first().copied().flatten();
     let in_order =
-        (numbers.iter().zip(first.unwrap_or(0)..)).all(|(own, wanted)| *own == Some(wanted));
+        (numbers.iter().zip(first.unwrap_or(0)..)).all(|(entry, wanted)| *entry == Some(wanted));
     let has_fractions = |row: &&Row| row.cells.iter().any(|cell| cell.contains(['.', ',']));
     numbers.len() > 2
         && first.is_some_and(|first| first < 2)
@@ -100,7 +100,7 @@ pub(super) fn head(
 ) -> Result<Head, TableError> {
     let comment = || {
         let names = grid.comment.clone()?;
-        (names.len() == width && !names.iter().any(|own| is_number(own))).then_some(names)
+        (names.len() == width && !names.iter().any(|entry| is_number(entry))).then_some(names)
     };
     if reading.header == Some(false) {
         return Ok(Head::default());
@@ -198,7 +198,7 @@ fn joined(above: &[Row], width: usize) -> (Vec<String>, usize) {
 
 /// How many names are there already.
 fn repeated(names: &[String]) -> usize {
-    let filled = || names.iter().filter(|own| !own.is_empty());
+    let filled = || names.iter().filter(|entry| !entry.is_empty());
     filled().count() - filled().collect::<BTreeSet<_>>().len()
 }
 
@@ -207,15 +207,15 @@ fn below(row: &Row, names: &[String]) -> Vec<String> {
     let mut cell = "";
     let names = names.iter().enumerate();
     names
-        .map(|(column, own)| {
+        .map(|(column, entry)| {
             cell = match row.cells.get(column) {
                 Some(here) if !here.is_empty() && !motive::is_label(here, column) => here,
                 _ => cell,
             };
-            match (cell.is_empty(), own.is_empty()) {
-                (true, _) => own.clone(),
+            match (cell.is_empty(), entry.is_empty()) {
+                (true, _) => entry.clone(),
                 (false, true) => cell.to_owned(),
-                (false, false) => format!("{cell}.{own}"),
+                (false, false) => format!("{cell}.{entry}"),
             }
         })
         .collect()

@@ -93,7 +93,7 @@ fn the_only_joint_of_the_device_that_begins_so_is_meant() {
         ("elbow_roll_2", true),
     ];
     let found = proposed(&[&text], &joints);
-    let found: Vec<(&str, &str)> = found.iter().map(|own| (&*own.0, &*own.1)).collect();
+    let found: Vec<(&str, &str)> = found.iter().map(|entry| (&*entry.0, &*entry.1)).collect();
     // two joints begin with `elbow`
     let wanted = [
         ("theta1_rad", "Base"),
@@ -184,7 +184,7 @@ fn motive(bodies: &[&str], rotation: &str, unit: &str) -> String {
             ("Mean Marker Error", " 0.1"),
         ];
         for (kind, cells) in kinds {
-            for (letter, cell) in cells.split(',').filter_map(|own| own.split_once(' ')) {
+            for (letter, cell) in cells.split(',').filter_map(|entry| entry.split_once(' ')) {
                 let number = number.to_string();
                 let column = ["Rigid Body", body, &number, kind, letter, cell, cell];
                 for (line, cell) in lines.iter_mut().zip(column) {
@@ -244,7 +244,7 @@ fn names_over_several_columns_are_those_of_all() {
         rows(8, ",", 900.0)
     );
     let found = proposed(&[&text], &[]);
-    let found: Vec<&str> = found.iter().map(|own| &*own.1).collect();
+    let found: Vec<&str> = found.iter().map(|entry| &*entry.1).collect();
     assert_eq!(found, ["Tool.X", "Tool.Y", "Tool.Z"]);
 }
 

@@ -20,8 +20,8 @@ pub(crate) fn turnover_per_s(joint_type: JointType) -> f64 {
 
 /// Coulomb's friction and that per speed of one of the device's joints, with those of the rows that follow it, seen at the joint.
 pub(crate) fn friction(robot: &Robot, rows: &Rows, number: usize) -> [f64; 2] {
-    let own = rows.rows.iter().filter(|row| row.drive.joint == number);
-    own.fold([0.0; 2], |[coulomb, viscous], row| {
+    let entry = rows.rows.iter().filter(|row| row.drive.joint == number);
+    entry.fold([0.0; 2], |[coulomb, viscous], row| {
         let [dry, wet] = robot.joints[row.joint].friction;
         let multiplier = row.drive.multiplier.abs();
         [
@@ -48,7 +48,7 @@ pub(crate) fn frictions(robot: &Robot, rows: &Rows) -> Vec<DeviceEffect> {
             (FrictionNumber::Stribeck, 0.0),
             (FrictionNumber::TurnoverSpeed, turnover_per_s(joint_type)),
         ];
-        let numbers = numbers.map(|(own, value)| (own.key(joint_type).to_owned(), value));
+        let numbers = numbers.map(|(entry, value)| (entry.key(joint_type).to_owned(), value));
         Some(DeviceEffect {
             name: JOINT_FRICTION.to_owned(),
             joint: Some(number),

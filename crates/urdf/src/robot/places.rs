@@ -21,8 +21,8 @@ pub(crate) fn has_includes(text: &str) -> bool {
 pub(crate) fn place_of(text: &str, file: &str, byte: usize) -> Box<Position> {
     let before = text.get(..byte).unwrap_or(text);
     let marked = before.rfind(MARK).and_then(|start| {
-        let (own, after) = before.get(start + MARK.len()..)?.split_once(END)?;
-        let mut words = own.splitn(3, ' ');
+        let (entry, after) = before.get(start + MARK.len()..)?.split_once(END)?;
+        let mut words = entry.splitn(3, ' ');
         let at = Position {
             line: words.next()?.parse().ok()?,
             column: words.next()?.parse().ok()?,

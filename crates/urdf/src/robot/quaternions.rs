@@ -54,11 +54,12 @@ impl Reader<'_, '_> {
 
     /// What is said of quaternions in a version that has none.
     pub(crate) fn said_of_quaternions(&self) -> Result<Option<String>> {
-        let is_read = |own: &Element<'_, '_>| {
-            let parent = own.parent_element();
-            own.has_tag_name("origin")
-                && own.has_attribute(KEY)
-                && parent.is_some_and(|own| ["joint", "inertial"].contains(&own.tag_name().name()))
+        let is_read = |entry: &Element<'_, '_>| {
+            let parent = entry.parent_element();
+            entry.has_tag_name("origin")
+                && entry.has_attribute(KEY)
+                && parent
+                    .is_some_and(|entry| ["joint", "inertial"].contains(&entry.tag_name().name()))
         };
         let mut origins = self.document.descendants().filter(is_read);
         let Some(first) = origins.next() else {

@@ -97,8 +97,8 @@ impl Reader<'_, '_> {
         if robot.angle_rad == 1.0 {
             return None;
         }
-        let hinges = robot.joints.iter().filter(|own| turns(own));
-        let ends = hinges.filter_map(|own| own.limits);
+        let hinges = robot.joints.iter().filter(|entry| turns(entry));
+        let ends = hinges.filter_map(|entry| entry.limits);
         let ends = ends.map(|(lower, upper)| lower.abs().max(upper.abs()) / robot.angle_rad);
         let ends: Vec<f64> = ends.collect();
         let are_small = ends.iter().all(|end| *end <= SMALL_DEGREES);
@@ -115,12 +115,12 @@ impl Reader<'_, '_> {
 
 /// A joint, or the link or body that an inertial is of, in words.
 fn said_of(node: Option<Element<'_, '_>>) -> String {
-    let own = match node.filter(|own| own.tag_name().name() == "inertial") {
+    let entry = match node.filter(|entry| entry.tag_name().name() == "inertial") {
         Some(inertial) => inertial.parent_element(),
         None => node,
     };
-    let tag = own.map_or("element", |own| own.tag_name().name());
-    let name = own.and_then(|own| own.attribute("name"));
+    let tag = entry.map_or("element", |entry| entry.tag_name().name());
+    let name = entry.and_then(|entry| entry.attribute("name"));
     match name {
         Some(name) => format!("{tag} `{name}`"),
         None => format!("a {tag} without a name"),
@@ -151,8 +151,9 @@ fn of_robot(questions: &mut Questions, robot: &Robot, link_word: &str) {
         }
     }
     for link in &robot.links {
-        let own = link.inertial.as_ref();
-        let asked = own.and_then(|own| mass_question(own.mass_kg, own.inertia_kgm2.as_ref()?));
+        let entry = link.inertial.as_ref();
+        let asked =
+            entry.and_then(|entry| mass_question(entry.mass_kg, entry.inertia_kgm2.as_ref()?));
         questions.ask(link.place, &format!("{link_word} `{}`", link.name), asked);
     }
 }

@@ -6,19 +6,20 @@ use haptical_model::Device;
 pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
     let is_of_a_hand = |name: &str| {
         let of_hand = name.strip_suffix("_fixed");
-        of_hand
-            .is_some_and(|own| own == "handle" || device.hands.iter().any(|hand| hand.name == own))
+        of_hand.is_some_and(|entry| {
+            entry == "handle" || device.hands.iter().any(|hand| hand.name == entry)
+        })
     };
     let stated: Vec<Option<&str>> = (1..=rows).map(|row| stated(device, row)).collect();
     let mut names: Vec<String> = Vec::new();
-    for (index, own) in stated.iter().enumerate() {
-        let mut name = match own {
-            Some(own) => plain(own),
+    for (index, entry) in stated.iter().enumerate() {
+        let mut name = match entry {
+            Some(entry) => plain(entry),
             None => made_up(device, index + 1),
         };
         // what is made up gives way to what a joint behind it is called
         let is_behind =
-            |name: &str| own.is_none() && stated.iter().flatten().any(|other| *other == name);
+            |name: &str| entry.is_none() && stated.iter().flatten().any(|other| *other == name);
         while names.contains(&name) || is_of_a_hand(&name) || is_behind(&name) {
             name.push('_');
         }
@@ -30,8 +31,8 @@ pub(crate) fn joint_names(device: &Device, rows: usize) -> Vec<String> {
 /// What is said of joints that are not called as the device calls them.
 pub(crate) fn said_of_renamed(device: &Device, names: &[String]) -> Option<String> {
     let pairs = names.iter().enumerate().filter_map(|(index, name)| {
-        let own = stated(device, index + 1).filter(|own| own != name)?;
-        Some(format!("`{}` is `{name}`", plain(own)))
+        let entry = stated(device, index + 1).filter(|entry| entry != name)?;
+        Some(format!("`{}` is `{name}`", plain(entry)))
     });
     let pairs: Vec<String> = pairs.collect();
     (!pairs.is_empty()).then(|| {
@@ -45,9 +46,9 @@ pub(crate) fn said_of_renamed(device: &Device, names: &[String]) -> Option<Strin
 /// The name that a row's joint has itself.
 fn stated(device: &Device, row: usize) -> Option<&str> {
     let joint = device.drive(row)?.joint;
-    let own = device.joints.get(joint)?;
-    let is_own = device.own_row(joint) == Some(row) && own.has_own_name();
-    Some(own.name.as_str()).filter(|name| is_own && !name.is_empty())
+    let entry = device.joints.get(joint)?;
+    let is_own = device.own_row(joint) == Some(row) && entry.has_own_name();
+    Some(entry.name.as_str()).filter(|name| is_own && !name.is_empty())
 }
 
 fn made_up(device: &Device, row: usize) -> String {
@@ -62,6 +63,6 @@ fn made_up(device: &Device, row: usize) -> String {
 fn plain(name: &str) -> String {
     let characters = name.chars();
     characters
-        .map(|own| if own.is_control() { ' ' } else { own })
+        .map(|entry| if entry.is_control() { ' ' } else { entry })
         .collect()
 }

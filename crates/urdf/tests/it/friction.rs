@@ -21,9 +21,12 @@ const MJCF: &str = "<mujoco><default><joint damping=\"0.3\"/><default class=\"k\
 /// Coulomb's friction and that per speed, joint by joint.
 fn frictions(device: &Device) -> Vec<Option<[f64; 2]>> {
     let of = |joint: usize| {
-        let mut own = device.effects.iter().filter(|own| own.joint == Some(joint));
-        let own = own.find(|own| own.is_friction())?;
-        let size = |number: FrictionNumber| number.stated(own);
+        let mut entry = device
+            .effects
+            .iter()
+            .filter(|entry| entry.joint == Some(joint));
+        let entry = entry.find(|entry| entry.is_friction())?;
+        let size = |number: FrictionNumber| number.stated(entry);
         Some([
             size(FrictionNumber::Coulomb)?,
             size(FrictionNumber::Viscous)?,

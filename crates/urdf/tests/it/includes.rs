@@ -76,11 +76,11 @@ fn a_name_is_of_the_main_folder_first() {
 #[test]
 fn faults_name_the_file_and_the_line_that_they_are_in() {
     let with = |name: &str, from: &str, to: &str| {
-        let files = ALL.map(|(own, text)| match own == name {
-            true => (own, text.replacen(from, to, 1)),
-            false => (own, text.to_owned()),
+        let files = ALL.map(|(entry, text)| match entry == name {
+            true => (entry, text.replacen(from, to, 1)),
+            false => (entry, text.to_owned()),
         });
-        assert!(files.iter().zip(ALL).any(|(own, was)| own.1 != was.1));
+        assert!(files.iter().zip(ALL).any(|(entry, was)| entry.1 != was.1));
         refused(&files.each_ref().map(|(name, text)| (*name, text.as_str())))
     };
     for (said, wanted) in [

@@ -28,7 +28,7 @@ fn assert_body(text: &str, mass_kg: f64, x_m: f64, moments: [f64; 3]) {
     assert!(read.warnings.is_empty(), "{:?}", read.warnings);
     let found = body.inertia_kgm2.unwrap();
     let pairs = found[..3].iter().zip(moments);
-    let gap = pairs.map(|(own, wanted)| (own - wanted).abs());
+    let gap = pairs.map(|(entry, wanted)| (entry - wanted).abs());
     let gap = gap.chain([
         (body.mass_kg - mass_kg).abs(),
         (body.centre_of_mass_m[0] - x_m).abs(),
@@ -65,9 +65,9 @@ fn bounds_are_applied() {
 
 #[test]
 fn an_inertia_that_no_body_has_is_balanced() {
-    let own =
+    let entry =
         |diagonal| format!("<inertial pos=\".1 0 0\" mass=\"1\" diaginertia=\"{diagonal}\"/>");
-    let text = |compiler, diagonal| model(compiler, &own(diagonal), "", "");
+    let text = |compiler, diagonal| model(compiler, &entry(diagonal), "", "");
     let balance = "balanceinertia=\"true\"";
     assert_body(&text(balance, ".01 .02 .9"), 1.0, 0.1, [0.31; 3]);
     // a plate is a body

@@ -23,13 +23,13 @@ fn chain(names: &[&str]) -> String {
 /// Names of the joints that move, in the order of the file.
 fn moving(text: &str) -> Vec<String> {
     let document = Document::parse(text).unwrap();
-    let joints = document.descendants().filter(|own| {
-        own.has_tag_name("joint")
-            && own.attribute("type") != Some("fixed")
-            && own.attribute("type").is_some()
+    let joints = document.descendants().filter(|entry| {
+        entry.has_tag_name("joint")
+            && entry.attribute("type") != Some("fixed")
+            && entry.attribute("type").is_some()
     });
     joints
-        .map(|own| own.attribute("name").unwrap().to_owned())
+        .map(|entry| entry.attribute("name").unwrap().to_owned())
         .collect()
 }
 
@@ -94,7 +94,11 @@ fn made_up_names_are_free() {
     };
     let joints = |text: &str| -> Vec<String> {
         let read = read(text, BaseAndTip::to("tip"));
-        read.device.joints.into_iter().map(|own| own.name).collect()
+        read.device
+            .joints
+            .into_iter()
+            .map(|entry| entry.name)
+            .collect()
     };
     let (named, none) = (["name=\"a\"", "name=\"b\""], ["", "name=\"\""]);
     assert_eq!(

@@ -98,7 +98,7 @@ fn each_odd_size_of_a_urdf_is_asked_about_at_its_line() {
     ] {
         let found = with(usual, odd);
         assert_eq!(
-            found.iter().filter(|own| own.starts_with(said)).count(),
+            found.iter().filter(|entry| entry.starts_with(said)).count(),
             1,
             "{found:?}"
         );
@@ -145,7 +145,7 @@ fn sizes_of_an_mjcf_are_asked_about() {
         ),
     ] {
         assert!(
-            found.first().is_some_and(|own| own.starts_with(wanted)),
+            found.first().is_some_and(|entry| entry.starts_with(wanted)),
             "{found:?}"
         );
     }

@@ -38,7 +38,7 @@ fn a_quaternion_turns_as_its_angles_do() {
     let expected = read(&lever("", &format!("rpy=\"{roll:?} {pitch:?} {yaw:?}\"")));
     assert!(expected.warnings.is_empty(), "{:?}", expected.warnings);
     for (version, factor) in [("1.1", 1.0), ("1.2", 7.0), ("2.0", -0.3)] {
-        let [x, y, z, w] = [x, y, z, w].map(|own| own * factor);
+        let [x, y, z, w] = [x, y, z, w].map(|entry| entry * factor);
         let text = lever(
             &format!(" version=\"{version}\""),
             &format!("quat_xyzw=\"{x:?} {y:?} {z:?} {w:?}\""),
@@ -50,7 +50,7 @@ fn a_quaternion_turns_as_its_angles_do() {
             &pose(&expected.device, &[0.7]),
         );
         assert!(off < 1e-14, "{version}: {off:e}");
-        let inertia = |own: &UrdfDevice| own.device.bodies[1].unwrap().inertia_kgm2.unwrap();
+        let inertia = |entry: &UrdfDevice| entry.device.bodies[1].unwrap().inertia_kgm2.unwrap();
         let off = inertia(&found).into_iter().zip(inertia(&expected));
         assert!(off.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-14);
     }

@@ -13,7 +13,11 @@ fn number(answer: &Value, name: &str) -> f64 {
 
 #[test]
 fn a_joints_zero_is_named_and_the_corrected_file_has_it() {
-    let moved = |log: &mut Log| log.theta_rad[1].iter_mut().for_each(|own| *own += 0.06);
+    let moved = |log: &mut Log| {
+        log.theta_rad[1]
+            .iter_mut()
+            .for_each(|reading| *reading += 0.06);
+    };
     let trial = Trial::with(moved);
     let answer = trial.answer("arm.urdf", "log.csv", &[]);
     let (verdict, causes) = told(&answer);
@@ -40,7 +44,7 @@ fn a_factor_on_all_torques_is_among_what_is_named() {
     for factor in [0.7, 1.5, 3.0] {
         let trial = Trial::with(|log| {
             let columns = log.torque_nm.iter_mut();
-            columns.for_each(|column| column.iter_mut().for_each(|own| *own *= factor));
+            columns.for_each(|column| column.iter_mut().for_each(|reading| *reading *= factor));
         });
         let answer = trial.answer("arm.urdf", "log.csv", &[]);
         let (verdict, causes) = told(&answer);
@@ -50,7 +54,7 @@ fn a_factor_on_all_torques_is_among_what_is_named() {
             answer["answer"]
         );
         let rivals = answer["causes"][0]["confusable_with"].as_array().unwrap();
-        let is_rival = rivals.iter().any(|own| own == "torque-gain");
+        let is_rival = rivals.iter().any(|reading| reading == "torque-gain");
         assert!(
             causes[0] == "torque-gain" || is_rival,
             "{factor}: {}",

@@ -36,10 +36,13 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     if channels.is_empty() {
         return Ok(None);
     }
-    // where nothing is judged there is no share that would be left unexplained
-    let has_gap = diagnosis.verdict != Verdict::NoGap && channels.iter().any(|gap| gap.has_gap);
+    let is_judged = diagnosis.admission.refusal().is_none();
+    if !is_judged && channels.iter().all(|gap| !gap.has_gap) {
+        // neither a share that is left nor a noise can be shown of what is not judged
+        return Ok(None);
+    }
     let budget = match budgeted(diagnosis) {
-        Some(channel) if has_gap => budget(diagnosis, channel),
+        Some(channel) if diagnosis.verdict != Verdict::NoGap => budget(diagnosis, channel),
         _ => return beside_noise(channels).map(Some),
     };
     let mut bars = BarRows::new(budget.title, budget.label);

@@ -31,13 +31,13 @@ pub(crate) fn with_includes(text: String, path: &Path, mebibytes: u64) -> Result
         mebibytes,
         whole: String::with_capacity(2 * text.len()),
     };
-    let own = Own {
+    let entry = Own {
         text: &text,
         file: &path.display().to_string(),
         folder: Path::new(""),
         is_main: true,
     };
-    match files.add(&own)? {
+    match files.add(&entry)? {
         true => Ok(files.whole),
         false => Ok(text),
     }
@@ -65,23 +65,23 @@ struct Files<'f> {
 
 impl Files<'_> {
     /// Adds a file's text with what it includes; whether it is an MJCF that includes anything.
-    fn add(&mut self, own: &Own<'_>) -> Result<bool> {
-        let plain = without_prefixes(own.text);
-        let document = match document(&plain, own.file) {
+    fn add(&mut self, entry: &Own<'_>) -> Result<bool> {
+        let plain = without_prefixes(entry.text);
+        let document = match document(&plain, entry.file) {
             // it is refused where it is read
-            Err(_) if own.is_main => return Ok(false),
+            Err(_) if entry.is_main => return Ok(false),
             other => other?,
         };
         let reader = Reader {
             document: &document,
-            file: own.file,
+            file: entry.file,
         };
         let root = document.root_element();
-        if own.is_main && root.tag_name().name() != "mujoco" {
+        if entry.is_main && root.tag_name().name() != "mujoco" {
             return Ok(false);
         }
-        let range = match own.is_main {
-            true => 0..own.text.len(),
+        let range = match entry.is_main {
+            true => 0..entry.text.len(),
             false => match (
                 root.first_element_child(),
                 root.first_child(),
@@ -91,37 +91,37 @@ impl Files<'_> {
                 _ => return Err(reader.tree(root.range().start, "the file is empty".to_owned())),
             },
         };
-        if !own.is_main {
-            self.mark(own, range.start);
+        if !entry.is_main {
+            self.mark(entry, range.start);
         }
         let mut done = range.start;
         let is_include = |node: &Element<'_, '_>| node.has_tag_name("include");
         for include in root.descendants().filter(is_include) {
             let place = include.range();
-            self.push(own, done, place.start);
+            self.push(entry, done, place.start);
             done = place.end;
-            self.include(&reader, own, include)?;
-            self.mark(own, done);
+            self.include(&reader, entry, include)?;
+            self.mark(entry, done);
         }
-        self.push(own, done, range.end);
+        self.push(entry, done, range.end);
         Ok(done > range.start)
     }
 
-    fn push(&mut self, own: &Own<'_>, from: usize, to: usize) {
+    fn push(&mut self, entry: &Own<'_>, from: usize, to: usize) {
         self.whole
-            .push_str(own.text.get(from..to).unwrap_or_default());
+            .push_str(entry.text.get(from..to).unwrap_or_default());
     }
 
     /// Says that what follows is of this place.
-    fn mark(&mut self, own: &Own<'_>, byte: usize) {
+    fn mark(&mut self, entry: &Own<'_>, byte: usize) {
         self.whole
-            .push_str(&mark(&place_of(own.text, own.file, byte)));
+            .push_str(&mark(&place_of(entry.text, entry.file, byte)));
     }
 
     fn include(
         &mut self,
         reader: &Reader<'_, '_>,
-        own: &Own<'_>,
+        entry: &Own<'_>,
         node: Element<'_, '_>,
     ) -> Result<()> {
         let place = "<include>";
@@ -138,11 +138,11 @@ impl Files<'_> {
         }
         let relative = inside(name).ok_or_else(|| refuse(IN_FOLDER))?;
         // as MuJoCo: from the folder of the main file, else from that of the file that includes it
-        let from = [Path::new(""), own.folder];
+        let from = [Path::new(""), entry.folder];
         let known = from.map(|from| from.join(&relative));
         let found = known
             .into_iter()
-            .find(|own| self.folder.join(own).is_file());
+            .find(|entry| self.folder.join(entry).is_file());
         let found = found.ok_or_else(|| refuse("there is no such file"))?;
         let path = self.folder.join(&found);
         let whole = path
@@ -179,13 +179,13 @@ impl Files<'_> {
 
 /// A path that leads nowhere but into the folder that it is taken from.
 fn inside(name: &str) -> Option<PathBuf> {
-    let is_odd = |own: char| own.is_control() || own == ':';
+    let is_odd = |entry: char| entry.is_control() || entry == ':';
     if name.contains(is_odd) || name.contains("?>") {
         return None;
     }
     // MuJoCo takes the separators of Windows, too
     let path = PathBuf::from(name.replace('\\', "/"));
-    let is_plain = |own: Component<'_>| matches!(own, Component::Normal(_) | Component::CurDir);
+    let is_plain = |entry: Component<'_>| matches!(entry, Component::Normal(_) | Component::CurDir);
     (!path.as_os_str().is_empty() && path.components().all(is_plain)).then_some(path)
 }
 

@@ -69,8 +69,8 @@ impl MassRules {
             return;
         }
         for body in bodies.iter().filter(|body| !body.is_of_geoms) {
-            let own = &mut robot.links[body.link].inertial;
-            *own = self.bounded(*own, body);
+            let entry = &mut robot.links[body.link].inertial;
+            *entry = self.bounded(*entry, body);
         }
         if self.total_kg <= 0.0 {
             return;
@@ -86,41 +86,41 @@ impl MassRules {
         let masses = bodies
             .iter()
             .filter_map(|body| robot.links[body.link].inertial);
-        let sum_kg: f64 = masses.map(|own| own.mass_kg).sum();
+        let sum_kg: f64 = masses.map(|entry| entry.mass_kg).sum();
         let factor = self.total_kg / sum_kg;
         if !factor.is_finite() {
             return;
         }
         for body in bodies {
-            if let Some(own) = &mut robot.links[body.link].inertial {
-                own.mass_kg *= factor;
-                own.inertia_kgm2 = own.inertia_kgm2.map(|inertia| inertia * factor);
+            if let Some(entry) = &mut robot.links[body.link].inertial {
+                entry.mass_kg *= factor;
+                entry.inertia_kgm2 = entry.inertia_kgm2.map(|inertia| inertia * factor);
             }
         }
     }
 
-    fn bounded(&self, own: Option<Inertial>, body: &MassOf) -> Option<Inertial> {
-        if own.is_none() && !self.has_bounds() {
+    fn bounded(&self, entry: Option<Inertial>, body: &MassOf) -> Option<Inertial> {
+        if entry.is_none() && !self.has_bounds() {
             return None;
         }
-        let own = own.unwrap_or(Inertial {
+        let entry = entry.unwrap_or(Inertial {
             mass_kg: 0.0,
             centre_m: body.place_m.into(),
             // a point
             inertia_kgm2: Some(Matrix3::zeros()),
         });
-        let mut inertia_kgm2 = own.inertia_kgm2;
+        let mut inertia_kgm2 = entry.inertia_kgm2;
         if self.least_kgm2 > 0.0 {
             let stated = inertia_kgm2.unwrap_or_else(Matrix3::zeros);
             inertia_kgm2 = Some(at_least(&stated, self.least_kgm2));
         }
         if self.balances {
-            inertia_kgm2 = inertia_kgm2.map(|own| balanced(&own));
+            inertia_kgm2 = inertia_kgm2.map(|entry| balanced(&entry));
         }
         Some(Inertial {
-            mass_kg: own.mass_kg.max(self.least_kg),
+            mass_kg: entry.mass_kg.max(self.least_kg),
             inertia_kgm2,
-            ..own
+            ..entry
         })
     }
 }
@@ -134,7 +134,7 @@ fn at_least(inertia: &Matrix3<f64>, least: f64) -> Matrix3<f64> {
     if eigenvalues.min() >= least {
         return *inertia;
     }
-    let moments = eigenvalues.map(|own| own.max(least));
+    let moments = eigenvalues.map(|entry| entry.max(least));
     eigenvectors * Matrix3::from_diagonal(&moments) * eigenvectors.transpose()
 }
 

@@ -11,17 +11,17 @@ const NOTHING: f64 = 1e-12;
 pub(super) fn set_weightless(bodies: &mut [RowBody], device: &Device, segments: &Segments) {
     let weighs: Vec<bool> = (segments.rows.iter())
         .map(|row| {
-            let own = row.body.as_ref();
-            own.is_none_or(|own| {
-                own.mass_kg > 0.0 || matches!(own.given_inertia(), GivenInertia::Body(_))
+            let entry = row.body.as_ref();
+            entry.is_none_or(|entry| {
+                entry.mass_kg > 0.0 || matches!(entry.given_inertia(), GivenInertia::Body(_))
             })
         })
         .collect();
     for (row, body) in bodies.iter_mut().enumerate() {
-        let Some(own) = segments.rows[row].body.filter(|own| own.mass_kg == 0.0) else {
+        let Some(entry) = segments.rows[row].body.filter(|entry| entry.mass_kg == 0.0) else {
             continue;
         };
-        let given = own.given_inertia();
+        let given = entry.given_inertia();
         if let GivenInertia::NoBody(_) = given {
             continue;
         }
@@ -42,8 +42,8 @@ fn carries(device: &Device, weighs: &[bool], row: usize) -> bool {
     let mut rows = rows.map(|(index, _)| index);
     rows.any(|index| {
         let mut next = Some(index + 1);
-        while let Some(own) = next.filter(|own| *own > row + 1) {
-            next = device.parent(own);
+        while let Some(entry) = next.filter(|entry| *entry > row + 1) {
+            next = device.parent(entry);
         }
         next == Some(row + 1)
     })

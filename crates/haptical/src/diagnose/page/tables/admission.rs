@@ -36,14 +36,14 @@ pub(in crate::diagnose::page) fn adjusted(diagnosis: &Diagnosis) -> Result<Optio
     if diagnosis.adjusted.is_empty() {
         return Ok(None);
     }
-    let row = |own: &AdjustedAnswer| {
+    let row = |entry: &AdjustedAnswer| {
         vec![
-            own.number.as_str().into(),
-            Cell::number(own.joint as f64, 0),
-            own.unit.into(),
-            Cell::number_or_missing(own.before, 4),
-            Cell::number(own.after, 4),
-            Cell::interval_or_missing(Some(own.ci95), 4),
+            entry.number.as_str().into(),
+            Cell::number(entry.joint as f64, 0),
+            entry.unit.into(),
+            Cell::number_or_missing(entry.before, 4),
+            Cell::number(entry.after, 4),
+            Cell::interval_or_missing(Some(entry.ci95), 4),
         ]
     };
     let heads = "number | joint | unit | device file | adjusted | 95 % interval";
