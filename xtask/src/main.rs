@@ -44,6 +44,8 @@ enum Job {
     CompareResults(xtask_scenes::Arguments),
     /// Changes the golden scenes in ways that no answer may depend on, and compares with the list of laws that are broken.
     Laws(xtask_scenes::LawsArguments),
+    /// Runs every command that diagnose and identify print for a golden scene, where they were run.
+    PrintedCommands(xtask_scenes::PrintedArguments),
     /// Runs identify and diagnose on measured data of real arms, and writes docs/real-arms.md.
     RealArms(real_arms::Arguments),
     /// Counts the instructions of fixed workloads and compares them with the committed numbers.
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
         Job::CompareResults(arguments) => xtask_scenes::compare_results(&arguments),
         Job::Laws(arguments) => xtask_scenes::laws(&arguments),
+        Job::PrintedCommands(arguments) => xtask_scenes::printed_commands(&arguments),
         Job::RealArms(arguments) => real_arms::run(&arguments),
         Job::Instructions(arguments) => instructions::instructions(&arguments),
         Job::Mutants(arguments) => mutants::run(&arguments),

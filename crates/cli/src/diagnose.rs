@@ -14,18 +14,7 @@ use crate::terminal::{self, Progress};
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {
     result::run(arguments, Some(&arguments.out), arguments.json, &|paths| {
-        let mut said = format!("{:<9}{}\n", "written", paths.join("  "));
-        // a device that has the causes: checked on a log that nobody has seen, then used
-        let mut corrected = paths.iter().filter(|path| path.ends_with("corrected.toml"));
-        if let Some(corrected) = corrected.next() {
-            let check = format!("--device {corrected} --replay NEW_LOG --out predicted.csv");
-            said += &format!("{:<9}haptical simulate {check}\n", "check");
-            said += &format!(
-                "{:<9}haptical export --device {corrected} --format mjcf --out model.xml\n",
-                "use"
-            );
-        }
-        said
+        format!("{:<9}{}\n", "written", paths.join("  "))
     })
 }
 
@@ -81,6 +70,8 @@ impl ResultCommand for DiagnoseArguments {
             true => gap.brief(),
             false => gap.to_string(),
         };
-        Ok(MadeResult::of(gap.files()?, gap.warnings(), &summary))
+        let next = gap.commands().into_iter();
+        let next = next.map(|step| (step.label, step.command)).collect();
+        Ok(MadeResult::of(gap.files()?, gap.warnings(), &summary).with_next(next))
     }
 }

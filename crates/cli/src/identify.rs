@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use haptical::files::{ResultKind, shell_word};
+use haptical::files::ResultKind;
 use haptical::{DYNAMICS, identify_as, identify_dynamics_as, is_urdf};
 
 use crate::arguments::IdentifyArguments;
@@ -16,7 +16,7 @@ pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {
     result::run(arguments, Some(&arguments.out), arguments.json, &|paths| {
         let lines = paths.iter().map(|path| format!("  {path}\n"));
         let written = lines.collect::<String>();
-        format!("\nWritten:\n{written}\nNext:\n{}", arguments.next(paths))
+        format!("\nWritten:\n{written}\nNext:\n{}", arguments.diagnosis())
     })
 }
 
@@ -60,38 +60,44 @@ impl ResultCommand for IdentifyArguments {
             let validate = inputs.optional_log("validate", &device)?;
             let found =
                 identify_dynamics_as(version, &device, &log, validate.as_ref(), self.band_hz)?;
-            return Ok(MadeResult::of(found.files()?, found.warnings(), &found));
+            let made = MadeResult::of(found.files()?, found.warnings(), &found);
+            return Ok(made.with_next(self.export(device.model.has_links())));
         }
         progress.say(format!("calibrating {joints} joints from {rows} rows"));
         let mut request = self.request();
         request.with_causes = inputs.optional("with").cloned();
         let found = identify_as(version, &device, &log, &request)?;
-        Ok(MadeResult::of(found.files()?, found.warnings(), &found))
+        let made = MadeResult::of(found.files()?, found.warnings(), &found);
+        Ok(made.with_next(self.export(device.model.has_links())))
     }
 }
 
 impl IdentifyArguments {
     /// What one would type next.
-    fn next(&self, paths: &[String]) -> String {
+    fn diagnosis(&self) -> String {
         let (device, log) = (self.device_options.typed(&self.device), word(&self.log));
-        let hold = self.hold.typed();
-        let beside = |name: &str| word(&self.out.with_file_name(name));
-        let gap = beside("gap");
-        let mut lines = format!("  haptical diagnose{device} --log {log}{hold} --out {gap}\n");
-        let identified = paths.iter().find(|path| path.ends_with("identified.toml"));
-        if let Some(identified) = identified {
-            let identified = shell_word(identified);
-            let format = match is_urdf(&self.device) {
-                true => format!(
-                    "urdf --urdf {} --out {}",
-                    word(&self.device),
-                    beside("calibrated.urdf")
-                ),
-                false => format!("rust --out {}", beside("model.rs")),
-            };
-            lines += &format!("  haptical export --device {identified} --format {format}\n");
-        }
-        lines
+        let (hold, gap) = (self.hold.typed(), self.next_to("gap"));
+        format!("  haptical diagnose{device} --log {log}{hold} --out {gap}\n")
+    }
+
+    /// The identified device in another program's format; none of drives alone, which have no handle.
+    fn export(&self, has_links: bool) -> Vec<(&'static str, String)> {
+        let format = match is_urdf(&self.device) {
+            true => format!(
+                "urdf --urdf {}{} --out {}",
+                word(&self.device),
+                self.device_options.typed_chain(),
+                self.next_to("calibrated.urdf")
+            ),
+            false => format!("rust --out {}", self.next_to("model.rs")),
+        };
+        let export = format!("haptical export --device identified.toml --format {format}");
+        has_links.then_some(("", export)).into_iter().collect()
+    }
+
+    /// A file in the folder in which that of the result is.
+    fn next_to(&self, name: &str) -> String {
+        word(&self.out.with_file_name(name))
     }
 
     /// Whether the dynamics alone are asked for.

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use haptical::files::{NewFile, ResultKind, Source, VERSION, WrittenResult, check_folder};
+use haptical::files::{
+    NewFile, ResultKind, Source, VERSION, WrittenResult, check_folder, shell_word,
+};
 use haptical::{Device, Equipment, Log};
 
 use crate::arguments::IdentifyArguments;
@@ -42,6 +44,8 @@ pub(crate) struct MadeResult {
     pub(crate) warnings: Vec<String>,
     /// For a terminal.
     pub(crate) summary: String,
+    /// Commands that go on from it, each behind a word; files of the result by their names alone.
+    pub(crate) next: Vec<(&'static str, String)>,
 }
 
 impl MadeResult {
@@ -55,7 +59,31 @@ impl MadeResult {
             files,
             warnings: warnings.to_vec(),
             summary: summary.to_string(),
+            next: Vec::new(),
         }
+    }
+
+    /// The same with commands that go on from it.
+    pub(crate) fn with_next(self, next: Vec<(&'static str, String)>) -> Self {
+        Self { next, ..self }
+    }
+
+    /// Those commands, with the places at which its files were written.
+    fn said_next(&self, paths: &[String]) -> String {
+        let place = |word: &str| {
+            let is_it =
+                |path: &&String| Path::new(path).file_name().is_some_and(|name| name == word);
+            paths
+                .iter()
+                .find(is_it)
+                .map_or(word.to_owned(), |path| shell_word(path))
+        };
+        let line = |(label, command): &(&str, String)| {
+            let words: Vec<String> = command.split(' ').map(place).collect();
+            let width = if label.is_empty() { 2 } else { 9 };
+            format!("{label:<width$}{}\n", words.join(" "))
+        };
+        self.next.iter().map(line).collect()
     }
 }
 
@@ -154,7 +182,8 @@ pub(crate) fn run(
         .iter()
         .map(|path| path.display().to_string())
         .collect();
-    terminal::write_output((made.summary + &written(&paths)).as_bytes())
+    let said = made.said_next(&paths);
+    terminal::write_output((made.summary + &written(&paths) + &said).as_bytes())
 }
 
 /// The inputs of which there is a path.

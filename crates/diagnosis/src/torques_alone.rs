@@ -158,6 +158,7 @@ pub(crate) fn diagnose(
         },
         adjusted: force.adjusted.clone(),
         own_model: force.own_model.clone(),
+        bodies: force.bodies.clone(),
         not_in_file: not_held,
         next_experiment: next_experiment(verdict, &force, is_moving),
         traces: (force.course.iter())

@@ -54,7 +54,8 @@ pub use correct::{
 };
 pub use device::{Device, Equipment, InputDrumDenominators, is_mjcf, is_urdf, refuse_other_device};
 pub use diagnose::{
-    Cause, Diagnose, Diagnosed, Repair, RepairChange, RepairCheck, diagnose, diagnose_as,
+    Cause, Diagnose, Diagnosed, NextCommand, Repair, RepairChange, RepairCheck, diagnose,
+    diagnose_as,
 };
 pub use error::{Error, ErrorKind, Place};
 pub use export::{Export, Exported, Form, export};

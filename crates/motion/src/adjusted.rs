@@ -1,10 +1,16 @@
 //! What the base model adjusts before anything is judged: friction and rotors of the drives, and how far the description was off without.
 
+use haptical_dynamics::Inertia;
 use haptical_linalg::dot;
 
+use crate::arm::{Arm, PARAMETERS};
+use crate::change::Change;
 use crate::fit::base::{Base, BaseColumn, Term};
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
+
+/// Shares of a body's deviation that are tried, largest first.
+const SHARES_OF_DEVIATION: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
 /// A number of a drive that was fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +81,33 @@ pub(crate) fn adjusted(base: &Base, fitted: &Fitted) -> Vec<Adjusted> {
         }
     }
     found
+}
+
+/// Bodies as they were fitted, within what is plausible. A body that a fit makes unphysical keeps the share of its deviation that it can
+/// have; one whose numbers a device file does not give keeps those that are taken for it.
+pub(crate) fn bodies(arm: &Arm, base: &Base, fitted: &Fitted) -> Vec<Change> {
+    let mut more = vec![[0.0; PARAMETERS]; arm.body_count()];
+    for (entry, share) in base.columns.iter().zip(&fitted.solved.solution) {
+        if let Term::Body(deviation) = &entry.term {
+            let into = more[deviation.body].iter_mut();
+            into.zip(deviation.parameters)
+                .for_each(|(into, value)| *into += share * value);
+        }
+    }
+    let masses = arm.bodies.masses().iter().zip(more).enumerate();
+    let stated = masses.filter(|(_, (of, _))| of.has_mass && of.has_centre && of.has_inertia);
+    let change = stated.filter_map(|(body, (of, more))| {
+        let scaled = |share: f64| {
+            let more = Inertia::from_parameters(more.map(|value| share * value));
+            let mut whole = of.inertia;
+            whole += more;
+            whole
+                .is_physical()
+                .then_some(Change::Inertia { body, more })
+        };
+        SHARES_OF_DEVIATION.into_iter().find_map(scaled)
+    });
+    change.collect()
 }
 
 /// Root mean square of what the description leaves of each joint's torque as it is, nothing adjusted; joint by joint, in the torque's unit.

@@ -27,6 +27,20 @@ pub enum Change {
         /// By how much its links stand further than its encoder says \[rad\], \[m\].
         more: f64,
     },
+    /// Torques are logged later after their positions.
+    TorqueDelay {
+        /// Joint, from 0; none: all of them.
+        joint: Option<usize>,
+        /// By how much \[s\].
+        more_s: f64,
+    },
+    /// A joint's torque reads more.
+    TorqueOffset {
+        /// Joint, from 0.
+        joint: usize,
+        /// How much \[N m\], \[N\].
+        more_nm: f64,
+    },
     /// Gravity has another direction.
     Gravity {
         /// In frame (-1) \[m/s^2\].
@@ -82,6 +96,16 @@ impl Change {
                     JointType::Prismatic => link.d_m += more,
                     JointType::Revolute => link.theta_rad += more,
                 }
+            }
+            Self::TorqueDelay { joint, more_s } => {
+                let joints = device.joints.iter_mut().enumerate();
+                for (_, of) in joints.filter(|(at, _)| joint.is_none_or(|joint| joint == *at)) {
+                    of.torque_delay_s = Some(of.torque_delay_s.unwrap_or(0.0) + more_s);
+                }
+            }
+            Self::TorqueOffset { joint, more_nm } => {
+                let of = device.joints.get_mut(joint)?;
+                of.torque_offset_nm = Some(of.torque_offset_nm.unwrap_or(0.0) + more_nm);
             }
             Self::Gravity { gravity_mps2 } => device.gravity_mps2 = Some(gravity_mps2),
         }

@@ -4,11 +4,11 @@ use haptical_linalg::dot;
 use haptical_model::{Device, Recording};
 
 use crate::MotionError;
-use crate::adjusted::{adjusted, as_described};
+use crate::adjusted::{adjusted, as_described, bodies};
 use crate::arm::Arm;
 use crate::dependence::{dependences, share_of_posture};
 use crate::effect::delay::ENCODER_LATENCY;
-use crate::effect::is_exact;
+use crate::effect::{is_calibration, is_exact};
 use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
@@ -266,7 +266,10 @@ fn shown(problem: &Problem, selection: Selection) -> Selection {
     let (before, after) = (squares(&selection.bare), squares(&selection.fitted));
     let has_gap = before.iter().any(|own| is_beyond_noise(own.sqrt(), rows));
     let mut both = before.iter().zip(&after);
-    let is_exact = |own: &Pick| is_exact(own.effect) || own.effect == ENCODER_LATENCY.name;
+    let is_exact = |own: &Pick| {
+        (is_exact(own.effect) && !is_calibration(own.effect, &own.numbers))
+            || own.effect == ENCODER_LATENCY.name
+    };
     if has_gap
         || selection.picks.iter().all(is_exact)
         || both.any(|(before, after)| before - after > gap(rows))
@@ -354,6 +357,7 @@ fn examined(
         is_push_contradicted: false,
         free_armatures: free.collect(),
         adjusted: adjusted(base, &selection.fitted),
+        bodies: bodies(&problem.arm, base, &selection.fitted),
         as_described: as_described(problem, base),
         other_friction: base.other_friction(solution, rows),
         lacks_gravity: selection.bare.excess > 0.0 && lacks_gravity(problem, &selection.bare),

@@ -55,6 +55,8 @@ pub struct Examined {
     pub free_armatures: Vec<(usize, f64)>,
     /// Friction and armature of the drives as they were fitted, which counts as calibration.
     pub adjusted: Vec<Adjusted>,
+    /// Bodies as they were fitted within what is plausible, next to the causes.
+    pub bodies: Vec<Change>,
     /// What the description leaves of each joint's torque as it is, nothing adjusted: joint, from 0, and root mean square.
     pub as_described: Vec<(usize, f64)>,
     /// Joints whose friction differs from that of the device's file by more than a quarter and more than noise, with how many times that it is.

@@ -11,6 +11,7 @@ mod compare;
 mod job;
 mod laws;
 mod noise;
+mod printed;
 mod record;
 mod scene;
 mod table;
@@ -18,3 +19,4 @@ mod workers;
 
 pub use job::{Arguments, compare_results};
 pub use laws::{LawsArguments, laws};
+pub use printed::{PrintedArguments, printed_commands};

@@ -120,6 +120,23 @@ impl Table {
         Log::from_columns(&columns, name, device)
     }
 
+    /// As CSV; an absent number is an empty cell.
+    pub(crate) fn csv(&self) -> String {
+        let cell = |column: &Column, row: usize| match column {
+            Column::Numbers(cells) if cells[row].is_nan() => String::new(),
+            Column::Numbers(cells) => format!("{}", cells[row]),
+            Column::Integers(cells) => cells[row].to_string(),
+            Column::Texts(cells) => cells[row].clone(),
+        };
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let mut text = names.join(",") + "\n";
+        for row in 0..self.rows() {
+            let cells = self.columns.iter().map(|(_, column)| cell(column, row));
+            text += &(cells.collect::<Vec<_>>().join(",") + "\n");
+        }
+        text
+    }
+
     /// Adds a column of numbers at the end.
     pub(crate) fn push(&mut self, name: impl Into<String>, cells: Vec<f64>) {
         self.columns.push((name.into(), Column::Numbers(cells)));

@@ -58,10 +58,15 @@ impl DeviceOptions {
     pub(crate) fn typed(&self, device: &Path) -> String {
         let own = std::iter::once(format!(" --device {}", word(device)));
         let rig = self.rig.iter().map(|rig| format!(" --rig {}", word(rig)));
+        own.chain(rig).chain([self.typed_chain()]).collect()
+    }
+
+    /// Of them those that say which part of a robot description it is.
+    pub(crate) fn typed_chain(&self) -> String {
         let named = |flag: &str, link: &String| format!(" --{flag} {}", shell_word(link));
         let base = self.chain.base.iter().map(|link| named("base", link));
         let tips = self.chain.tip.iter().map(|link| named("tip", link));
-        own.chain(rig).chain(base).chain(tips).collect()
+        base.chain(tips).collect()
     }
 
     /// Reads a device that messages call by its whole path.

@@ -114,7 +114,6 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         causes = on_the_data(&findings, &noise);
     }
     let (detectable, invisible) = unseen(&findings);
-    let adequacy = &findings.adequacy;
     let of_torques = (torques.place).map(|own| in_torques(own, in_positions.verdict));
     let of_positions = located.as_ref().map(|own| own.answer.clone());
     let place = of_positions.or(of_torques);
@@ -141,6 +140,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         admission: admission_of(&findings, verdict),
         adjusted: findings.force.adjusted.clone(),
         own_model: findings.force.own_model.clone(),
+        bodies: findings.force.bodies.clone(),
         verdict,
         gap,
         next_experiment: (untold.map(|_| WEIGH.to_owned()))
@@ -151,7 +151,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
         own_effects_leave: None,
         silent: findings.force.silent.clone(),
         second: of_second,
-        probability_unknown: adequacy.probability_unknown(verdict),
+        probability_unknown: findings.adequacy.probability_unknown(verdict),
         untestable: untestable(&findings),
         invisible,
         detectable,
@@ -450,6 +450,7 @@ impl Diagnosis {
             admission: Admission::default(),
             adjusted: Vec::new(),
             own_model: Vec::new(),
+            bodies: Vec::new(),
             gap,
             place: None,
             causes,

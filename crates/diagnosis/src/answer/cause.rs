@@ -52,7 +52,7 @@ impl CauseAnswer {
     }
 
     /// Whether it is an effect at a place, its joint from 0.
-    pub(crate) fn is_of(&self, effect: &str, joint: Option<usize>) -> bool {
+    pub fn is_of(&self, effect: &str, joint: Option<usize>) -> bool {
         self.effect == effect && self.joint == joint.map(|joint| joint + 1)
     }
 
@@ -75,7 +75,7 @@ impl CauseAnswer {
     }
 
     /// Its joint in words, or the device.
-    pub(crate) fn place(&self) -> String {
+    pub fn place(&self) -> String {
         self.joint
             .map_or("the device".to_owned(), |joint| format!("joint {joint}"))
     }

@@ -1,6 +1,7 @@
 //! The device with the causes that were named.
 
 use haptical_effects::device::{entry, is_law, settle};
+use haptical_effects::force::in_motion::{JOINT_OFFSET, TORQUE_OFFSET};
 use haptical_effects::{Form, Hook, Role, Shape, Spec, law};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 use haptical_motion::Change;
@@ -123,7 +124,13 @@ pub(crate) fn not_in_file(
             Change::Armature { joint: own, .. } => {
                 form == Some(Form::Armature) && joint == Some(*own)
             }
-            Change::Offset { joint: own, .. } => form == Some(Form::Offset) && joint == Some(*own),
+            Change::Offset { joint: of, .. } => {
+                cause.effect == JOINT_OFFSET.name && joint == Some(*of)
+            }
+            Change::TorqueOffset { joint: of, .. } => {
+                cause.effect == TORQUE_OFFSET.name && joint == Some(*of)
+            }
+            Change::TorqueDelay { joint: of, .. } => form == Some(Form::Delay) && joint == *of,
             Change::Gravity { .. } => form == Some(Form::Tilt),
         };
         let is_applied = |change: &Change| file.is_some() && change.applied(before).is_some();

@@ -65,6 +65,9 @@ pub struct Diagnosis {
     /// How far the device file as it is was off, and what is left, channel by channel.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub own_model: Vec<OwnModel>,
+    /// What the fit of a moving arm's torques changed of the device's bodies next to the causes, within what is plausible.
+    #[serde(skip)]
+    pub bodies: Vec<haptical_motion::Change>,
     /// Every channel's gap.
     pub gap: Gap,
     /// Where it lies; none without a gap.

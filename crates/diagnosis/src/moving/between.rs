@@ -225,6 +225,7 @@ impl Links {
         });
         ForceAnswer {
             changes: torques.changes,
+            bodies: torques.bodies,
             channels,
             findings,
             untestable,

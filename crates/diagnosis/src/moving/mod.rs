@@ -149,6 +149,7 @@ fn answer(words: &Words<'_>) -> ForceAnswer {
                 .collect(),
             false => Vec::new(),
         },
+        bodies: examined.bodies.clone(),
         warnings: [warnings(words.device, examined), words.not_predicted()].concat(),
         silent: silent(examined).map(|joint| words.channel(joint)).collect(),
         ..ForceAnswer::default()

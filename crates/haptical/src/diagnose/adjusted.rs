@@ -1,6 +1,6 @@
 //! What was fitted before the verdict, in words: the user's own model was off by that.
 
-use haptical_diagnosis::{AdjustedAnswer, Diagnosis, OwnModel};
+use haptical_diagnosis::{AdjustedAnswer, BESIDE_TORQUES, Diagnosis, OwnModel};
 
 use crate::diagnose::words::listed;
 use crate::units::Shown;
@@ -37,9 +37,14 @@ pub(super) fn adjusted(diagnosis: &Diagnosis) -> Option<String> {
         true => "the causes, ",
         false => "",
     };
+    let is_beside = |words: &String| words == BESIDE_TORQUES;
+    let is_held = diagnosis.corrected.is_some() && !diagnosis.not_in_file.iter().any(is_beside);
+    let writes = match is_held {
+        true => "corrected.toml holds them",
+        false => "`haptical identify --with dynamics` writes them into a device file",
+    };
     Some(format!(
-        "the device file as it is misses {} by {before}; {after} are left with {causes}{}{more}; `haptical identify --with dynamics` writes \
-         friction and armature",
+        "the device file as it is misses {} by {before}; {after} are left with {causes}{}{more}; {writes}",
         worst.channel,
         listed(&said)
     ))

@@ -11,9 +11,8 @@ use haptical_model::Device;
 
 const TEMPLATE: &str = include_str!("../../../../fixtures/devices/haptic7.toml");
 
-/// A recording without a gap.
-pub(crate) fn no_gap() -> Diagnosis {
-    let channel = |name: &str, joint, unit: &str, floor: f64| ChannelGap {
+fn channel(name: &str, joint: Option<usize>, unit: &str, floor: f64) -> ChannelGap {
+    ChannelGap {
         channel: name.to_owned(),
         joint,
         has_gap: false,
@@ -29,7 +28,11 @@ pub(crate) fn no_gap() -> Diagnosis {
         reduction_percent: None,
         reduction_ci95: None,
         no_reduction: Some(NoReduction::NoGap),
-    };
+    }
+}
+
+/// A recording without a gap.
+pub(crate) fn no_gap() -> Diagnosis {
     let noise = |name: &str| NoiseAnswer {
         channel: name.to_owned(),
         ratio: 1.02,
@@ -45,6 +48,7 @@ pub(crate) fn no_gap() -> Diagnosis {
         admission: Admission::default(),
         adjusted: Vec::new(),
         own_model: Vec::new(),
+        bodies: Vec::new(),
         split_row: None,
         verdict: Verdict::NoGap,
         gap: Gap {

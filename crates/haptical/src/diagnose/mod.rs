@@ -4,6 +4,7 @@ mod absorbed;
 mod adjusted;
 #[cfg(test)]
 mod agreement_tests;
+mod commands;
 mod corrected;
 mod drives;
 #[cfg(test)]
@@ -44,6 +45,7 @@ use crate::lines::labelled;
 use crate::log::Log;
 use crate::page::arm;
 
+pub use self::commands::NextCommand;
 pub use self::repair::{Repair, RepairChange, RepairCheck};
 pub(crate) use self::several::joined;
 use self::several::{LogRead, refuse_same_log, refuse_without_readings};
@@ -200,7 +202,7 @@ pub fn diagnose_as(
         [log] => Cow::Borrowed(*log),
         _ => Cow::Owned(log.with_recording(recording.as_ref().clone())),
     };
-    drives::fill(device, &fitted, &mut diagnosis);
+    drives::fill(device, (&fitted, validate), &mut diagnosis);
     let reproduced = corrected::reproduced(device, &fitted, &diagnosis);
     let repair = match options.repair {
         true => Some(repaired(device, log, &described, &request, &mut diagnosis)?),
@@ -322,6 +324,15 @@ impl Diagnosed {
     /// Name of the log without its faults, where one is written.
     fn repaired_log(&self) -> Option<&str> {
         self.repair.as_ref()?.log
+    }
+
+    /// Commands that go on from here.
+    pub fn commands(&self) -> Vec<NextCommand> {
+        commands::commands(
+            &self.diagnosis,
+            &self.provenance.record,
+            self.repaired_log(),
+        )
     }
 
     /// The files, as they are written.

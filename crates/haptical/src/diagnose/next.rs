@@ -3,6 +3,7 @@
 use haptical_diagnosis::{CauseAnswer, Diagnosis, Verdict};
 use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY};
 
+use crate::diagnose::commands::is_settled_by_plan;
 use crate::diagnose::faults::faults;
 use crate::diagnose::words::{listed, main_channel, named_at};
 
@@ -28,9 +29,9 @@ pub(crate) fn next_step(diagnosis: &Diagnosis, repaired: Option<&str>) -> String
 
 /// The next recording: chosen, where candidates with a size are left.
 fn step_beside_the_log(diagnosis: &Diagnosis) -> String {
-    match haptical_diagnosis::Question::of(diagnosis) {
-        Some(_) => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
-        None => by_hand(diagnosis),
+    match is_settled_by_plan(diagnosis) {
+        true => format!("{CHOSEN}; by hand: {}", by_hand(diagnosis)),
+        false => by_hand(diagnosis),
     }
 }
 

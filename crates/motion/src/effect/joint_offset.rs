@@ -7,6 +7,7 @@ use haptical_dynamics::TorqueDerivatives;
 use super::{Candidate, Context, Effect, Finer, Found, first};
 use crate::change::Change;
 use crate::thresholds::effect::MOST_OFFSET_RAD;
+use crate::thresholds::plausible;
 
 pub(super) const EFFECT: Effect = Effect::new("joint-offset", candidates)
     .exact()
@@ -98,6 +99,15 @@ fn of<'c>(
         })),
         ..entry
     }
+}
+
+/// Whether a zero that is off by so much may be that of a sound arm.
+pub(crate) fn is_calibration(numbers: &[(&'static str, f64, f64)]) -> bool {
+    numbers.iter().any(|(name, offset, _)| match *name {
+        "offset_rad" => offset.abs() <= plausible::ZERO_RAD,
+        "offset_m" => offset.abs() <= plausible::ZERO_M,
+        _ => false,
+    })
 }
 
 fn change(found: &Found<'_>) -> Option<Change> {

@@ -201,6 +201,11 @@ pub(crate) fn is_exact(name: &str) -> bool {
     named(name).any(|own| own.is_exact)
 }
 
+/// Whether an effect of this size may be that of a sound arm.
+pub(crate) fn is_calibration(name: &str, numbers: &[(&'static str, f64, f64)]) -> bool {
+    name == joint_offset::EFFECT.name && joint_offset::is_calibration(numbers)
+}
+
 /// Whether an effect is late positions of all joints.
 pub(crate) fn is_delay_of_all(name: &str, joint: Option<usize>) -> bool {
     name == delay::ENCODER_LATENCY.name && joint.is_none()

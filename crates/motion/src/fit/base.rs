@@ -30,7 +30,7 @@ pub(crate) enum Term {
     /// Armature of a joint; beyond the stated one, if one is stated.
     Armature { joint: usize },
     /// A body's deviation.
-    Body,
+    Body(Deviation),
     /// Offset of a joint's torque.
     Offset,
     /// Delay: how long the torques are logged before their positions.
@@ -289,7 +289,7 @@ fn bodies(problem: &Problem) -> Vec<BaseColumn> {
     let column = |deviation: Deviation| BaseColumn {
         column: Rc::new(problem.of_body(deviation.body, &deviation.parameters)),
         known_sd: Some(1.0),
-        term: Term::Body,
+        term: Term::Body(deviation),
     };
     deviations.map(column).collect()
 }

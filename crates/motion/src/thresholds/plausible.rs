@@ -20,6 +20,9 @@ pub(crate) const INERTIA: f64 = 0.10;
 pub(crate) const ASSUMED_INERTIA: f64 = 1.0;
 /// Limit of an armature, as a share of it.
 pub(crate) const ARMATURE: f64 = 0.10;
+/// A joint's zero is off by as much in a sound arm \[rad\], \[m\].
+pub(crate) const ZERO_RAD: f64 = 0.01;
+pub(crate) const ZERO_M: f64 = 1e-3;
 /// Limit of the delay between torques and positions, in steps of the log.
 pub(crate) const DELAY_STEPS: f64 = 1.0;
 /// Limit of a torque's offset, in standard deviations of the noise of a reading.

@@ -165,14 +165,25 @@ pub fn examine_tracking(
     torques: &Examined,
     without: &[String],
 ) -> Result<Tracking, Untracked> {
-    let arm = Arm::new(device).map_err(|_| Untracked::Short)?;
+    let mut arm = Arm::new(device).map_err(|_| Untracked::Short)?;
+    // positions that the file says are late are so against the commands as well
+    let stated_s = arm.early_s.iter().copied().fold(f64::INFINITY, f64::min);
+    let stated_s = if stated_s.is_finite() {
+        stated_s.max(0.0)
+    } else {
+        0.0
+    };
+    arm.early_s
+        .iter_mut()
+        .for_each(|early_s| *early_s -= stated_s);
     let logs = Logs::new(device, recording, second);
     let (recording, second) = (&logs.log, logs.second.as_ref());
     let latency = torques
         .findings
         .iter()
         .find(|own| is_delay_of_all(own.effect, own.joint));
-    let named_s = latency.map_or(0.0, |own| own.numbers.first().map_or(0.0, |own| own.1));
+    let named_s =
+        stated_s + latency.map_or(0.0, |own| own.numbers.first().map_or(0.0, |own| own.1));
     let reading = |early_s: f64| Reading {
         early_s,
         edge_hz: torques.edge_hz,
@@ -200,7 +211,11 @@ pub fn examine_tracking(
         }
         // positions that are late by less than a sound arm's may be (A157)
         if latency.is_none() && torques.early_s > 0.0 {
-            let again = explained(Rows::of(&arm, recording, reading(torques.early_s))?);
+            let again = explained(Rows::of(
+                &arm,
+                recording,
+                reading(stated_s + torques.early_s),
+            )?);
             if again.is_ok_and(|own| own.late().is_empty()) {
                 return Err(Untracked::Positions { delay_s });
             }

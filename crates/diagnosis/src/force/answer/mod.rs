@@ -58,6 +58,8 @@ pub(crate) struct ForceAnswer {
     pub(crate) silent: Vec<String>,
     /// What the findings change of the device's masses, armatures and gravity.
     pub(crate) changes: Vec<haptical_motion::Change>,
+    /// What the base model changes of the device's bodies next to them.
+    pub(crate) bodies: Vec<haptical_motion::Change>,
     /// Block means of the torques with the largest gap.
     pub(crate) course: Option<Trace>,
     /// What is left of a second recording, where there is one.
@@ -123,6 +125,7 @@ impl ForceAnswer {
             closed_unseen_share: None,
             warnings: vec![why.to_owned()],
             changes: Vec::new(),
+            bodies: Vec::new(),
             ..self
         }
     }

@@ -6,16 +6,16 @@ mod tables;
 use std::collections::BTreeSet;
 
 use haptical_diagnosis::{Diagnosis, Verdict};
-use haptical_effects::{Hook, specs};
 use haptical_report::{Block, Table};
 
 use crate::diagnose::absorbed::absorbed_sentence;
+use crate::diagnose::commands::commands;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
     named_at, not_in_file, parameters, percent, place_sentence, verdict_mark, verdict_sentence,
 };
 use crate::error::Error;
-use crate::files::{DEVICE_FLAGS, FIT_FLAGS, Record};
+use crate::files::Record;
 use crate::page::{Page, facts, next};
 
 /// Figures of residuals that are not folded away.
@@ -101,70 +101,10 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Vec<Block>, Err
     let not_held = not_in_file(diagnosis).map(|words| format!("In a file: {words}."));
     blocks.extend(not_held.map(Block::Paragraph));
     let words = next_step(diagnosis, besides.repaired);
-    blocks.extend(next(&words, commands(diagnosis, besides)));
+    let commands = commands(diagnosis, besides.record, besides.repaired).into_iter();
+    let commands = commands.map(|step| (step.purpose.to_owned(), step.command));
+    blocks.extend(next(&words, commands.collect()));
     Ok(blocks)
-}
-
-/// Whether `identify` fits the named causes beside geometry and drives: it takes none of torques and forces, and a log of torques
-/// alone shows no geometry.
-fn are_fitted_by_identify(diagnosis: &Diagnosis) -> bool {
-    let is_of_drives = |name: &str| name.starts_with("torque") || name.starts_with("force");
-    let mut channels = diagnosis.gap.channels.iter();
-    let shows_geometry = channels.any(|own| !is_of_drives(&own.channel));
-    let is_left = |hook| matches!(hook, Hook::Torque | Hook::ForceSensor | Hook::Readings);
-    let is_taken = |name: &str| specs().any(|own| own.name == name && !is_left(own.hook));
-    let mut causes = diagnosis.causes.iter();
-    diagnosis.verdict == Verdict::Named && shows_geometry && causes.all(|own| is_taken(&own.effect))
-}
-
-/// Commands that go on from here, as one would type them where this one was typed; what is named alone is in the folder of
-/// the page.
-fn commands(diagnosis: &Diagnosis, besides: Besides<'_>) -> Vec<(String, String)> {
-    let record = besides.record;
-    let (device, fit) = (record.typed(&DEVICE_FLAGS), record.typed(&FIT_FLAGS));
-    let is_corrected = diagnosis.corrected.is_some();
-    let is_open = haptical_diagnosis::Question::of(diagnosis).is_some();
-    let logs = record.typed(&["--log"]);
-    let all = [
-        (
-            besides.repaired.is_some(),
-            "Calibrate from the log without its faults:",
-            format!(
-                "haptical identify{device} --log {} --out result",
-                besides.repaired.unwrap_or_default()
-            ),
-        ),
-        (
-            is_open,
-            "Choose the recording that tells the candidates apart:",
-            format!("haptical plan{device}{logs} --settle gap.json --out next"),
-        ),
-        (
-            is_corrected && are_fitted_by_identify(diagnosis),
-            "Fit the causes together with geometry and drives:",
-            format!("haptical identify{fit} --with gap.json --out result"),
-        ),
-        (
-            is_corrected,
-            "Check the corrected device on a log that nobody has seen:",
-            "haptical simulate --device corrected.toml --replay NEW_LOG --out predicted.csv"
-                .to_owned(),
-        ),
-        (
-            is_corrected,
-            "Put it into a simulator:",
-            "haptical export --device corrected.toml --format mjcf --out model.xml".to_owned(),
-        ),
-        (
-            diagnosis.verdict == Verdict::NoGap,
-            "The identified device of these data:",
-            format!("haptical identify{fit} --out result"),
-        ),
-    ];
-    let those = all.into_iter().filter(|(is_one, ..)| *is_one);
-    those
-        .map(|(_, purpose, command)| (purpose.to_owned(), command))
-        .collect()
 }
 
 /// Where the residual lies and how it looks there.

@@ -109,20 +109,21 @@ fn commands(result: &Identified, calibration: &Calibration) -> Vec<(String, Stri
         let urdf = description.filter(|input| is_urdf(Path::new(&input.file)));
         let export = match urdf {
             Some(input) => format!(
-                "haptical export --device identified.toml --format urdf --urdf {} --out calibrated.urdf",
-                shell_word(&input.file)
+                "haptical export --device identified.toml --format urdf --urdf {}{} --out calibrated.urdf",
+                shell_word(&input.file),
+                record.typed(&["--base", "--tip"])
             ),
             None => {
                 "haptical export --device identified.toml --format mjcf --out model.xml".to_owned()
             }
         };
         commands.push(("The identified device for a simulator:".to_owned(), export));
+        let controller = "haptical export --device identified.toml --format rust --out model.rs";
+        commands.push((
+            "The same for a control loop (or c-header, json):".to_owned(),
+            controller.to_owned(),
+        ));
     }
-    let controller = "haptical export --device identified.toml --format rust --out model.rs";
-    commands.push((
-        "The same for a control loop (or c-header, json):".to_owned(),
-        controller.to_owned(),
-    ));
     commands
 }
 
