@@ -14,7 +14,7 @@ use crate::answer::{CauseAnswer, Diagnosis, ParameterAnswer, Place, Verdict};
 use crate::noise::{difference_sd, outliers};
 use crate::thresholds::admission::{
     DROPOUT_SDS, FILLED_ROWS, LEAST_DROPOUT_SHARE, LEAST_DROPOUTS, LEAST_SPIKE_SHARE,
-    LONGEST_DROPOUT_ROWS, MOST_DROPOUT_SHARE, SPIKE_SDS,
+    LONGEST_DROPOUT_ROWS, MOST_DROPOUT_SHARE, SPIKE_OF_TORQUE, SPIKE_SDS,
 };
 use crate::thresholds::noise::DATA_PROBABILITY;
 
@@ -104,7 +104,8 @@ fn taken_out(
         }
     }
     if is_torque && let Some(sd) = difference_sd(column, runs).filter(|sd| *sd > 0.0) {
-        let limit = SPIKE_SDS * sd;
+        // where friction changes sides a torque without noise has corners
+        let limit = (SPIKE_SDS * sd).max(SPIKE_OF_TORQUE * spread(column));
         let far = outliers(column, runs, true, limit, &vec![0.0; column.len()]);
         let stands_alone = |row: &usize| {
             let around = neighbours(column, &far, runs, *row);
@@ -119,6 +120,14 @@ fn taken_out(
         }
     }
     found
+}
+
+/// Standard deviation of the readings.
+fn spread(column: &[f64]) -> f64 {
+    let read = || column.iter().filter(|value| value.is_finite());
+    let count = read().count().max(1) as f64;
+    let mean = read().sum::<f64>() / count;
+    (read().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
 /// The value that most readings share.

@@ -8,9 +8,7 @@ use crate::change::Change;
 use crate::fit::base::{Base, BaseColumn, Term};
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
-
-/// Shares of a body's deviation that are tried, largest first.
-const SHARES_OF_DEVIATION: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+use crate::thresholds::fit::SHARES_OF_DEVIATION;
 
 /// A number of a drive that was fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -21,6 +21,7 @@ use crate::survey::usable;
 use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
 use crate::unseen::{Unseen, within};
 use crate::without_gravity::lacks_gravity;
+use crate::zeros;
 
 /// Whether a device and a recording are those of a moving arm: its file gives the mass and the inertia of every row, and the recording has
 /// torques in time, of a motion.
@@ -168,6 +169,16 @@ fn examine_with(
         if reading.edge_hz.is_none() {
             selection = shown(&problem, selection);
         }
+        let of_band = Reading {
+            edge_hz: Some(problem.states.pass.edge_hz),
+            ..reading
+        };
+        zeros::settle(
+            &arm,
+            (recording, of_band),
+            &mut selection.picks,
+            selection.misfit,
+        );
         let found = examined(&problem, &base, (&selection, &scales));
         // beside a gap that is not explained what one effect adds says little of it
         let further = match &later {

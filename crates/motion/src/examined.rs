@@ -196,6 +196,7 @@ impl Examined {
         let is_quiet = !self.channels.iter().any(ChannelFit::has_rest);
         let is_explained = self.unexplained_share() <= UNEXPLAINED && self.kept().next().is_none();
         self.doubts.is_empty()
+            && !self.lacks_gravity
             && self
                 .findings
                 .iter()
@@ -206,6 +207,27 @@ impl Examined {
             && !self.findings.iter().any(|own| self.is_undoing(own))
             && !self.is_of_another_law()
             && !self.is_contradicted()
+            && !self.is_disproved()
+            && !self.is_unchecked()
+    }
+
+    /// Whether several effects were found, and no row that no fit saw says how they fare where the gap is.
+    fn is_unchecked(&self) -> bool {
+        let mut with_gap = self.channels.iter().filter(|own| own.has_gap()).peekable();
+        let is_seen = |own: &ChannelFit| {
+            let mut unseen = self.unseen.iter().filter(|other| other.joint == own.joint);
+            unseen.any(|other| other.rows_in_all() > 0)
+        };
+        self.findings.len() > 1
+            && !self.unseen.is_empty()
+            && with_gap.peek().is_some()
+            && !with_gap.any(is_seen)
+    }
+
+    /// Whether the effects make a gap of rows that no fit saw, where the base model leaves none. A push belongs to its rows.
+    fn is_disproved(&self) -> bool {
+        let is_of_all = !self.findings.iter().any(Finding::is_push);
+        is_of_all && self.unseen.iter().any(Unseen::gets_gap)
     }
 
     /// Whether a finding explains so little that the gap may keep it.
@@ -245,6 +267,8 @@ impl Examined {
             return None;
         } else if !self.doubts.is_empty() {
             "the torques themselves are in doubt".to_owned()
+        } else if self.lacks_gravity {
+            "the torques lack what gravity asks of the links".to_owned()
         } else if let Some(left) = self.left_of_second.filter(|_| self.is_contradicted()) {
             format!(
                 "{:.0} % of the squares of the second recording's gap stay",
@@ -258,6 +282,10 @@ impl Examined {
             "it explains more than there is to explain at its joint".to_owned()
         } else if all.iter().any(may_be_freedom) {
             "the freedom of the base model explains as much".to_owned()
+        } else if self.is_unchecked() {
+            "no rows that a fit did not see say how they fare where the gap is".to_owned()
+        } else if self.is_disproved() {
+            "rows that no fit saw get a gap by it".to_owned()
         } else if self.is_of_another_law() {
             "what it leaves follows the posture, as nothing does that its law leaves".to_owned()
         } else {

@@ -26,6 +26,7 @@ mod thresholds;
 mod tracking;
 mod unseen;
 mod without_gravity;
+mod zeros;
 
 pub use adjusted::Adjusted;
 pub use between::{Between, LoadSource, OwnEffect, examine_between, examine_own};

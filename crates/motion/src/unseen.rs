@@ -98,12 +98,17 @@ impl Unseen {
         rows > 0 && beyond / rows as f64 > gap(rows)
     }
 
+    /// Whether the effects make a gap where the base model leaves none.
+    pub(crate) fn gets_gap(&self) -> bool {
+        !self.has_gap() && self.is_gap(self.beyond_after())
+    }
+
     /// Whether the effects take a part that counts of a gap, or make none where there is none.
     pub(crate) fn loses(&self) -> bool {
         let after = self.beyond_after();
         match self.has_gap() {
             true => after <= (1.0 - LEAST_PART).powi(2) * self.beyond_before(),
-            false => !self.is_gap(after),
+            false => !self.gets_gap(),
         }
     }
 }

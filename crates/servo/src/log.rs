@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::thresholds::{
     DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, LONGEST_STEP_S, MOST_LAG_S,
-    OPPOSITE, SAME_MOTION, SHORTEST_S, STILL_COUNTS, STILL_RANGE, WRAP,
+    OPPOSITE, SAME_MOTION, SHORTEST_S, STILL_COUNTS, STILL_RANGE, STOPPED_COMMAND, STOPPED_COUNTS,
+    STOPPED_S, STOPPED_SHARE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -68,11 +69,32 @@ pub enum Untested {
         /// Median time between rows \[s\].
         step_s: f64,
     },
+    /// The joint stands still while its command goes on.
+    Stopped {
+        /// Since when \[s\].
+        from_s: f64,
+    },
     /// The position has nothing to do with the command.
     Unrelated {
         /// Their correlation.
         correlation: f64,
     },
+}
+
+impl Untested {
+    /// Whether the joint does not do what its command asks at all: log and joint do not belong together, or the joint is off.
+    ///
+    /// ```
+    /// use haptical_servo::Untested;
+    /// assert!(Untested::Opposite { correlation: -1.0 }.is_foreign());
+    /// assert!(!Untested::Still.is_foreign());
+    /// ```
+    pub fn is_foreign(&self) -> bool {
+        matches!(
+            self,
+            Self::Opposite { .. } | Self::Unrelated { .. } | Self::Stopped { .. }
+        )
+    }
 }
 
 impl fmt::Display for Untested {
@@ -115,6 +137,10 @@ impl fmt::Display for Untested {
             Self::Coarse { step_s } => write!(
                 f,
                 "its rows are {step_s:.3} s apart; 20 rows a second are needed"
+            ),
+            Self::Stopped { from_s } => write!(
+                f,
+                "it stands still from {from_s:.2} s on while its command moves: is it blocked, at an end of its travel, or off?"
             ),
             Self::Unrelated { correlation } => write!(
                 f,
@@ -307,6 +333,9 @@ impl Series {
                 correlation: turned,
             });
         }
+        if let Some(from_s) = self.stopped_s() {
+            return Err(Untested::Stopped { from_s });
+        }
         if correlation < SAME_MOTION {
             return Err(Untested::Unrelated { correlation });
         }
@@ -315,6 +344,19 @@ impl Series {
             return Err(Untested::Degrees { ratio: 1.0 / slope });
         }
         Ok(())
+    }
+
+    /// Since when the joint stands still while its command goes on, to the log's end.
+    fn stopped_s(&self) -> Option<f64> {
+        let end = *self.response.last()?;
+        let near = STOPPED_COUNTS * self.count;
+        let moves = |value: &f64| (value - end).abs() > near;
+        let from = self.response.iter().rposition(moves)? + 1;
+        let command = self.command.get(from..)?;
+        let is_long = command.len() as f64 > STOPPED_SHARE * self.len() as f64
+            && command.len() as f64 * self.step_s > STOPPED_S;
+        let goes_on = range(command) > STOPPED_COMMAND * range(&self.command);
+        (is_long && goes_on).then(|| self.time_s[from])
     }
 
     /// Correlation of the response with the command some rows before, and its slope.

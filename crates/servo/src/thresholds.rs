@@ -15,6 +15,12 @@ pub(crate) const STILL_COUNTS: f64 = 4.0;
 pub(crate) const STILL_RANGE: f64 = 1e-3;
 /// How far from a whole turn a step of one row is a wrap \[rad\].
 pub(crate) const WRAP: f64 = 0.6;
+/// A joint that stands still for this share of the rows at the log's end, and for as long, while its command moves by this share of its
+/// range, has stopped: within so many counts.
+pub(crate) const STOPPED_SHARE: f64 = 0.1;
+pub(crate) const STOPPED_S: f64 = 1.0;
+pub(crate) const STOPPED_COMMAND: f64 = 0.2;
+pub(crate) const STOPPED_COUNTS: f64 = 2.0;
 /// Correlation with the command, at the best lag, below which a joint does not follow it.
 pub(crate) const SAME_MOTION: f64 = 0.2;
 /// And with the command turned round beyond which it moves against it: of a wave, half a period of lag is a turned sign too.
@@ -162,3 +168,5 @@ pub(crate) const FEWEST_TORQUE_STEPS: usize = 8;
 pub(crate) const TORQUE_NATS: f64 = 15.0;
 /// Largest reading in counts.
 pub(crate) const MOST_COUNTS: f64 = 1e6;
+/// A command that is faster than its joint by this factor may meet a limit of the speed: a start of the search.
+pub(crate) const FASTER: f64 = 1.2;

@@ -1,7 +1,6 @@
 //! The device with the causes that were named.
 
 use haptical_effects::device::{entry, is_law, settle};
-use haptical_effects::force::in_motion::{JOINT_OFFSET, TORQUE_OFFSET};
 use haptical_effects::{Form, Hook, Role, Shape, Spec, law};
 use haptical_model::{Device, DeviceEffect, JointCompliance};
 use haptical_motion::Change;
@@ -119,16 +118,18 @@ pub(crate) fn not_in_file(
     let is_changed = |cause: &CauseAnswer| {
         let joint = cause.joint.map(|joint| joint - 1);
         let form = law(&cause.effect).map(|law| law.1);
+        let mut numbers = cause.parameters.keys();
+        let is_of_angle = numbers.any(|name| name.starts_with("offset"));
         let of_kind = |change: &&Change| match change {
             Change::Inertia { .. } => form == Some(Form::Mass),
             Change::Armature { joint: own, .. } => {
                 form == Some(Form::Armature) && joint == Some(*own)
             }
             Change::Offset { joint: of, .. } => {
-                cause.effect == JOINT_OFFSET.name && joint == Some(*of)
+                form == Some(Form::Offset) && is_of_angle && joint == Some(*of)
             }
             Change::TorqueOffset { joint: of, .. } => {
-                cause.effect == TORQUE_OFFSET.name && joint == Some(*of)
+                form == Some(Form::Offset) && !is_of_angle && joint == Some(*of)
             }
             Change::TorqueDelay { joint: of, .. } => form == Some(Form::Delay) && joint == *of,
             Change::Gravity { .. } => form == Some(Form::Tilt),

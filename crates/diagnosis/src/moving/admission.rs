@@ -1,18 +1,18 @@
 //! What admits a verdict on the torques of a moving arm, or on encoders on its links.
 
 use haptical_judge::{Admission, Check};
-use haptical_motion::Examined;
+use haptical_motion::Change;
 
 use super::warnings::of_doubt;
 use super::words::Words;
-use crate::thresholds::admission::{FOLLOWED, LEAST_MOTION_S};
+use crate::thresholds::admission::{DRIVING_NOISES, FOLLOWED, LEAST_MOTION_S};
 
 /// The four questions.
 pub(super) fn admission(words: &Words<'_>) -> Admission {
     let examined = words.examined;
     Admission {
         belongs: belongs(words),
-        credible_base: credible_base(examined),
+        credible_base: credible_base(words),
         known_noise: known_noise(words),
         enough: enough(&examined.time_s),
     }
@@ -56,8 +56,15 @@ fn explained(words: &Words<'_>, joint: usize, share: f64) -> String {
     )
 }
 
-/// Whether the numbers that are fitted beside the bodies are those of an arm.
-fn credible_base(examined: &Examined) -> Check {
+/// Whether the numbers that are fitted next to the bodies are those of an arm.
+fn credible_base(words: &Words<'_>) -> Check {
+    let examined = words.examined;
+    if let Some(why) = rotor_below_zero(words).or_else(|| driving_friction(words)) {
+        return Check::no(
+            why,
+            "check joints, signs and units of the torques, and that the log is of this device",
+        );
+    }
     let negative = examined.free_armatures.iter().find(|entry| entry.1 < 0.0);
     match negative {
         Some((joint, armature)) => Check::unknown(format!(
@@ -69,6 +76,55 @@ fn credible_base(examined: &Examined) -> Check {
             examined.numbers
         )),
     }
+}
+
+/// A cause by which a rotor has an inertia below zero.
+fn rotor_below_zero(words: &Words<'_>) -> Option<String> {
+    let found = words.examined.findings.iter().filter(|_| words.is_adequate);
+    let mut rotors = found.filter_map(|found| match found.change {
+        Some(Change::Armature { joint, more_kgm2 }) => {
+            let sd = found.numbers.first().map_or(0.0, |number| number.2);
+            let stated = words.device.joints[joint].armature_kgm2.unwrap_or(0.0);
+            Some((joint, stated + more_kgm2, sd))
+        }
+        _ => None,
+    });
+    let (joint, armature, _) = rotors.find(|(_, armature, sd)| armature + 2.0 * sd < 0.0)?;
+    Some(format!(
+        "with the causes the armature of joint {} is {armature:.4} kg m^2",
+        joint + 1
+    ))
+}
+
+/// Friction that is fitted next to causes and drives its joint at full speed, by more than noise.
+fn driving_friction(words: &Words<'_>) -> Option<String> {
+    let adjusted = words.adjusted();
+    let examined = words.examined;
+    let of_joint = |joint: usize| {
+        let own = adjusted.iter().filter(|own| own.joint == joint + 1);
+        own.filter(|own| own.name == "friction")
+            .fold([0.0; 2], |[friction, half], own| {
+                let speed = match own.number.starts_with("viscous") {
+                    true => examined.fastest.get(joint).copied().unwrap_or(0.0),
+                    false => 1.0,
+                };
+                let half_width = own.ci95[1] - own.after;
+                [friction + speed * own.after, half + speed * half_width]
+            })
+    };
+    let mut channels = examined.channels.iter().filter(|_| words.is_adequate);
+    channels.find_map(|channel| {
+        let [friction, half] = of_joint(channel.joint);
+        let drives = friction + 2.0 * half < 0.0 && friction < -DRIVING_NOISES * channel.noise;
+        drives.then(|| {
+            format!(
+                "with the causes the friction of joint {} drives it, by {:.4} {} at its fastest",
+                channel.joint + 1,
+                -friction,
+                words.unit(channel.joint)
+            )
+        })
+    })
 }
 
 /// What is faster than the motion says how large the noise is.

@@ -204,15 +204,20 @@ impl<'e> Words<'e> {
 
     /// The gap of the torque with the largest one, or a joint's own, on rows that were not fitted.
     fn held_out(&self, joint: Option<usize>) -> Option<HeldOutAnswer> {
-        let unseen = &self.examined.unseen;
-        let of_joint = unseen.iter().find(|own| Some(own.joint) == joint);
-        let own = of_joint.or_else(|| largest_of(unseen));
+        // the share of a channel is said where the fit has a gap of it
+        let has_gap = |own: &&Unseen| {
+            let mut channels = self.examined.channels.iter();
+            channels.any(|channel| channel.joint == own.joint && channel.has_gap())
+        };
+        let mut unseen = self.examined.unseen.iter().filter(has_gap);
+        let of_joint = unseen.clone().find(|own| Some(own.joint) == joint);
+        let own = of_joint.or_else(|| largest_of(&mut unseen));
         own.map(|own| self.answer_of(own))
     }
 
     /// The gap of the torques as the log has them, and once its rows are set right: no torque was fitted for that.
     pub(super) fn set_right(&self) -> Option<HeldOutAnswer> {
-        let own = largest_of(&self.examined.set_right)?;
+        let own = largest_of(&mut self.examined.set_right.iter())?;
         Some(held_out(self.named(own.joint), own, &own.after))
     }
 
@@ -350,12 +355,12 @@ fn of_log(found: &Finding, held_out: HeldOutAnswer) -> HeldOutAnswer {
 }
 
 /// The joint whose torque has the largest gap over its noise.
-fn largest_of(unseen: &[Unseen]) -> Option<&Unseen> {
+fn largest_of<'u>(unseen: &mut dyn Iterator<Item = &'u Unseen>) -> Option<&'u Unseen> {
     let beyond = |own: &Unseen| {
         let rows = own.rows_in_all().max(1);
         own.before.iter().sum::<f64>() / (own.noise.powi(2) * rows as f64)
     };
-    unseen.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
+    unseen.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))
 }
 
 pub(super) fn largest(channels: &[ChannelGap]) -> Option<usize> {

@@ -4,7 +4,7 @@ use haptical_effects::Effect;
 use haptical_judge::Evidence;
 use haptical_judge::{Admission, Check};
 use haptical_model::{Device, Recording};
-use haptical_servo::{Finding, NAMES};
+use haptical_servo::{Finding, NAMES, Untested};
 
 use super::Asked;
 use super::causes::{cause, changed, is_of_torque, of_torque};
@@ -22,6 +22,10 @@ use crate::thresholds::servo::{ALL_CLOSED, LEAST_FLOOR};
 struct Tested {
     joints: Vec<Joint>,
     untested: Vec<(usize, String)>,
+    /// Of them those that do not do what their command asks at all, in words.
+    foreign: Vec<String>,
+    /// Channels whose command stands still.
+    silent: Vec<String>,
     /// Changes of torques' scales.
     scales: Vec<(usize, Finding)>,
     /// Why a second recording says nothing of a joint.
@@ -40,6 +44,12 @@ impl Tested {
             let answer = match own.answer {
                 Ok(answer) => answer,
                 Err(why) => {
+                    if why.is_foreign() {
+                        tested.foreign.push(format!("joint {}: {why}", index + 1));
+                    }
+                    if why == Untested::Still {
+                        tested.silent.push(channel(index));
+                    }
                     tested.untested.push((index, why.to_string()));
                     continue;
                 }
@@ -87,6 +97,8 @@ pub(super) fn answer(
     let Tested {
         mut joints,
         untested,
+        foreign,
+        silent,
         scales,
         unseen,
     } = Tested::new(asked, options);
@@ -126,7 +138,8 @@ pub(super) fn answer(
     let provenance = Provenance::new(recording.len(), 0, tested, options);
     let model = options.model.unwrap_or(device).clone();
     Diagnosis {
-        admission: admission(device, &joints, recording.len()),
+        admission: admission(device, &joints, (recording.len(), &foreign), verdict),
+        silent,
         next_experiment: located.and_then(|joint| {
             let next = joint.answer.next.as_ref();
             next.map(|next| format!("joint {}: {next}", joint.index + 1))
@@ -155,7 +168,12 @@ pub(super) fn answer(
 }
 
 /// What admits a verdict on loops. Joints that do not follow their command, and those of too few rows, were left out already.
-fn admission(device: &Device, joints: &[Joint], rows: usize) -> Admission {
+fn admission(
+    device: &Device,
+    joints: &[Joint],
+    (rows, foreign): (usize, &[String]),
+    verdict: Verdict,
+) -> Admission {
     let named = |say: &dyn Fn(&Joint) -> String| -> String {
         let words: Vec<String> = joints.iter().map(say).collect();
         words.join(", ")
@@ -169,8 +187,17 @@ fn admission(device: &Device, joints: &[Joint], rows: usize) -> Admission {
             joint.answer.noise_floor
         )
     });
+    let belongs = match (foreign, verdict) {
+        ([], _) => Check::yes(format!("joints {numbers} follow their commands")),
+        // what the other joints show has its cause at them
+        (_, Verdict::Named | Verdict::Ambiguous) => Check::unknown(foreign.join("; ")),
+        _ => Check::no(
+            foreign.join("; "),
+            "check the command, the sign and the drive of these joints, or leave their commands out of the log",
+        ),
+    };
     Admission {
-        belongs: Check::yes(format!("joints {numbers} follow their commands")),
+        belongs,
         credible_base: Check::yes("nothing but the answer to commands is fitted"),
         known_noise: Check::yes(format!(
             "by rows that follow each other, and counts: {floors}"

@@ -5,17 +5,21 @@
 pub(crate) const MOST_MISSED: f64 = 0.2;
 /// How far the fitted chain may be from the device file's along the log, as a share of what the handle moves by, where it has numbers that no
 /// device has: less is another description of the same chain.
-pub(crate) const MOST_APART: f64 = 0.1;
+pub(crate) const MOST_APART: f64 = 0.05;
 /// Least root mean square by which a channel varies to be asked \[rad or m\]: below it a wrong zero or play is a large part of it.
 pub(crate) const LEAST_SPREAD: f64 = 0.01;
 /// Share of the variance of the largest torque that links, friction and rotor explain at least: torques of another log leave more.
 pub(crate) const FOLLOWED: f64 = 0.5;
+/// Noises of its torque by which fitted friction drives a joint, as none does.
+pub(crate) const DRIVING_NOISES: f64 = 2.0;
 /// Least length of a motion whose torques are judged \[s\]: of 2 s of an elastic rope three causes had names.
 pub(crate) const LEAST_MOTION_S: f64 = 4.0;
 /// Standard deviations of the noise, by second differences, from which a step to one value and back is none of the motion, and one from
 /// which a single reading stands alone.
 pub(crate) const DROPOUT_SDS: f64 = 8.0;
 pub(crate) const SPIKE_SDS: f64 = 15.0;
+/// The least of the torque's standard deviation that such a reading is off by.
+pub(crate) const SPIKE_OF_TORQUE: f64 = 0.1;
 /// Fewest such readings, their least share and their largest.
 pub(crate) const LEAST_DROPOUTS: usize = 3;
 pub(crate) const LEAST_DROPOUT_SHARE: f64 = 0.002;

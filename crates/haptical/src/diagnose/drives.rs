@@ -1,7 +1,7 @@
 //! Friction, armatures, offsets and bodies of a moving arm in corrected.toml.
 
 use haptical_diagnosis::{BESIDE_TORQUES, Diagnosis};
-use haptical_effects::force::in_motion::PRESLIDING;
+use haptical_effects::{Family, spec};
 use haptical_model::{Device as Model, DeviceEffect, FrictionNumber, Recording};
 use haptical_motion::{Dynamics, identify_drives, identify_dynamics, torques_left, with_dynamics};
 
@@ -269,7 +269,8 @@ fn by_travel(diagnosis: &Diagnosis) -> Vec<String> {
     };
     let causes = diagnosis.causes.iter();
     let held = causes.filter(|cause| {
-        cause.effect == PRESLIDING.name && has_travel(cause.joint.map(|joint| joint - 1))
+        let is_loop = spec(&cause.effect).is_some_and(|spec| spec.family == Family::Loop);
+        is_loop && has_travel(cause.joint.map(|joint| joint - 1))
     });
     held.map(|cause| format!("{} at {}:", cause.effect, cause.place()))
         .collect()

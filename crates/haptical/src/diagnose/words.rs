@@ -189,10 +189,13 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
     }
     if !beyond.is_empty() {
         said.push_str(&format!(
-            " Of rows that the fit did not see it leaves more than noise in {}: the log fixes the model only where it went. \
-             Diagnose both recordings together: `--log A --log B`.",
+            " Of rows that the fit did not see it leaves more than noise in {}: the log fixes the model only where it went.",
             listed(&beyond)
         ));
+        said.push_str(match diagnosis.second {
+            Some(_) => " Diagnose both recordings together: `--log A --log B`.",
+            None => " Record longer, and everywhere where the joints go.",
+        });
     }
     said
 }
@@ -255,7 +258,8 @@ fn unknown(diagnosis: &Diagnosis) -> String {
         return of_second_alone(second);
     }
     if let Some(refusal) = diagnosis.admission.refusal() {
-        return format!("No verdict is given: {}.", refusal.why);
+        let dot = if refusal.why.ends_with('?') { "" } else { "." };
+        return format!("No verdict is given: {}{dot}", refusal.why);
     }
     let place = main_channel(diagnosis).map(|channel| match channel.joint {
         Some(joint) => format!(" in {} (joint {joint})", channel.channel),

@@ -43,6 +43,12 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     signals.iter().enumerate().map(of_joint).collect()
 }
 
+/// The effect at one joint, by the slope of the torques.
+pub(crate) fn at(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
+    let found = candidates(context).into_iter();
+    found.into_iter().find(|own| own.joint == Some(joint))
+}
+
 /// The secant through an angle: exact where the coefficient is that angle.
 fn secant(context: Context<'_>, joint: usize, offset_rad: f64) -> Option<Candidate<'_>> {
     let problem = context.problem;

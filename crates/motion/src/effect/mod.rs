@@ -201,9 +201,22 @@ pub(crate) fn is_exact(name: &str) -> bool {
     named(name).any(|own| own.is_exact)
 }
 
+/// Whether an effect is a joint's zero that is off.
+pub(crate) fn is_zero(name: &str) -> bool {
+    name == joint_offset::EFFECT.name
+}
+
+/// A joint's zero that is off, at a joint.
+pub(crate) use self::joint_offset::at as zero_at;
+
 /// Whether an effect of this size may be that of a sound arm.
 pub(crate) fn is_calibration(name: &str, numbers: &[(&'static str, f64, f64)]) -> bool {
     name == joint_offset::EFFECT.name && joint_offset::is_calibration(numbers)
+}
+
+/// Whether an effect is a body that is off.
+pub(crate) fn is_of_bodies(name: &str) -> bool {
+    [payload::EFFECT.name, link_inertia::EFFECT.name].contains(&name)
 }
 
 /// Whether an effect is late positions of all joints.

@@ -14,7 +14,9 @@ use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
 use crate::survey::check_rate;
-use crate::thresholds::fit::{EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, RESTING_SHARE, STILL};
+use crate::thresholds::fit::{
+    EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, OF_FRICTION, RESTING_SHARE, STILL,
+};
 
 /// How a recording is read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -186,6 +188,9 @@ impl Problem {
     /// anything between its two directions where a joint rests, and where two smoothings of the positions differ on it, as about the corners
     /// of a motion and between the counts of a coarse encoder (docs/assumptions.md, A188).
     pub(crate) fn allow_for_rest(&mut self, coulomb: &[f64], turnovers: &[f64]) {
+        let channels = self.channels.iter().zip(&self.row_sd);
+        let of_law = channels.map(|(joint, sd)| sd.hypot(OF_FRICTION * coulomb[*joint]));
+        self.reweigh(&of_law.collect::<Vec<_>>());
         let rows = self.states.rows();
         for (channel, &joint) in self.channels.iter().enumerate() {
             let dq = &self.states.motor.dq[joint];

@@ -1,10 +1,12 @@
 //! Which effects a recording shows beside the base model: one after the other, each where it explains most.
 
 mod armatures;
+mod exchanged;
 mod fitted;
 mod numbers;
 mod refine;
 mod rivals;
+mod scaled;
 mod scored;
 mod shape;
 
@@ -17,14 +19,16 @@ use haptical_judge::{
 };
 
 pub(crate) use self::fitted::{Fitted, Frame, within_limits};
-use self::numbers::numbers;
+pub(crate) use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::{Place, Pool};
 use self::scored::{Scored, penalty};
-use crate::effect::{Candidate, Context, Finer, torque_gain};
+use crate::effect::{Candidate, Context, Finer, is_zero, torque_gain};
+use crate::examined::is_beyond_noise;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
+use crate::thresholds::examine::LEFT_BY_LAW;
 use crate::thresholds::plausible;
 use crate::thresholds::select::{
     CORRECTIONS, DELAY_TOLERANCE, FITTED_IN_FULL, LEAST_LAST_NATS, LEAST_NATS, LEAST_OF_DELAYED,
@@ -40,6 +44,8 @@ pub(crate) struct Selection {
     pub(crate) fitted: Fitted,
     /// How long the torques are before the positions, as picked.
     pub(crate) early_s: f64,
+    /// Times that the noise's square is larger by what all picks leave.
+    pub(crate) misfit: f64,
     /// Effects at places that were tried.
     pub(crate) tried: usize,
 }
@@ -67,6 +73,13 @@ pub(crate) struct Pick {
     /// Whether it belongs to its recording alone, and whether it is the delay of all positions.
     pub(crate) is_of_recording: bool,
     pub(crate) is_delay_of_all: bool,
+}
+
+impl Pick {
+    /// The joint (from 0) whose zero it is.
+    pub(crate) fn zero(&self) -> Option<usize> {
+        self.joint.filter(|_| is_zero(self.effect))
+    }
 }
 
 /// A fit with effects, and how long its torques are before the positions.
@@ -155,6 +168,7 @@ pub(crate) fn select(
         bare,
         fitted: state.fitted,
         early_s: state.early_s.unwrap_or(0.0),
+        misfit,
         tried: pool.places(),
     }
 }
@@ -167,7 +181,7 @@ fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> 
         fitted: bare.clone(),
         early_s: None,
     };
-    let Ok(mut state) = haptical_judge::select(&mut search, start);
+    let Ok(mut state) = haptical_judge::select(&mut search, start.clone());
     search.way.push(state.clone());
     if !is_quiet(frame.problem, &state.fitted)
         && let Some(other) = armatures::together(&mut search)
@@ -175,15 +189,17 @@ fn searched<'c>(frame: &Frame<'_>, pool: &Pool<'c>, bare: &Fitted) -> State<'c> 
         state = other;
     }
     let Ok(kept) = without_needless(&mut search, state, 1);
-    kept.state
+    let Ok(scaled) = scaled::scaled(&mut search, &start, &kept.state);
+    exchanged::exchanged(&mut search, scaled.unwrap_or(kept.state))
 }
 
 /// The search of effects for a recording.
 struct Search<'s, 'f, 'c> {
     frame: &'s Frame<'f>,
     pool: &'s Pool<'c>,
-    /// What the base model leaves \[nats\].
+    /// What the base model leaves \[nats\], and its squares of each channel.
     bare_excess: f64,
+    bare_squares: Vec<f64>,
     /// States before each effect that was taken.
     way: Vec<State<'c>>,
 }
@@ -194,8 +210,18 @@ impl<'s, 'f, 'c> Search<'s, 'f, 'c> {
             frame,
             pool,
             bare_excess: bare.excess,
+            bare_squares: squares(frame.problem, bare),
             way: Vec::new(),
         }
+    }
+
+    /// Whether a further effect explains more of a channel than the law of those before may be off by there.
+    fn is_beyond_law(&self, state: &State<'c>, further: &State<'c>) -> bool {
+        let [before, after] =
+            [&state.fitted, &further.fitted].map(|fitted| squares(self.frame.problem, fitted));
+        let mut channels = before.iter().zip(&after).zip(&self.bare_squares);
+        state.taken.is_empty()
+            || channels.any(|((before, after), bare)| before - after > LEFT_BY_LAW * bare)
     }
 
     /// What a further effect has to explain.
@@ -235,7 +261,9 @@ impl<'c> Forward for Search<'_, '_, 'c> {
         });
         let mut proposals: Vec<_> = proposals.collect();
         scale_by_rows(&mut proposals);
-        proposals.retain(|own| own.merit > least.of(&own.further));
+        proposals.retain(|own| {
+            own.merit > least.of(&own.further) && self.is_beyond_law(state, &own.further)
+        });
         Ok(proposals)
     }
 
@@ -335,12 +363,17 @@ fn kinds(taken: &[Candidate<'_>]) -> usize {
     names.len()
 }
 
+/// Squares of each channel's rest, in squares of noise.
+fn squares(problem: &Problem, fitted: &Fitted) -> Vec<f64> {
+    let channels = fitted.solved.rest.chunks(problem.states.rows());
+    channels.map(|own| haptical_linalg::dot(own, own)).collect()
+}
+
 /// Whether no channel's rest is larger than its noise: what would be no gap by itself needs no further effect.
 fn is_quiet(problem: &Problem, fitted: &Fitted) -> bool {
     let rows = problem.states.rows();
-    let mut channels = fitted.solved.rest.chunks(rows);
-    let rms = |own: &[f64]| (haptical_linalg::dot(own, own) / rows as f64).sqrt();
-    !channels.any(|own| crate::examined::is_beyond_noise(rms(own), rows))
+    let mut channels = squares(problem, fitted).into_iter();
+    !channels.any(|square| is_beyond_noise((square / rows as f64).sqrt(), rows))
 }
 
 /// States with each of the effects that explain most of what a fit leaves, strongest candidates first.
@@ -375,17 +408,19 @@ fn nearest<'c>(frame: &Frame<'_>, pool: &Pool<'c>, state: &State<'c>) -> Vec<Sta
         .collect()
 }
 
-/// The state with its last effect's law corrected by where the whole fit has it, if it has a correction: where numbers of the base model
-/// were at their limits, what a law explains beside them says little of it.
+/// The state with its last effect's law corrected by where the whole fit has it, if it has a correction, or linear about there: where numbers of
+/// the base model were at their limits, what a law explains beside them says little of it.
 fn corrected<'c>(frame: &Frame<'_>, before: &State<'c>, next: State<'c>) -> State<'c> {
     // noise that its columns share with the rows is no reason against the better law
     let gross = |own: &State<'c>| before.fitted.excess - own.fitted.excess;
-    let most = gross(&next) / MOST_OF_CORRECTED;
+    let of_correction = gross(&next) / MOST_OF_CORRECTED;
     let mut best = next;
     for _ in 0..CORRECTIONS {
         let last = best.taken.last();
-        let Some(Finer::Correction(make)) = last.map(|own| own.finer.clone()) else {
-            break;
+        let (make, most) = match last.map(|own| own.finer.clone()) {
+            Some(Finer::Correction(make)) => (make, of_correction),
+            Some(Finer::About(make)) => (make, f64::INFINITY),
+            _ => break,
         };
         let count = last.map_or(0, |own| own.columns.len());
         let effects = best.fitted.effects();

@@ -7,7 +7,7 @@ use crate::effect::Candidate;
 
 /// By the slopes of the numbers; `misfit` widens for what all effects leave, `times` is how often what is known was counted, `shape_sd`
 /// is of the logarithm of the shape's number.
-pub(super) fn numbers(
+pub(crate) fn numbers(
     fitted: &Fitted,
     columns: Range<usize>,
     candidate: &Candidate<'_>,

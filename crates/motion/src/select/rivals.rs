@@ -8,6 +8,7 @@ use haptical_linalg::dot;
 use super::scored::{Place, penalty};
 use super::{Frame, Search, State, columns_of, is_scale_of_all, is_taken, nearest};
 use crate::effect::{Candidate, is_of_own_joint, torque_gain};
+use crate::thresholds::examine::LEFT_BY_LAW;
 use crate::thresholds::select::{LEAST_AT_JOINT, LEAST_LAST_NATS, SAME_AS_SCALE};
 
 /// Another effect in the place of a pick, and the share of the pick's gain that it has.
@@ -85,7 +86,10 @@ fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candi
         return true;
     };
     let rests = [&others.fitted, &whole.fitted].map(|own| own.solved.rest.as_slice());
-    if gained_by_channel(frame.problem.states.rows(), rests, channel) < LEAST_AT_JOINT {
+    // what one effect alone explains all but for its law has bent the base model at the other joints
+    let is_all = whole.taken.len() == 1 && whole.fitted.excess < LEFT_BY_LAW * others.fitted.excess;
+    let at_joint = gained_by_channel(frame.problem.states.rows(), rests, channel);
+    if !is_all && at_joint < LEAST_AT_JOINT {
         return false;
     }
     own.effect != torque_gain::EFFECT.name || is_scale(frame, others, whole, own, joint)

@@ -29,6 +29,13 @@ pub(crate) const BRISTLE_S: f64 = 1e-4;
 /// Noise of a fitted armature's acceleration, over that of a row, from which on it counts.
 pub(crate) const LOUD_ARMATURE: f64 = 0.3;
 
+/// Share of its dry friction that a joint's torque may be off by: no law of friction holds to the last digit (A319).
+pub(crate) const OF_FRICTION: f64 = 0.01;
+
+// `adjusted`
+/// Shares of a body's deviation that are tried until it is one that a body can have, largest first.
+pub(crate) const SHARES_OF_DEVIATION: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+
 // `fit::column`
 /// Zeros in a row that end a span.
 pub(crate) const GAP_ROWS: usize = 8;

@@ -11,6 +11,10 @@ pub(crate) const LEAST_OF_WHOLE: f64 = 0.03;
 pub(crate) const LEAST_OF_REST: f64 = 0.5;
 /// Beside a delay of all positions it explains this share of the whole: a shifted torque is not the one that was read.
 pub(crate) const LEAST_OF_DELAYED: f64 = 2e-3;
+/// Times that an effect is exchanged for one that explains more in its place.
+pub(crate) const MOST_EXCHANGES: usize = 4;
+/// Times that a joint's zero is fitted with the readings moved by it.
+pub(crate) const ZERO_ROUNDS: usize = 8;
 /// Candidates that are fitted in full, strongest first, and the share of the strongest that they explain at least.
 pub(crate) const FITTED_IN_FULL: usize = 6;
 pub(crate) const NEAR_STRONGEST: f64 = 0.5;

@@ -12,4 +12,5 @@ mod identified;
 mod laws;
 mod recorded;
 mod second;
+mod several;
 mod without_gravity;

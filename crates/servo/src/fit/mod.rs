@@ -11,7 +11,7 @@ use haptical_linalg::{Information, dot};
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::noise::rounding;
-use crate::thresholds::MOST_LAG_S;
+use crate::thresholds::{FASTER, MOST_LAG_S};
 
 use self::evaluator::Evaluator;
 use self::search::AXES;
@@ -182,11 +182,17 @@ impl<'s> Problem<'s> {
                     half_width: share * wide,
                     slowness: 0.0,
                 };
-                let starts = vec![
+                let mut starts = vec![
                     at(0.04, 0.03, 0.05),
                     at(0.02, 0.1, 0.3),
                     at(0.1, 0.01, 0.45),
                 ];
+                // a joint that is always at its limit is far from any of these
+                let limited = terms.saturation.then(|| self.slower_than_command());
+                starts.extend(limited.flatten().map(|slowness| Shape {
+                    slowness,
+                    ..at(0.005, 0.005, 0.0)
+                }));
                 (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick])
             }
         };
@@ -218,6 +224,24 @@ impl<'s> Problem<'s> {
             has_converged: found.has_converged,
             ..evaluator.fit(shape_of(found.at, terms))
         }
+    }
+
+    /// One over the speed that the joint hardly exceeds, where its command does by far.
+    fn slower_than_command(&self) -> Option<f64> {
+        let fast = |column: &[f64]| {
+            let of_piece = |piece: Range<usize>| {
+                let rows = piece.start + 1..piece.end;
+                rows.map(|row| {
+                    let time_s = self.series.time_s[row] - self.series.time_s[row - 1];
+                    ((column[row] - column[row - 1]) / time_s).abs()
+                })
+            };
+            let mut speeds: Vec<f64> = self.series.pieces().flat_map(of_piece).collect();
+            speeds.sort_unstable_by(f64::total_cmp);
+            speeds.get(speeds.len() * 19 / 20).copied()
+        };
+        let (response, command) = (fast(&self.series.response)?, fast(&self.series.command)?);
+        (response > 0.0 && command > FASTER * response).then(|| 1.0 / response)
     }
 
     /// The fit of the linear numbers, at given numbers of the shape.

@@ -157,3 +157,25 @@ fn rows_without_a_command_are_left_out() {
     let offset = |answer| cause(answer, "joint-offset").unwrap().numbers[0].value;
     assert!((offset(&answer) - offset(&whole)).abs() < 1e-3);
 }
+
+/// A joint that is switched off half way is no servo of another gain.
+#[test]
+fn a_joint_that_stops_while_its_command_goes_on_is_said_with_its_time() {
+    let mut log = sound();
+    let half = log.response.len() / 2;
+    let last = log.response[half];
+    log.response[half..].iter_mut().for_each(|at| *at = last);
+    let Untested::Stopped { from_s } = asked(&log).unwrap_err() else {
+        panic!("{}", said(&log));
+    };
+    // the motion rests for a second now and then
+    assert!((from_s - log.time_s[half]).abs() < 1.2, "{from_s}");
+    assert!(asked(&log).unwrap_err().is_foreign());
+    // a joint that rests with its command has not stopped
+    let mut log = sound();
+    for column in [&mut log.response, &mut log.command] {
+        let last = column[half];
+        column[half..].iter_mut().for_each(|at| *at = last);
+    }
+    assert!(asked(&log).is_ok(), "{}", said(&log));
+}

@@ -173,3 +173,28 @@ fn a_droop_under_a_known_torque_is_a_stiffness() {
     let stiff = stiff.unwrap_or_else(|| panic!("{:?}", answer.causes));
     assert!((stiff.value / 30.0 - 1.0).abs() < 0.1, "{stiff:?}");
 }
+
+/// A drive that is at its limit for most of a motion is far from every lag and delay.
+#[test]
+fn a_limit_of_the_speed_is_found_where_the_joint_is_always_at_it() {
+    for (seed, share) in [(1, 0.4), (2, 0.5), (3, 0.3)] {
+        let mut log = Servo::default().log(&motion(seed), 60.0);
+        let step_s = log.time_s[1] - log.time_s[0];
+        let steps = log.command.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let most = share * steps.fold(0.0, f64::max);
+        let mut at = log.command[0];
+        for (response, command) in log.response.iter_mut().zip(&log.command) {
+            at += (command - at).clamp(-most, most);
+            let count_rad = Servo::default().count_rad;
+            *response = (at / count_rad).round() * count_rad;
+        }
+        let answer = asked(&log).unwrap();
+        let found = cause(&answer, "speed-saturation").unwrap();
+        let limit = number(found, "limit_rad_per_s").value;
+        let wanted = most / step_s;
+        assert!(
+            (limit / wanted - 1.0).abs() < 0.02,
+            "{seed}: {limit} for {wanted}"
+        );
+    }
+}
