@@ -12,7 +12,7 @@ use crate::effect::{is_calibration, is_exact};
 use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
-use crate::fit::problem::{Problem, Reading, is_still};
+use crate::fit::problem::{Problem, Reading, is_still, oscillations};
 use crate::later::Later;
 use crate::recorded::Logs;
 use crate::scale::{Scale, doubts};
@@ -372,6 +372,7 @@ fn examined(
         as_described: as_described(problem, base),
         other_friction: base.other_friction(solution, rows),
         lacks_gravity: selection.bare.excess > 0.0 && lacks_gravity(problem, &selection.bare),
+        oscillations: oscillations(problem),
         has_memory: problem.has_memory,
         above_hz: None,
         jitter: problem.samples.jitter,

@@ -7,6 +7,7 @@ use crate::dependence::Dependence;
 use crate::effect::{contact, is_exact, is_of_own_joint, joint_compliance};
 use crate::findings::SAMPLING;
 use crate::scale::{Doubt, Scale};
+use crate::signal::line::Line;
 use crate::thresholds::examine::{
     ALLOWED_REST, GAP_SDS, LEFT_BY_LAW, LEFT_BY_PART, LEFT_OF_JOINT, LEFT_OF_POSTURE,
     LEFT_OF_SECOND, MOST_OF_GAP, NEAR_RIVAL_NATS, OF_SECOND_BESIDE_SPRING, PART_OF_GAP,
@@ -63,6 +64,8 @@ pub struct Examined {
     pub other_friction: Vec<(usize, f64)>,
     /// Whether the torques lack what gravity asks of the links.
     pub lacks_gravity: bool,
+    /// Joints (from 0) whose torque oscillates faster than the motion: that counts as noise, and is none.
+    pub oscillations: Vec<(usize, Line)>,
     /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
     pub has_memory: bool,
     /// What is faster than this was left out, and has no name: a spring was found in what is slower \[Hz\].

@@ -135,6 +135,23 @@ fn known_noise(words: &Words<'_>) -> Check {
         format!("{name} {:.3e} {unit}", channel.noise)
     });
     let sizes = sizes.collect::<Vec<_>>().join(", ");
+    let shaken = examined.oscillations.iter().map(|(joint, line)| {
+        let (name, unit) = (words.channel(*joint), words.unit(*joint));
+        let (hz, amplitude) = (line.hz, line.amplitude);
+        format!("{name} oscillates at {hz:.1} Hz by {amplitude:.4} {unit}, which is no noise")
+    });
+    let shaken = shaken.collect::<Vec<_>>().join("; ");
+    match (shaken.is_empty(), examined.has_gap()) {
+        (true, _) => {}
+        (false, true) => return Check::unknown(shaken),
+        // a gap may hide in it
+        (false, false) => {
+            return Check::no(
+                shaken,
+                "look for what shakes the arm at that frequency: a loop at its limit, a loose part, a drive's ripple; or log without it",
+            );
+        }
+    }
     let memory = if examined.has_memory {
         ", with a memory"
     } else {

@@ -53,6 +53,8 @@ pub(crate) struct Candidate<'c> {
     pub(crate) of_noise: f64,
     /// Whether its last column has to explain something beside the others.
     pub(crate) needs_last: bool,
+    /// What no law of the catalogue is, and its law has to explain more than.
+    pub(crate) plain: Option<Rc<Column>>,
     /// Whether coefficients are those of such an effect.
     pub(crate) is_sound: fn(&[f64]) -> bool,
     /// Between what each of them has to be.
@@ -312,6 +314,7 @@ impl<'c> Candidate<'c> {
             is_of_recording: false,
             of_noise: 0.0,
             needs_last: false,
+            plain: None,
             is_sound: |_| true,
             within: [f64::NEG_INFINITY, f64::INFINITY],
             law_sd: 0.0,

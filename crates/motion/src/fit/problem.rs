@@ -9,6 +9,7 @@ use crate::MotionError;
 use crate::arm::{Arm, PARAMETERS};
 use crate::fit::column::Column;
 use crate::fit::file_effects::FileEffects;
+use crate::signal::line::{Line, line};
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
@@ -416,6 +417,19 @@ fn reading_noises(
             )
         })
         .collect()
+}
+
+/// Joints whose torque oscillates faster than the motion, each by the longest piece.
+pub(crate) fn oscillations(problem: &Problem) -> Vec<(usize, Line)> {
+    let samples = &problem.samples;
+    let local = LocalPolynomial::new(samples.step_s, 2.0 * problem.states.pass.edge_hz);
+    let of_joint = |joint: &usize| {
+        let pieces = samples.pieces.iter();
+        let torques = pieces.filter_map(|own| own.torque[*joint].as_deref());
+        let longest = torques.max_by_key(|own| own.len())?;
+        Some((*joint, line(longest, &local, samples.step_s)?))
+    };
+    problem.channels.iter().filter_map(of_joint).collect()
 }
 
 /// Noise of the channels' rows: from positions by way of the largest inertia, and of the torques.

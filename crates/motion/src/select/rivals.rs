@@ -92,6 +92,14 @@ fn is_told(frame: &Frame<'_>, others: &State<'_>, whole: &State<'_>, own: &Candi
     if !is_all && at_joint < LEAST_AT_JOINT {
         return false;
     }
+    if let Some(plain) = &own.plain {
+        let mut columns = columns_of(&others.taken);
+        columns.push(Rc::clone(plain));
+        let of_plain = frame.fitted(&columns, others.early_s).excess;
+        if of_plain < whole.fitted.excess + LEAST_LAST_NATS {
+            return false;
+        }
+    }
     own.effect != torque_gain::EFFECT.name || is_scale(frame, others, whole, own, joint)
 }
 

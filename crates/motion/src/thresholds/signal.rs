@@ -67,6 +67,13 @@ pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
 /// A memory is believed beyond this many standard deviations of chance.
 pub(crate) const MEMORY_SDS: f64 = 4.0;
 
+// `signal::line`
+/// Samples whose periodogram is looked at, at most.
+pub(crate) const LINE_SAMPLES: usize = 4096;
+/// Share of what is faster than the motion that one frequency holds where it is an oscillation, and no noise: its amplitude is more than twice
+/// the standard deviation of the rest.
+pub(crate) const LINE_SHARE: f64 = 0.7;
+
 // `loads`
 /// Positions are smoothed up to this frequency \[Hz\], and up to this share of the log's rate.
 pub(crate) const LOADS_CUTOFF_HZ: f64 = 40.0;

@@ -142,3 +142,45 @@ fn bodies_are_those_of_the_fit() {
         [weight(&device()), weight(&fitted)].map(|own| (own - upper - fore).abs());
     assert!(after < 0.3 * before, "{after} of {before} is left");
 }
+
+/// A drag that grows with the square of the speed bends friction as Stribeck's does, and has no name in the catalogue.
+#[test]
+fn a_drag_of_the_speeds_square_is_no_stribeck_friction() {
+    for seed in 1..=3 {
+        let mut log = recording(Truth::default(), seed);
+        let step_s = log.time_s.as_ref().unwrap()[1];
+        let at = log.joint[0].clone();
+        let column = log.torque_nm[0].as_mut().unwrap();
+        for row in 1..at.len() - 1 {
+            let dq = (at[row + 1] - at[row - 1]) / (2.0 * step_s);
+            column[row] += 1.5 * dq * dq.abs();
+        }
+        let found = examined(&log);
+        assert!(found.has_gap(), "seed {seed}");
+        let is_answer = found.is_answer();
+        let has_name = names(&found).iter().any(|own| own.0 == "stribeck-friction");
+        assert!(
+            !(is_answer && has_name),
+            "seed {seed}: {:?}",
+            found.findings
+        );
+    }
+}
+
+/// What oscillates faster than the motion counts as its noise, and is said.
+#[test]
+fn an_oscillation_beyond_the_band_is_said() {
+    let mut log = recording(Truth::default(), 2);
+    assert_eq!(examined(&log).oscillations, []);
+    let time_s = log.time_s.clone().unwrap();
+    let column = log.torque_nm[1].as_mut().unwrap();
+    for (torque, time_s) in column.iter_mut().zip(time_s) {
+        *torque += (std::f64::consts::TAU * 60.0 * time_s).sin();
+    }
+    let found = examined(&log);
+    let [(1, line)] = found.oscillations[..] else {
+        panic!("{:?}", found.oscillations);
+    };
+    assert!((line.hz - 60.0).abs() < 0.2, "{line:?}");
+    assert!((line.amplitude - 1.0).abs() < 0.05, "{line:?}");
+}

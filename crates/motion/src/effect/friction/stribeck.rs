@@ -28,7 +28,10 @@ fn at(context: Context<'_>, joint: usize, speed: f64) -> Option<Candidate<'_>> {
         &context.sign(joint),
         dq.iter().map(|dq| (-(dq / speed).powi(2)).exp()),
     );
-    let found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
+    let mut found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
+    // a drag that grows with the square of the speed bends friction as well
+    let drag: Vec<f64> = dq.iter().map(|dq| dq * dq.abs()).collect();
+    found.plain = context.problem.of_joint(joint, &drag).map(Rc::new);
     let again = Rc::new(move |speed| at(context, joint, speed));
     Some(
         found
