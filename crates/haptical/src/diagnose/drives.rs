@@ -30,7 +30,7 @@ enum Kind {
     Bodies,
 }
 
-/// Fits the device with the causes of a moving arm to its log: of nothing, the drives alone, and drives and bodies, what predicts rows best that it
+/// Fits the device with the causes of a moving arm to its log: nothing of it, its drives, or drives and bodies, whichever predicts best the rows that it
 /// did not see. Those are of the second recording, or of the log's end where there is none. Without such numbers the device stays as it is, and a
 /// warning says why.
 pub(super) fn fill(
@@ -129,7 +129,10 @@ impl Task<'_> {
         let Some(best) = best.1 else {
             return Ok(None);
         };
-        let (model, found) = self.fitted(best, all, diagnosis)?;
+        // without a second recording the fit was of a part of the log
+        let of_all = fits.into_iter().find(|(kind, _)| *kind == best);
+        let of_all = of_all.filter(|_| validate.is_some()).map(|(_, fit)| fit);
+        let (model, found) = of_all.unwrap_or_else(|| self.fitted(best, all, diagnosis))?;
         let has_delay = delays(&model) != delays(&self.device.model);
         diagnosis.corrected = Some(model);
         let written = text(self.device, diagnosis).map_err(|error| error.to_string())?;
