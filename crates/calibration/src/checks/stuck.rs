@@ -139,3 +139,69 @@ fn sd(values: impl Iterator<Item = f64>) -> f64 {
     let squares = values.iter().map(|value| (value - mean).powi(2));
     (squares.sum::<f64>() / count).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two bars of 0.3 m in the plane z = 0, and what a tracker and an encoder read of their motion.
+    fn moved(rows: usize) -> (Device, Recording) {
+        let bar = "[[link]]\na_m = 0.3\nalpha_rad = 0.0\nd_m = 0.0\n";
+        let base = "[[link]]\na_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n";
+        let text = format!("{base}{bar}{bar}[[joint]]\n[[joint]]\n");
+        let device = Device::from_toml(&text, "bars.toml").unwrap().device;
+        let joint: Vec<Vec<f64>> = [0.9, 1.7]
+            .map(|speed| (0..rows).map(|row| (speed * row as f64).sin()).collect())
+            .to_vec();
+        let mut recording = Recording {
+            line: (2..).take(rows).collect(),
+            output: vec![Some(joint[0].clone()), None],
+            torque_nm: vec![None, None],
+            joint,
+            ..Recording::default()
+        };
+        let poses = handle_poses(&device, &recording).unwrap();
+        let axis = |axis: usize| poses.iter().map(|pose| pose.position_m[axis]).collect();
+        recording.position_m = Some([0, 1, 2].map(axis));
+        (device, recording)
+    }
+
+    fn columns(device: &Device, recording: &Recording) -> Vec<String> {
+        match check(device, recording) {
+            Err(CalibrationError::Stuck { columns }) => columns,
+            other => {
+                assert!(other.is_ok(), "{other:?}");
+                Vec::new()
+            }
+        }
+    }
+
+    #[test]
+    fn a_column_of_one_value_is_stuck_where_the_arm_moves_what_it_is_of() {
+        // the height of an arm in a plane is one value
+        let (device, sound) = moved(20);
+        assert!(columns(&device, &sound).is_empty());
+        let stuck = |axes: &[usize]| {
+            let mut log = sound.clone();
+            let read = log.position_m.as_mut().unwrap();
+            axes.iter().for_each(|axis| read[*axis].fill(0.25));
+            columns(&device, &log)
+        };
+        assert_eq!(stuck(&[0]), ["x_m", "z_m"]);
+        assert_eq!(stuck(&[0, 1]), ["x_m", "y_m", "z_m"]);
+        let mut log = sound.clone();
+        log.output[0].as_mut().unwrap().fill(0.1);
+        assert_eq!(columns(&device, &log), ["out1_rad"]);
+        // a joint that rests
+        log.joint[0].fill(0.1);
+        log.position_m = None;
+        assert!(columns(&device, &log).is_empty());
+    }
+
+    #[test]
+    fn few_rows_may_repeat_a_reading() {
+        let (device, mut log) = moved(LEAST_ROWS - 1);
+        log.output[0].as_mut().unwrap().fill(0.1);
+        assert!(columns(&device, &log).is_empty());
+    }
+}
