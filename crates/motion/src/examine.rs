@@ -173,7 +173,7 @@ fn examine_with(
             edge_hz: Some(problem.states.pass.edge_hz),
             ..reading
         };
-        zeros::settle(
+        zeros::refit(
             &arm,
             (recording, of_band),
             &mut selection.picks,

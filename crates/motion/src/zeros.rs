@@ -5,7 +5,7 @@ use std::rc::Rc;
 use haptical_model::Recording;
 
 use crate::arm::Arm;
-use crate::effect::{Context, zero_at};
+use crate::effect::{self, Context};
 use crate::fit::base::Base;
 use crate::fit::problem::{Problem, Reading};
 use crate::select::{Frame, Pick, numbers};
@@ -13,7 +13,7 @@ use crate::thresholds::select::{UNMOVED_SDS, ZERO_ROUNDS};
 
 /// Fits the zeros that were found once more with the readings moved by them, until they stay: then the base model's columns are those of the
 /// links where they stand. Where another effect was found too, or a link has an encoder of its own, the numbers stay as they are.
-pub(crate) fn settle(
+pub(crate) fn refit(
     arm: &Arm,
     (recording, reading): (&Recording, Reading),
     picks: &mut [Pick],
@@ -33,13 +33,13 @@ pub(crate) fn settle(
         let Some(steps) = steps(arm, (recording, reading), &zeros, misfit) else {
             return;
         };
-        let mut is_settled = true;
+        let mut is_unmoved = true;
         for ((_, offset, sd), (step, of_step)) in zeros.iter_mut().zip(steps) {
-            is_settled &= step.abs() < UNMOVED_SDS * of_step;
+            is_unmoved &= step.abs() < UNMOVED_SDS * of_step;
             *offset += step;
             *sd = of_step;
         }
-        if is_settled {
+        if is_unmoved {
             break;
         }
     }
@@ -77,11 +77,13 @@ fn steps(
         base: &base,
         torque: &torque,
     };
-    let candidates = zeros.iter().map(|(joint, ..)| zero_at(context, *joint));
+    let all = effect::zeros(context);
+    let at = |joint: usize| all.iter().find(|entry| entry.joint == Some(joint));
+    let candidates = zeros.iter().map(|(joint, ..)| at(*joint));
     let candidates: Vec<_> = candidates.collect::<Option<_>>()?;
     let columns = candidates
         .iter()
-        .flat_map(|own| own.columns.iter().map(Rc::clone));
+        .flat_map(|entry| entry.columns.iter().map(Rc::clone));
     let columns: Vec<_> = columns.collect();
     let fitted = frame.fitted(&columns, None);
     let of_each = candidates.iter().enumerate().map(|(at, candidate)| {

@@ -101,16 +101,18 @@ fn driving_friction(words: &Words<'_>) -> Option<String> {
     let adjusted = words.adjusted();
     let examined = words.examined;
     let of_joint = |joint: usize| {
-        let own = adjusted.iter().filter(|own| own.joint == joint + 1);
-        own.filter(|own| own.name == "friction")
-            .fold([0.0; 2], |[friction, half], own| {
-                let speed = match own.number.starts_with("viscous") {
+        let number = adjusted.iter().filter(|number| number.joint == joint + 1);
+        number.filter(|number| number.name == "friction").fold(
+            [0.0; 2],
+            |[friction, half], number| {
+                let speed = match number.number.starts_with("viscous") {
                     true => examined.fastest.get(joint).copied().unwrap_or(0.0),
                     false => 1.0,
                 };
-                let half_width = own.ci95[1] - own.after;
-                [friction + speed * own.after, half + speed * half_width]
-            })
+                let half_width = number.ci95[1] - number.after;
+                [friction + speed * number.after, half + speed * half_width]
+            },
+        )
     };
     let mut channels = examined.channels.iter().filter(|_| words.is_adequate);
     channels.find_map(|channel| {

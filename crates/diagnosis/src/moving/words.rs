@@ -205,14 +205,14 @@ impl<'e> Words<'e> {
     /// The gap of the torque with the largest one, or a joint's own, on rows that were not fitted.
     fn held_out(&self, joint: Option<usize>) -> Option<HeldOutAnswer> {
         // the share of a channel is said where the fit has a gap of it
-        let has_gap = |own: &&Unseen| {
+        let has_gap = |seen: &&Unseen| {
             let mut channels = self.examined.channels.iter();
-            channels.any(|channel| channel.joint == own.joint && channel.has_gap())
+            channels.any(|channel| channel.joint == seen.joint && channel.has_gap())
         };
         let mut unseen = self.examined.unseen.iter().filter(has_gap);
-        let of_joint = unseen.clone().find(|own| Some(own.joint) == joint);
-        let own = of_joint.or_else(|| largest_of(&mut unseen));
-        own.map(|own| self.answer_of(own))
+        let of_joint = unseen.clone().find(|seen| Some(seen.joint) == joint);
+        let shown = of_joint.or_else(|| largest_of(&mut unseen));
+        shown.map(|seen| self.answer_of(seen))
     }
 
     /// The gap of the torques as the log has them, and once its rows are set right: no torque was fitted for that.

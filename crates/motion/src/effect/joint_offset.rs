@@ -15,7 +15,8 @@ pub(super) const EFFECT: Effect = Effect::new("joint-offset", candidates)
 
 /// The links stand an angle `o` beside where the encoder says: `tau(theta + o) - tau(theta)` in all torques, by the nominal bodies. The
 /// derivative comes first, then the secant through the angle that is found.
-fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
+/// Each joint's, by the slope of the torques.
+pub(crate) fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     let problem = context.problem;
     let (states, joints) = (&problem.states, problem.arm.joints());
     let mut signals = vec![vec![vec![0.0; states.steps()]; joints]; joints];
@@ -41,12 +42,6 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
     }
     let of_joint = |(joint, signals): (usize, &Vec<Vec<f64>>)| of(context, joint, signals, None);
     signals.iter().enumerate().map(of_joint).collect()
-}
-
-/// The effect at one joint, by the slope of the torques.
-pub(crate) fn at(context: Context<'_>, joint: usize) -> Option<Candidate<'_>> {
-    let found = candidates(context).into_iter();
-    found.into_iter().find(|own| own.joint == Some(joint))
 }
 
 /// The secant through an angle: exact where the coefficient is that angle.

@@ -20,6 +20,7 @@ use std::rc::Rc;
 
 use nalgebra::Vector3;
 
+pub(crate) use self::joint_offset::candidates as zeros;
 pub(crate) use self::torque_saturation::ends_at;
 use crate::arm::Arm;
 use crate::change::Change;
@@ -207,9 +208,6 @@ pub(crate) fn is_exact(name: &str) -> bool {
 pub(crate) fn is_zero(name: &str) -> bool {
     name == joint_offset::EFFECT.name
 }
-
-/// A joint's zero that is off, at a joint.
-pub(crate) use self::joint_offset::at as zero_at;
 
 /// Whether an effect of this size may be that of a sound arm.
 pub(crate) fn is_calibration(name: &str, numbers: &[(&'static str, f64, f64)]) -> bool {

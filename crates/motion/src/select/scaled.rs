@@ -14,13 +14,13 @@ pub(super) fn scaled<'c>(
     start: &State<'c>,
     found: &State<'c>,
 ) -> Result<Option<State<'c>>, Infallible> {
-    let has_body = found.taken.iter().any(|own| is_of_bodies(own.effect));
+    let has_body = found.taken.iter().any(|entry| is_of_bodies(entry.effect));
     if found.taken.len() < 2 || !has_body || found.taken.iter().any(is_scale_of_all) {
         return Ok(None);
     }
     let (frame, pool) = (search.frame, search.pool);
     let mut scales = pool.given_of(torque_gain::EFFECT.name);
-    let scale = scales.find(|own| is_scale_of_all(own)).cloned();
+    let scale = scales.find(|entry| is_scale_of_all(entry)).cloned();
     let Some(first) = scale.and_then(|scale| with(frame, start, scale)) else {
         return Ok(None);
     };
@@ -34,6 +34,6 @@ pub(super) fn scaled<'c>(
 
 /// What a state leaves, its effects' numbers counted \[nats\].
 pub(super) fn cost(frame: &Frame<'_>, state: &State<'_>) -> f64 {
-    let numbers = state.taken.iter().map(|own| penalty(frame, own));
+    let numbers = state.taken.iter().map(|entry| penalty(frame, entry));
     state.fitted.excess + numbers.sum::<f64>()
 }

@@ -11,7 +11,7 @@ fn examined(log: &Recording) -> Examined {
 
 fn names(found: &Examined) -> Vec<(&str, Option<usize>)> {
     let mut names: Vec<_> = (found.findings.iter())
-        .map(|own| (own.effect, own.joint))
+        .map(|entry| (entry.effect, entry.joint))
         .collect();
     names.sort_unstable();
     names
@@ -64,7 +64,7 @@ fn a_factor_on_all_torques_is_found_next_to_a_payload() {
         let gain = found
             .findings
             .iter()
-            .find(|own| own.effect == "torque-gain");
+            .find(|entry| entry.effect == "torque-gain");
         let (factor, sd) = number(gain.unwrap());
         assert!(
             (factor - 0.5).abs() < 3.0 * sd && sd < 0.05,
@@ -90,9 +90,9 @@ fn an_effect_that_was_taken_early_makes_room_for_a_better_one() {
             "seed {seed}: {:?}",
             found.findings
         );
-        for own in &found.findings {
-            let ahead = own.rivals.iter().find(|rival| rival.behind_nats < -5.0);
-            assert_eq!(ahead, None, "seed {seed}: in the place of {own:?}");
+        for entry in &found.findings {
+            let ahead = entry.rivals.iter().find(|rival| rival.behind_nats < -5.0);
+            assert_eq!(ahead, None, "seed {seed}: in the place of {entry:?}");
         }
     }
 }
@@ -139,7 +139,7 @@ fn bodies_are_those_of_the_fit() {
     let upper = 3.0 * 0.2 * factor[0];
     let fore = 2.0 * (0.4 + 0.15) * factor[1];
     let [before, after] =
-        [weight(&device()), weight(&fitted)].map(|own| (own - upper - fore).abs());
+        [weight(&device()), weight(&fitted)].map(|entry| (entry - upper - fore).abs());
     assert!(after < 0.3 * before, "{after} of {before} is left");
 }
 
@@ -158,7 +158,9 @@ fn a_drag_of_the_speeds_square_is_no_stribeck_friction() {
         let found = examined(&log);
         assert!(found.has_gap(), "seed {seed}");
         let is_answer = found.is_answer();
-        let has_name = names(&found).iter().any(|own| own.0 == "stribeck-friction");
+        let has_name = names(&found)
+            .iter()
+            .any(|entry| entry.0 == "stribeck-friction");
         assert!(
             !(is_answer && has_name),
             "seed {seed}: {:?}",
