@@ -342,6 +342,22 @@ mod tests {
         assert!(spikes[0].rows.iter().all(|row| row % 61 == 40));
     }
 
+    /// Where friction changes sides at the top of a wave, one reading may lie alone.
+    #[test]
+    fn a_corner_of_a_torque_without_noise_is_no_wild_reading() {
+        let corners = |size: f64| {
+            let mut column: Vec<f64> = (0..1200)
+                .map(|row| 3.0 * (0.02 * f64::from(row)).cos())
+                .collect();
+            for row in (40..1200).step_by(61) {
+                column[row] += size;
+            }
+            found(&column).1.len()
+        };
+        assert_eq!(corners(0.1), 0);
+        assert_eq!(corners(1.0), 1);
+    }
+
     #[test]
     fn each_channel_with_dropouts_has_its_gap_and_no_other() {
         let device = Device::from_toml("[[joint]]\n", "device.toml")

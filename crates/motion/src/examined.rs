@@ -464,6 +464,38 @@ mod tests {
     }
 
     #[test]
+    fn several_effects_need_rows_that_no_fit_saw_and_make_no_gap_of_them() {
+        let with = |effects: usize, seen: &[(usize, f64, f64)]| {
+            let mut found = left("stribeck-friction", 0.2, 600.0);
+            let further = found.findings[0].clone();
+            found.findings.resize(effects, further);
+            let mut other = found.channels[0].clone();
+            (other.joint, other.rms_before, other.rms_after) = (1, 1.0, 1.0);
+            found.channels.push(other);
+            let unseen = seen.iter().map(|(joint, before, after)| {
+                let rows = if before.is_nan() { 0 } else { 100 };
+                let sum = |square: f64| if rows == 0 { 0.0 } else { 100.0 * square };
+                Unseen {
+                    rows: [rows; PARTS],
+                    before: [sum(*before); PARTS],
+                    after: [sum(*after); PARTS],
+                    ..Unseen::new(*joint, 1.0)
+                }
+            });
+            Examined {
+                unseen: unseen.collect(),
+                ..found
+            }
+            .is_adequate()
+        };
+        let none = f64::NAN;
+        assert!(with(2, &[(0, 3600.0, 1.0), (1, 1.0, 1.0)]));
+        assert!(!with(2, &[(0, none, none), (1, 1.0, 1.0)]), "not predicted");
+        assert!(with(1, &[(0, none, none), (1, 1.0, 1.0)]), "one effect");
+        assert!(!with(1, &[(0, 3600.0, 1.0), (1, 1.0, 9.0)]), "a new gap");
+    }
+
+    #[test]
     fn an_effect_that_may_be_freedom_spoils_a_name_unless_it_is_small() {
         let with = |nats: f64, is_told: bool| {
             let mut found = left("payload", 0.2, 600.0);

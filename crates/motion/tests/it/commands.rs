@@ -320,6 +320,27 @@ fn positions_that_are_logged_late_are_no_late_command() {
     }
 }
 
+/// Where the file says that positions are late, commands go with the torques.
+#[test]
+fn a_command_is_in_time_next_to_positions_that_the_file_says_are_late() {
+    let drives = Drives {
+        logged_late_s: 0.02,
+        ..SOUND
+    };
+    let mut device = device();
+    for joint in &mut device.joints {
+        joint.torque_delay_s = Some(-0.02);
+    }
+    let log = drives.log(1);
+    let torques = examine(&device, &log, None, &[]).unwrap();
+    let found = examine_tracking(&device, (&log, None), &torques, &[]).unwrap();
+    assert!(
+        found.examined.findings.is_empty(),
+        "{:?}",
+        found.examined.findings
+    );
+}
+
 #[test]
 fn what_cannot_be_told_says_why() {
     let cubic = Drives {

@@ -186,3 +186,50 @@ fn an_oscillation_beyond_the_band_is_said() {
     assert!((line.hz - 60.0).abs() < 0.2, "{line:?}");
     assert!((line.amplitude - 1.0).abs() < 0.05, "{line:?}");
 }
+
+/// A hundredth of the dry friction is part of the floor.
+#[test]
+fn the_law_of_friction_is_part_of_the_noise() {
+    let floor = |rough_nm: f64| {
+        let truth = Truth {
+            rough_nm,
+            ..Truth::default()
+        };
+        examined(&recording(truth, 1)).channels[0].noise
+    };
+    let (usual, rough) = (floor(0.0), floor(200.0));
+    assert!(
+        (rough.hypot(-usual) / 2.0 - 1.0).abs() < 0.05,
+        "{usual} {rough}"
+    );
+}
+
+/// What a large effect's law may be off by has no name.
+#[test]
+fn an_offset_of_a_hundredth_of_a_payload_is_no_further_cause() {
+    for seed in 1..=3 {
+        let has_offset = |offset_nm: f64| {
+            let truth = Truth {
+                payload_kg: 3.0,
+                offset_nm,
+                ..Truth::default()
+            };
+            let found = examined(&recording(truth, seed));
+            assert!(found.is_answer(), "seed {seed}: {:?}", found.findings);
+            names(&found).contains(&("torque-offset", Some(0)))
+        };
+        assert!(!has_offset(0.2), "seed {seed}");
+        assert!(has_offset(6.0), "seed {seed}");
+    }
+}
+
+#[test]
+fn a_zero_of_some_milliradians_is_calibration() {
+    for seed in 1..=4 {
+        let mut log = recording(Truth::default(), seed);
+        log.joint[1].iter_mut().for_each(|at| *at -= 0.008);
+        let found = examined(&log);
+        assert!(!found.has_gap(), "seed {seed}");
+        assert_eq!(names(&found), [], "seed {seed}");
+    }
+}
