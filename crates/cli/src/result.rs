@@ -69,19 +69,25 @@ impl MadeResult {
     }
 
     /// Those commands, with the places at which its files were written.
-    fn said_next(&self, paths: &[String]) -> String {
-        let place = |word: &str| {
-            let is_it =
-                |path: &&String| Path::new(path).file_name().is_some_and(|name| name == word);
-            paths
-                .iter()
-                .find(is_it)
-                .map_or(word.to_owned(), |path| shell_word(path))
-        };
+    /// Inputs that a result calls by their names alone get theirs.
+    fn said_next(&self, paths: &[String], inputs: &[(&'static str, &Path)]) -> String {
+        let given = inputs.iter().map(|(_, path)| Source::given(path));
+        let given = given.map(|source| (shell_word(&source.label), source.path));
+        let written = paths.iter().map(PathBuf::from);
+        let written = written.filter_map(|path| {
+            let name = path.file_name()?.to_str()?.to_owned();
+            Some((name, path))
+        });
+        let places: Vec<(String, PathBuf)> = written.chain(given).collect();
         let line = |(label, command): &(&str, String)| {
-            let words: Vec<String> = command.split(' ').map(place).collect();
+            let placed = places
+                .iter()
+                .fold(format!("{command} "), |command, (name, path)| {
+                    let place = shell_word(&path.display().to_string());
+                    command.replace(&format!(" {name} "), &format!(" {place} "))
+                });
             let width = if label.is_empty() { 2 } else { 9 };
-            format!("{label:<width$}{}\n", words.join(" "))
+            format!("{label:<width$}{}\n", placed.trim_end())
         };
         self.next.iter().map(line).collect()
     }
@@ -182,7 +188,7 @@ pub(crate) fn run(
         .iter()
         .map(|path| path.display().to_string())
         .collect();
-    let said = made.said_next(&paths);
+    let said = made.said_next(&paths, &inputs);
     terminal::write_output((made.summary + &written(&paths) + &said).as_bytes())
 }
 

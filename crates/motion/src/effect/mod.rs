@@ -214,6 +214,11 @@ pub(crate) fn is_calibration(name: &str, numbers: &[(&'static str, f64, f64)]) -
     name == joint_offset::EFFECT.name && joint_offset::is_calibration(numbers)
 }
 
+/// Whether an effect is a constant of its torque.
+pub(crate) fn is_constant(name: &str) -> bool {
+    name == torque_offset::EFFECT.name
+}
+
 /// Whether an effect is a body that is off.
 pub(crate) fn is_of_bodies(name: &str) -> bool {
     [payload::EFFECT.name, link_inertia::EFFECT.name].contains(&name)

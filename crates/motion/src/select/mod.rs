@@ -23,7 +23,7 @@ pub(crate) use self::numbers::numbers;
 pub(crate) use self::rivals::Rival;
 pub(crate) use self::scored::{Place, Pool};
 use self::scored::{Scored, penalty};
-use crate::effect::{Candidate, Context, Finer, is_exact, is_zero, torque_gain};
+use crate::effect::{Candidate, Context, Finer, is_constant, is_exact, is_zero, torque_gain};
 use crate::examined::is_beyond_noise;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
@@ -215,17 +215,21 @@ impl<'s, 'f, 'c> Search<'s, 'f, 'c> {
         }
     }
 
-    /// Whether a further effect explains more of a channel than the law of those before may be off by there. Effects whose laws are all exact
-    /// and that leave noise alone are no such rest.
+    /// Whether a further effect explains more of a channel than the law of those before may be off by there. A constant that is no
+    /// body's and leaves noise alone next to bodies is no such rest.
     fn is_beyond_law(&self, state: &State<'c>, further: &State<'c>) -> bool {
         let problem = self.frame.problem;
         let [before, after] =
             [&state.fitted, &further.fitted].map(|fitted| squares(problem, fitted));
         let mut channels = before.iter().zip(&after).zip(&self.bare_squares);
-        let are_exact = further.taken.iter().all(|taken| is_exact(taken.effect));
+        let is_constant = state.taken.iter().all(|taken| is_exact(taken.effect))
+            && further
+                .taken
+                .last()
+                .is_some_and(|last| is_constant(last.effect));
         state.taken.is_empty()
             || channels.any(|((before, after), bare)| before - after > LEFT_BY_LAW * bare)
-            || (are_exact && is_quiet(problem, &further.fitted))
+            || (is_constant && is_quiet(problem, &further.fitted))
     }
 
     /// What a further effect has to explain.

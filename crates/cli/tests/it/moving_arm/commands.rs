@@ -2,6 +2,7 @@
 
 use super::log::{Arm, Log};
 use super::{Trial, told, warns};
+use crate::{haptical, text};
 
 /// Why an effect could not be tested.
 fn untestable(answer: &serde_json::Value, effect: &str) -> Option<String> {
@@ -48,4 +49,29 @@ fn commands_that_are_heard_in_time_are_no_gap_and_none_are_not_tested() {
     let answer = trial.answer("arm.xml", "log.csv", &["--force"]);
     let why = untestable(&answer, "command-latency").unwrap();
     assert!(why.contains("command1_rad"), "{why}");
+}
+
+/// What is printed runs where the command was started, wherever the files lie, whatever they are called.
+#[test]
+fn printed_commands_have_the_places_of_the_files() {
+    let trial = Trial::new(Arm {
+        payload_kg: 1.2,
+        ..Arm::default()
+    });
+    let device = trial.path("the arm.urdf");
+    std::fs::rename(trial.path("arm.urdf"), &device).unwrap();
+    let output = haptical()
+        .arg("diagnose")
+        .args(["--device".as_ref(), device.as_os_str()])
+        .args(["--log".as_ref(), trial.path("log.csv").as_os_str()])
+        .args(["--out".as_ref(), trial.path("out").as_os_str()])
+        .output()
+        .unwrap();
+    let said = text(&output.stdout);
+    let check = format!(
+        "haptical diagnose --device '{}' --model {} --log NEW_LOG",
+        device.display(),
+        trial.path("out/corrected.toml").display()
+    );
+    assert!(said.contains(&check), "{said}");
 }
