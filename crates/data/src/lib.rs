@@ -45,7 +45,9 @@ pub use error::{DataError, Fault};
 pub use json_lines::{JsonCell, JsonColumns, JsonRefusal};
 pub use nearest::{Nearest, nearest, usual_distance_ns};
 #[cfg(feature = "parquet")]
-pub use parquet_lists::{ParquetColumns, ParquetTable, parquet_table, read_parquet_columns};
+pub use parquet_lists::{
+    ParquetColumns, ParquetTable, parquet_names, parquet_table, read_parquet_columns,
+};
 pub use read::known::known_file;
 pub use read::table::{Cells, log_from_columns};
 pub use read::{LoadedLog, read_log, read_log_from};

@@ -8,6 +8,7 @@ use parquet::basic::Type;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::ColumnDescriptor;
 
 use crate::error::DataError;
 use crate::error::place::Place;
@@ -56,6 +57,39 @@ pub fn read_parquet_columns(
         .unwrap_or_else(|_| Err(cut_short(Place::file(&name), "its parts contradict")))
 }
 
+/// Names of a Parquet file's columns: a list is one, parts of a structure are joined by points.
+///
+/// # Errors
+/// A file that cannot be read or is no Parquet.
+pub fn parquet_names(path: &Path) -> Result<Vec<String>, DataError> {
+    let name = path.display().to_string();
+    let file = File::open(path).map_err(|source| open_error(&name, source))?;
+    let content = content(file, &name)?;
+    let read = AssertUnwindSafe(|| {
+        let file = SerializedFileReader::new(content).map_err(|error| damaged(&name, &error))?;
+        let schema = file.metadata().file_metadata().schema_descr();
+        Ok(schema
+            .columns()
+            .iter()
+            .map(|column| name_of(column))
+            .collect())
+    });
+    catch_unwind(read)
+        .unwrap_or_else(|_| Err(cut_short(Place::file(&name), "its parts contradict")))
+}
+
+/// `q.list.element` is the list `q`.
+fn name_of(column: &ColumnDescriptor) -> String {
+    let parts = column.path().parts().iter().map(String::as_str);
+    let parts: Vec<&str> = match column.max_rep_level() {
+        0 => parts.collect(),
+        _ => parts
+            .take_while(|part| !["list", "bag"].contains(part))
+            .collect(),
+    };
+    parts.join(".")
+}
+
 /// All columns of numbers of a Parquet file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParquetTable {
@@ -77,13 +111,7 @@ pub fn parquet_table(bytes: Vec<u8>, name: &str) -> Result<ParquetTable, DataErr
         let schema = file.metadata().file_metadata().schema_descr();
         let mut table = ParquetTable::default();
         for (index, column) in schema.columns().iter().enumerate() {
-            // `q.list.element` is the list `q`
-            let parts = column.path().parts().iter().map(String::as_str);
-            let parts: Vec<&str> = match column.max_rep_level() {
-                0 => parts.collect(),
-                _ => parts.take_while(|part| *part != "list").collect(),
-            };
-            let own = parts.join(".");
+            let own = name_of(column);
             let is_number = matches!(
                 column.physical_type(),
                 Type::INT32 | Type::INT64 | Type::FLOAT | Type::DOUBLE
@@ -113,14 +141,19 @@ struct Reader<'f> {
 }
 
 impl Reader<'_> {
-    /// The column whose path begins with a name: a list's leaf is `action.list.element`.
     fn index(&self, wanted: &str) -> Option<usize> {
         let schema = self.file.metadata().file_metadata().schema_descr();
-        let is_it = |path: &[String]| {
-            // a name with a dot is one part
-            path.first().is_some_and(|first| first == wanted)
+        let columns = schema.columns();
+        let named = columns.iter().position(|column| name_of(column) == wanted);
+        // older writers call a list's elements otherwise
+        let first = |column: &ColumnDescriptor| {
+            column
+                .path()
+                .parts()
+                .first()
+                .is_some_and(|first| first == wanted)
         };
-        (schema.columns().iter()).position(|column| is_it(column.path().parts()))
+        named.or_else(|| columns.iter().position(|column| first(column)))
     }
 
     /// All cells of a column, with the lengths of the rows.
@@ -182,10 +215,11 @@ impl Reader<'_> {
     fn list(&self, wanted: &str) -> Result<Vec<Vec<f64>>, DataError> {
         let Some(index) = self.index(wanted) else {
             let schema = self.file.metadata().file_metadata().schema_descr();
-            let mut names: Vec<&str> = (schema.columns().iter())
-                .filter_map(|column| column.path().parts().first().map(String::as_str))
+            let names: Vec<String> = schema
+                .columns()
+                .iter()
+                .map(|column| name_of(column))
                 .collect();
-            names.dedup();
             let what = format!("it has no column `{wanted}`, but {}", names.join(", "));
             let advice = "give a data set that has it";
             return Err(refused(Place::file(self.name), what, advice));

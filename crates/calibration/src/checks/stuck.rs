@@ -126,7 +126,7 @@ fn outputs(recording: &Recording) -> Vec<String> {
 }
 
 /// Whether a column has one value, in rows enough.
-fn is_one<'c>(column: impl Iterator<Item = &'c f64>) -> bool {
+pub(super) fn is_one<'c>(column: impl Iterator<Item = &'c f64>) -> bool {
     let read: Vec<f64> = column.copied().filter(|value| value.is_finite()).collect();
     let [low, high] = extremes(&read);
     read.len() >= LEAST_ROWS && low.to_bits() == high.to_bits()

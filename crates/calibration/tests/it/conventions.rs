@@ -281,3 +281,42 @@ fn positions_of_the_row_before_are_named() {
         }
     }
 }
+
+/// A motor's turns in place of a joint's angle, and an encoder that reads one value while its joint moves.
+#[test]
+fn a_gear_and_an_encoder_that_does_not_answer_are_named() {
+    for (is_known, has_orientations) in [(true, false), (false, true)] {
+        let device = device(is_known);
+        let right = seen(&device, has_orientations);
+        check_rig(&device, &right).unwrap();
+        for (joint, gear) in [(0, 3.0), (1, 100.0), (2, 0.01), (3, -51.0)] {
+            let mut wrong = right.clone();
+            wrong.joint[joint]
+                .iter_mut()
+                .for_each(|angle| *angle *= gear);
+            let words = said(&device, &wrong);
+            let (does, about) = match f64::abs(gear) < 1.0 {
+                true => ("times", 1.0 / gear),
+                false => ("divided by", gear),
+            };
+            let column = format!("column `theta{}_rad` {does} ", joint + 1);
+            let (_, stated) = words
+                .split_once(&column)
+                .unwrap_or_else(|| panic!("{words}"));
+            let stated: f64 = stated
+                .split([' ', ';', ','])
+                .next()
+                .unwrap()
+                .parse()
+                .unwrap();
+            assert!((stated / about - 1.0).abs() < 0.02, "{words}");
+        }
+        for joint in 0..JOINTS - 1 {
+            let mut wrong = right.clone();
+            wrong.joint[joint].fill(0.0);
+            let words = said(&device, &wrong);
+            let column = format!("column `theta{}_rad` as the tracker shows", joint + 1);
+            assert!(words.contains(&column), "{words}");
+        }
+    }
+}

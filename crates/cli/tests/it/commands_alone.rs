@@ -397,3 +397,60 @@ fn units_are_said_or_refused() {
     let expected = -0.17 - 0.0192 * 19.18;
     assert!((first[13] - expected).abs() < 1e-5, "{first:?}");
 }
+
+#[cfg(feature = "parquet")]
+#[test]
+fn data_sets_of_other_keys_and_orders_are_read_by_their_words_and_the_device() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("log.csv");
+    let imported = |from: &Path, flags: &[&str]| {
+        let flags = [flags, &["--force", "--json"]].concat();
+        let output = import(from, &log, &flags);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (
+            said["warnings"].to_string(),
+            std::fs::read_to_string(&log).unwrap(),
+        )
+    };
+    let other = dataset().join("other.parquet");
+    let (said, rows) = imported(&other, &["--units", "radians"]);
+    assert!(said.contains("no commands of these joints"), "{said}");
+    assert!(said.contains("those of `observations.qpos`"), "{said}");
+    // no time is recorded but a frame's number, at 30 a second
+    let second = "0.03333333333333333,0,0.01,0.02,0.03,0.5";
+    assert_eq!(rows.lines().nth(2), Some(second));
+    let (said, rows) = imported(&other, &["--units", "radians", "--joints", "3,1"]);
+    assert!(said.contains("left out: 2, 4"), "{said}");
+    assert_eq!(rows.lines().nth(2), Some("0.03333333333333333,0,0.03,0.01"));
+    let keys = ["--units", "radians", "--state", "observations.qvel"];
+    assert_eq!(
+        imported(&other, &keys).1.lines().nth(2),
+        Some("0.03333333333333333,0,0.3,0.6,0.9,0")
+    );
+
+    // an arm of the same servos, listed from the hand
+    let arm = folder.path().join("arm.toml");
+    let joints = [
+        "wrist_roll",
+        "Wrist-Flex",
+        "elbow_flex_joint",
+        "shoulder_lift",
+        "shoulder_pan",
+    ];
+    let joints = joints.map(|name| format!("[[joint]]\nname = \"{name}\"\n"));
+    std::fs::write(&arm, joints.concat()).unwrap();
+    let (_, all) = imported(&dataset(), &["--units", "degrees"]);
+    let flags = ["--units", "degrees", "--device", arm.to_str().unwrap()];
+    let (said, ordered) = imported(&dataset(), &flags);
+    assert!(said.contains("left out: gripper"), "{said}");
+    let cell = |text: &str, column: usize| {
+        let line = text.lines().nth(40).unwrap();
+        line.split(',').nth(column).unwrap().to_owned()
+    };
+    assert!(all.starts_with("t_s,run,theta1_rad"), "{all}");
+    for joint in 0..5 {
+        assert_eq!(cell(&ordered, 2 + joint), cell(&all, 6 - joint));
+        assert_eq!(cell(&ordered, 7 + joint), cell(&all, 12 - joint));
+    }
+}

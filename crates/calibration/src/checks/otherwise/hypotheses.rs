@@ -12,7 +12,7 @@ const LATENCY_S: f64 = 0.05;
 
 const SIGN_OR_ORDER: &str =
     "correct the log, or the sign or order of the joints in the device file";
-const UNITS: &str =
+pub(super) const UNITS: &str =
     "correct the log, or the counts and the transmission ratio that it was made with";
 const SUMS: &str = "write each joint's angle against the link before it";
 const ROWS: &str = "correct the log: write what was measured at one posture into one row";
@@ -65,6 +65,11 @@ impl<'a> Hypothesis<'a> {
             numbers,
             change,
         }
+    }
+
+    /// The same, with as many numbers as were chosen to fit the log.
+    pub(super) fn with_numbers(self, numbers: usize) -> Self {
+        Self { numbers, ..self }
     }
 
     /// Whether columns have other readings.

@@ -3,6 +3,7 @@
 pub(crate) mod hypotheses;
 mod misses;
 mod outputs;
+mod searched;
 mod tracker;
 
 use haptical_model::kinematics::nalgebra::{Quaternion, Rotation3, UnitQuaternion};
@@ -92,7 +93,14 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
         all.extend(of_joints(device));
         all.extend(of_rows(recording));
     }
-    judge(device, recording, &all)
+    let Some(missing) = Missing::new(device, recording) else {
+        return Ok(());
+    };
+    missing.judge(&all)?;
+    match device.has_links() {
+        true => missing.judge(&searched::of_joints(device, recording, &missing.rows)),
+        false => Ok(()),
+    }
 }
 
 /// Refuses positions of runs between which the tracker was set up anew, where the device has one place for all: no fit of a device
@@ -109,7 +117,11 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
 /// # Ok::<(), haptical_model::DeviceFileError>(())
 /// ```
 pub fn check_stands(device: &Device, recording: &Recording) -> Result<(), CalibrationError> {
-    judge(device, recording, &tracker::of_runs(device, recording))
+    let all = tracker::of_runs(device, recording);
+    match Missing::new(device, recording).filter(|_| !all.is_empty()) {
+        Some(missing) => missing.judge(&all),
+        None => Ok(()),
+    }
 }
 
 /// A hypothesis with what is missed as logged and with it, both of the channels that it changes, and then of all.
@@ -121,68 +133,82 @@ struct Found<'h> {
     all: f64,
 }
 
-/// One rule for all hypotheses: what the channels miss that it changes is gross as logged and several times less with it.
-///
-/// Of several the one with which all channels together miss least is named, with those that change the same channels, are as
-/// good and bring the fewest numbers.
-fn judge(
-    device: &Device,
-    recording: &Recording,
-    all: &[Hypothesis<'_>],
-) -> Result<(), CalibrationError> {
-    let inner = (0..recording.len()).filter(|&row| has_neighbours(recording, row));
-    let mut rows: Vec<usize> = inner.collect();
-    if rows.len() < LEAST_ROWS {
-        rows = (0..recording.len()).collect();
-    }
-    if all.is_empty() || rows.len() < LEAST_ROWS {
-        return Ok(());
-    }
-    let some = spread_rows(rows.len(), MOST_ROWS).into_iter();
-    let rows: Vec<usize> = some.map(|place| rows[place]).collect();
-    let logged = Misses::new(device, &recording.select(&rows));
-    if logged.total(|_| true) <= GROSS {
-        return Ok(());
-    }
-    let tried = all.iter().filter_map(|hypothesis| {
-        let (device, log) = hypothesis.apply(device, recording, &rows);
-        let with = Misses::new(&device, &log);
-        let channels = logged.differ(&with);
-        let [before, after] =
-            [&logged, &with].map(|misses| misses.total(|channel| channels.contains(&channel)));
-        let better = match hypothesis.numbers {
-            0 => BETTER,
-            _ => BETTER_BY_NUMBERS,
-        };
-        let is_better = before > GROSS && after * better < before;
-        // a change that leaves a row without a pose leaves nothing to compare
-        (is_better && (with.has_poses || !logged.has_poses)).then(|| Found {
-            hypothesis,
-            channels,
-            before,
-            after,
-            all: with.total(|_| true),
+/// A log that misses its device by far.
+struct Missing<'a> {
+    device: &'a Device,
+    recording: &'a Recording,
+    rows: Vec<usize>,
+    logged: Misses,
+}
+
+impl<'a> Missing<'a> {
+    /// None where the log has few rows, or misses the device by less than what a device file is off by.
+    fn new(device: &'a Device, recording: &'a Recording) -> Option<Self> {
+        let inner = (0..recording.len()).filter(|&row| has_neighbours(recording, row));
+        let mut rows: Vec<usize> = inner.collect();
+        if rows.len() < LEAST_ROWS {
+            rows = (0..recording.len()).collect();
+        }
+        if rows.len() < LEAST_ROWS {
+            return None;
+        }
+        let some = spread_rows(rows.len(), MOST_ROWS).into_iter();
+        let rows: Vec<usize> = some.map(|place| rows[place]).collect();
+        let logged = Misses::new(device, &recording.select(&rows));
+        (logged.total(|_| true) > GROSS).then_some(Self {
+            device,
+            recording,
+            rows,
+            logged,
         })
-    });
-    let found: Vec<Found<'_>> = tried.collect();
-    let Some(best) = found.iter().min_by(|a, b| a.all.total_cmp(&b.all)) else {
-        return Ok(());
-    };
-    let as_good =
-        |other: &&Found<'_>| other.channels == best.channels && other.all <= AS_GOOD * best.all;
-    let as_good: Vec<&Found<'_>> = found.iter().filter(as_good).collect();
-    let fewest = as_good.iter().map(|found| found.hypothesis.numbers).min();
-    let is_named = |found: &&&Found<'_>| Some(found.hypothesis.numbers) == fewest;
-    let named: Vec<&Found<'_>> = as_good.iter().filter(is_named).copied().collect();
-    let what: Vec<&str> = named
-        .iter()
-        .map(|found| found.hypothesis.what.as_str())
-        .collect();
-    let first = named.first().copied().unwrap_or(best);
-    Err(CalibrationError::MistakenLog {
-        what: what.join(", or "),
-        before: first.before,
-        after: first.after,
-        mend: first.hypothesis.mend,
-    })
+    }
+
+    /// One rule for all hypotheses: what the channels miss that it changes is gross as logged and several times less with it.
+    ///
+    /// Of several the one with which all channels together miss least is named, with those that change the same channels, are as
+    /// good and bring the fewest numbers.
+    fn judge(&self, all: &[Hypothesis<'_>]) -> Result<(), CalibrationError> {
+        let logged = &self.logged;
+        let tried = all.iter().filter_map(|hypothesis| {
+            let (device, log) = hypothesis.apply(self.device, self.recording, &self.rows);
+            let with = Misses::new(&device, &log);
+            let channels = logged.differ(&with);
+            let [before, after] =
+                [logged, &with].map(|misses| misses.total(|channel| channels.contains(&channel)));
+            let better = match hypothesis.numbers {
+                0 => BETTER,
+                _ => BETTER_BY_NUMBERS,
+            };
+            let is_better = before > GROSS && after * better < before;
+            // a change that leaves a row without a pose leaves nothing to compare
+            (is_better && (with.has_poses || !logged.has_poses)).then(|| Found {
+                hypothesis,
+                channels,
+                before,
+                after,
+                all: with.total(|_| true),
+            })
+        });
+        let found: Vec<Found<'_>> = tried.collect();
+        let Some(best) = found.iter().min_by(|a, b| a.all.total_cmp(&b.all)) else {
+            return Ok(());
+        };
+        let as_good =
+            |other: &&Found<'_>| other.channels == best.channels && other.all <= AS_GOOD * best.all;
+        let as_good: Vec<&Found<'_>> = found.iter().filter(as_good).collect();
+        let fewest = as_good.iter().map(|found| found.hypothesis.numbers).min();
+        let is_named = |found: &&&Found<'_>| Some(found.hypothesis.numbers) == fewest;
+        let named: Vec<&Found<'_>> = as_good.iter().filter(is_named).copied().collect();
+        let what: Vec<&str> = named
+            .iter()
+            .map(|found| found.hypothesis.what.as_str())
+            .collect();
+        let first = named.first().copied().unwrap_or(best);
+        Err(CalibrationError::MistakenLog {
+            what: what.join(", or "),
+            before: first.before,
+            after: first.after,
+            mend: first.hypothesis.mend,
+        })
+    }
 }

@@ -1,12 +1,17 @@
 //! A LeRobot data set (versions 2 and 3) to a CSV log: `action` is the command, `observation.state` the joints, an episode a run.
 
+mod keys;
+mod order;
+mod rows;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use haptical_data::read_parquet_columns;
 use haptical_model::{Device, JointType, Recording};
 use serde_json::Value;
 
+use self::order::order;
+use self::rows::Rows;
 use super::{Imported, Target, shape_without_limits};
 use crate::failure::Failure;
 use crate::flags::DeviceOptions;
@@ -17,7 +22,8 @@ Example:
   haptical import lerobot my_dataset --units degrees --out log.csv
   haptical import lerobot file-000.parquet --units percent --device arm.urdf --out log.csv
 
-The joints are in the order of the data set. Percent (-100 to 100, a gripper 0 to 100) is of the range between a
+With --device, a URDF for example, joints have the device's order by their names, and others, a gripper for example, are left out;
+else they have the data set's. Percent (-100 to 100, a gripper 0 to 100) is of the range between a
 joint's limits in --device, which must be the range that the servo was calibrated to.";
 
 /// Flags of `haptical import lerobot`.
@@ -31,9 +37,18 @@ pub(super) struct LerobotArguments {
     /// Unit of its numbers; without it degrees where a number is beyond 101, else it must be said
     #[arg(long)]
     units: Option<Units>,
-    /// Device file (TOML, URDF or MJCF), for the limits that percent are of
+    /// Device file (TOML, URDF or MJCF): its joints by their names, and the limits that percent are of
     #[arg(long, value_name = "FILE")]
     device: Option<PathBuf>,
+    /// The data set's joints that are written, in this order: names or numbers from 1
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    joints: Vec<String>,
+    /// Key of the joints' positions; without it `observation.state` or the key of such words
+    #[arg(long, value_name = "KEY")]
+    state: Option<String>,
+    /// Key of their commands; without it `action` or the key of such words
+    #[arg(long, value_name = "KEY")]
+    action: Option<String>,
     #[command(flatten)]
     device_options: DeviceOptions,
 }
@@ -51,53 +66,76 @@ enum Units {
 
 /// No joint turns by more percent.
 const MOST_PERCENT: f64 = 101.0;
-/// Columns of a data set.
-const LISTS: [&str; 2] = ["action", "observation.state"];
-const NUMBERS: [&str; 2] = ["timestamp", "episode_index"];
-
 /// Runs the command.
 pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
     arguments.target.check(None)?;
     let info = info(&arguments.dataset)?;
-    let table = Table::read(&arguments.dataset)?;
-    let joints = table.state.len();
-    let names = names(info.as_ref(), joints);
+    let asked = [&arguments.state, &arguments.action].map(Option::as_deref);
+    let rows = Rows::read(&arguments.dataset, asked, frames_per_second(info.as_ref()))?;
+    let keys = &rows.keys;
+    let all = names(info.as_ref(), &keys.state, rows.state.len());
     let device = arguments.device.as_ref();
     let device = device.map(|path| arguments.device_options.read_by_path(path));
     let device = device.transpose()?;
-    let units = units(arguments, &table)?;
     let model = device.as_ref().map(|device| &device.model);
-    let scales = scales(arguments, units, &names, model)?;
+    let order = order(
+        &all,
+        &arguments.joints,
+        model.zip(arguments.device.as_deref()),
+    )?;
+    let chosen: Vec<String> = order
+        .places
+        .iter()
+        .map(|place| all[*place].clone())
+        .collect();
+    let units = units(arguments, &rows)?;
+    let scales = scales(arguments, units, &chosen, model)?;
     let scaled = |columns: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        let all = columns.iter().zip(&scales);
-        all.map(|(column, (factor, zero))| column.iter().map(|own| own * factor + zero).collect())
+        let own = order.places.iter().zip(&scales);
+        let own = own.filter_map(|(place, scale)| Some((columns.get(*place)?, scale)));
+        own.map(|(column, (factor, zero))| column.iter().map(|own| own * factor + zero).collect())
             .collect()
     };
-    let command = scaled(&table.action).into_iter().enumerate();
-    let rows = table.time_s.len();
+    let joints = chosen.len();
+    let command = scaled(&rows.action).into_iter().enumerate();
+    let count = rows.time_s.len();
+    let mut warnings = Vec::new();
+    if rows.action.is_empty() {
+        warnings.push(format!(
+            "the data set has no commands of these joints, and the log has none; its keys are {}: give --action",
+            rows.known.join(", ")
+        ));
+    }
     let recording = Recording {
-        line: (2..rows as u64 + 2).collect(),
-        time_s: Some(table.time_s),
-        run: Some(table.episode),
-        joint: scaled(&table.state),
+        line: (2..count as u64 + 2).collect(),
+        joint: scaled(&rows.state),
         output: vec![None; joints],
         torque_nm: vec![None; joints],
         covariates: command
             .map(|(joint, column)| (format!("command{}_rad", joint + 1), column))
             .collect(),
+        time_s: Some(rows.time_s),
+        run: Some(rows.episode),
         ..Recording::default()
     };
     let mut shape = shape_without_limits(&vec![false; joints], 0);
-    for (joint, name) in shape.joints.iter_mut().zip(&names) {
+    for (joint, name) in shape.joints.iter_mut().zip(&chosen) {
         joint.name.clone_from(name);
     }
-    let mut warnings = device.map_or_else(Vec::new, |device| device.warnings);
-    let listed = names.iter().enumerate();
+    warnings.extend(device.into_iter().flat_map(|device| device.warnings));
+    warnings.extend(order.warning);
+    let listed = chosen.iter().enumerate();
     let listed: Vec<String> = listed
         .map(|(joint, name)| format!("theta{} is {name}", joint + 1))
         .collect();
     let listed = listed.join(", ");
     warnings.push(format!("the joints by their columns: {listed}"));
+    if keys.state != keys::LEROBOT_STATE {
+        warnings.push(format!(
+            "the joints are those of `{}`; give --state if that is wrong",
+            keys.state
+        ));
+    }
     let imported = Imported::of(&recording, &shape, warnings)?;
     arguments.target.write(imported)
 }
@@ -123,9 +161,14 @@ fn info(dataset: &Path) -> Result<Option<Value>, Failure> {
     value.map(Some)
 }
 
+/// Rows in a second, of data sets without a time of each.
+fn frames_per_second(info: Option<&Value>) -> Option<f64> {
+    info?.get("fps")?.as_f64().filter(|fps| *fps > 0.0)
+}
+
 /// Names of the joints: those of the feature's list, else numbers.
-fn names(info: Option<&Value>, joints: usize) -> Vec<String> {
-    let feature = info.and_then(|info| info.get("features")?.get("observation.state"));
+fn names(info: Option<&Value>, state: &str, joints: usize) -> Vec<String> {
+    let feature = info.and_then(|info| info.get("features")?.get(state));
     let names = feature.and_then(|feature| feature.get("names"));
     let listed = match names {
         Some(Value::Array(names)) => Some(names),
@@ -142,113 +185,11 @@ fn names(info: Option<&Value>, joints: usize) -> Vec<String> {
     }
 }
 
-/// The rows of all files.
-struct Table {
-    action: Vec<Vec<f64>>,
-    state: Vec<Vec<f64>>,
-    time_s: Vec<f64>,
-    episode: Vec<i64>,
-}
-
-impl Table {
-    fn read(dataset: &Path) -> Result<Self, Failure> {
-        let files = files(dataset)?;
-        let mut all: Option<Self> = None;
-        for file in &files {
-            let own = Self::of_file(file)?;
-            match &mut all {
-                None => all = Some(own),
-                Some(all) => all.extend(own, file)?,
-            }
-        }
-        all.ok_or_else(|| {
-            let said = "the data set has no Parquet file in data/; give a data set that was recorded, with its data";
-            Failure::of_file("no-data-set", said, dataset)
-        })
-    }
-
-    fn of_file(path: &Path) -> Result<Self, Failure> {
-        let read = read_parquet_columns(path, &LISTS, &NUMBERS)?;
-        let refused = |what: String| {
-            let next = "give a data set whose actions are positions of the joints that it observes";
-            Failure::in_file("no-data-set", what, path, next)
-        };
-        let mut lists = read.lists.into_iter();
-        let mut list = || lists.next().unwrap_or_default();
-        let (action, state) = (list(), list());
-        if action.len() != state.len() || state.is_empty() {
-            let (actions, states) = (action.len(), state.len());
-            let what = format!("it has {actions} actions and {states} states in a row");
-            return Err(refused(what));
-        }
-        let mut numbers = read.numbers.into_iter();
-        let Some(time_s) = numbers.next().flatten() else {
-            return Err(refused("it has no column `timestamp`".to_owned()));
-        };
-        let episode = numbers.next().flatten();
-        let rows = time_s.len();
-        let episode = episode.map_or(vec![0; rows], |column| {
-            column.iter().map(|value| *value as i64).collect()
-        });
-        Ok(Self {
-            action,
-            state,
-            time_s,
-            episode,
-        })
-    }
-
-    fn extend(&mut self, other: Self, path: &Path) -> Result<(), Failure> {
-        if other.state.len() != self.state.len() {
-            let (own, before) = (other.state.len(), self.state.len());
-            let said = format!(
-                "it has {own} joints, the files before it {before}; give the files of one robot"
-            );
-            return Err(Failure::of_file("no-data-set", said, path));
-        }
-        let pairs = (self.action.iter_mut().zip(other.action))
-            .chain(self.state.iter_mut().zip(other.state));
-        pairs.for_each(|(own, more)| own.extend(more));
-        self.time_s.extend(other.time_s);
-        self.episode.extend(other.episode);
-        Ok(())
-    }
-
-    fn largest(&self) -> f64 {
-        let all = self.action.iter().chain(&self.state).flatten();
-        all.fold(0.0, |most, value| most.max(value.abs()))
-    }
-}
-
-/// The Parquet files of a data set, in the order of their names.
-fn files(dataset: &Path) -> Result<Vec<PathBuf>, Failure> {
-    if !dataset.is_dir() {
-        return Ok(vec![dataset.to_owned()]);
-    }
-    let mut found = Vec::new();
-    let mut folders = vec![dataset.join("data")];
-    while let Some(folder) = folders.pop() {
-        let next = "give the folder that holds meta/ and data/";
-        let entries = std::fs::read_dir(&folder)
-            .map_err(|error| Failure::unreadable(&error, &folder, next))?;
-        for entry in entries.flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|end| end == "parquet") {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-fn units(arguments: &LerobotArguments, table: &Table) -> Result<Units, Failure> {
+fn units(arguments: &LerobotArguments, rows: &Rows) -> Result<Units, Failure> {
     if let Some(units) = arguments.units {
         return Ok(units);
     }
-    let largest = table.largest();
+    let largest = rows.largest();
     if largest > MOST_PERCENT {
         return Ok(Units::Degrees);
     }
@@ -277,9 +218,10 @@ fn scales(
     };
     let path = arguments.device.as_deref().unwrap_or(&arguments.dataset);
     if device.joints.len() != names.len() {
-        let (own, wanted) = (device.joints.len(), names.len());
         let said = format!(
-            "the device has {own} joints, the data set {wanted}; give the device that was recorded"
+            "percent are of a joint's range, and --joints lists {} where the device has {}; list as many",
+            names.len(),
+            device.joints.len()
         );
         return Err(Failure::of_file("other-device", said, path));
     }
