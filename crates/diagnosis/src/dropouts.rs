@@ -14,7 +14,7 @@ use crate::answer::{CauseAnswer, Diagnosis, ParameterAnswer, Place, Verdict};
 use crate::noise::{difference_sd, outliers};
 use crate::thresholds::admission::{
     DROPOUT_SDS, FILLED_ROWS, LEAST_DROPOUT_SHARE, LEAST_DROPOUTS, LEAST_SPIKE_SHARE,
-    LONGEST_DROPOUT_ROWS, MOST_DROPOUT_SHARE, SPIKE_OF_TORQUE, SPIKE_SDS,
+    LONGEST_DROPOUT_ROWS, MOST_AT_LOW, MOST_DROPOUT_SHARE, SPIKE_OF_TORQUE, SPIKE_SDS,
 };
 use crate::thresholds::noise::DATA_PROBABILITY;
 
@@ -44,33 +44,41 @@ pub(crate) fn without_dropouts(
     let mut without = recording.clone();
     let mut found = Vec::new();
     for joint in 0..device.joints.len() {
+        let speeds = speeds(&recording.joint[joint], &runs);
         let torque = without.torque_nm.get_mut(joint).and_then(Option::as_mut);
         if let Some(column) = torque {
             let channel = format!("torque{}", joint + 1);
-            found.extend(taken_out(column, &runs, true, (&channel, Some(joint))));
+            found.extend(taken_out(
+                column,
+                &runs,
+                Some(&speeds),
+                (&channel, Some(joint)),
+            ));
         }
         let output = without.output.get_mut(joint).and_then(Option::as_mut);
         if let Some(column) = output {
             let channel = format!("out{}", joint + 1);
-            found.extend(taken_out(column, &runs, false, (&channel, Some(joint))));
+            found.extend(taken_out(column, &runs, None, (&channel, Some(joint))));
         }
     }
     for (index, column) in without.cable_m.iter_mut().enumerate() {
         let channel = Channel::Cable { index }.name();
         if let Some(column) = column {
-            found.extend(taken_out(column, &runs, false, (&channel, None)));
+            found.extend(taken_out(column, &runs, None, (&channel, None)));
         }
     }
     (!found.is_empty()).then_some((without, found))
 }
 
-/// Takes readings that are none out of a column; of torques also single wild ones, and short moments are filled in.
+/// Takes readings that are none out of a column; of torques, for which the speeds of their joint are given, also single wild ones, and short
+/// moments are filled in.
 fn taken_out(
     column: &mut [f64],
     runs: &[Range<usize>],
-    is_torque: bool,
+    speeds: Option<&[f64]>,
     (channel, joint): (&str, Option<usize>),
 ) -> Vec<Dropouts> {
+    let is_torque = speeds.is_some();
     let readings = column.iter().filter(|value| value.is_finite()).count();
     let are_some = |rows: &[usize], least: f64| {
         let share = rows.len() as f64 / readings.max(1) as f64;
@@ -103,23 +111,64 @@ fn taken_out(
             take(column, rows, Some(value));
         }
     }
-    if is_torque && let Some(sd) = difference_sd(column, runs).filter(|sd| *sd > 0.0) {
+    if let Some(speeds) = speeds
+        && let Some(sd) = difference_sd(column, runs).filter(|sd| *sd > 0.0)
+    {
         // where friction changes sides a torque without noise has corners
         let limit = (SPIKE_SDS * sd).max(SPIKE_OF_TORQUE * spread(column));
         let far = outliers(column, runs, true, limit, &vec![0.0; column.len()]);
         let stands_alone = |row: &usize| {
             let around = neighbours(column, &far, runs, *row);
             around.is_some_and(|(before, after)| {
+                let step = (column[before] - column[after]).abs();
                 let [before, after] = [before, after].map(|item| column[*row] - column[item]);
-                before.abs().min(after.abs()) > limit && before * after > 0.0
+                // a torque that goes on from another level has stepped there, as friction does where a joint turns round
+                before.abs().min(after.abs()) > limit.max(step) && before * after > 0.0
             })
         };
         let rows: Vec<usize> = far.iter().copied().filter(stands_alone).collect();
-        if are_some(&rows, LEAST_SPIKE_SHARE) {
+        let load = |row: usize| {
+            let around = neighbours(column, &rows, runs, row);
+            around.map_or(f64::NAN, |(before, after)| {
+                0.5 * (column[before] + column[after]).abs()
+            })
+        };
+        // knocks of a gear come where the load changes sides or the joint turns round: they are the arm's
+        let is_of_arm = || {
+            let loads: Vec<f64> = (0..column.len()).map(load).collect();
+            are_low(&rows, speeds) || are_low(&rows, &loads)
+        };
+        if are_some(&rows, LEAST_SPIKE_SHARE) && !is_of_arm() {
             take(column, rows, None);
         }
     }
     found
+}
+
+/// Whether rows come where a quantity is low: most of them in its lowest fifth.
+fn are_low(rows: &[usize], quantity: &[f64]) -> bool {
+    let mut sorted: Vec<f64> = quantity
+        .iter()
+        .copied()
+        .filter(|value| value.is_finite())
+        .collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let Some(lowest) = sorted.get(sorted.len() / 5) else {
+        return false;
+    };
+    let low = rows.iter().filter(|row| quantity[**row] < *lowest).count();
+    low as f64 > MOST_AT_LOW * rows.len() as f64
+}
+
+/// Speed of a joint from row to row, without a sign and up to a factor.
+fn speeds(joint: &[f64], runs: &[Range<usize>]) -> Vec<f64> {
+    let mut speeds = vec![f64::NAN; joint.len()];
+    for run in runs.iter().filter(|run| run.len() > 2) {
+        for row in run.start + 1..run.end - 1 {
+            speeds[row] = (joint[row + 1] - joint[row - 1]).abs();
+        }
+    }
+    speeds
 }
 
 /// Standard deviation of the readings.
@@ -305,9 +354,14 @@ mod tests {
     }
 
     fn found(column: &[f64]) -> (Vec<f64>, Vec<Dropouts>) {
+        let speeds = vec![1.0; column.len()];
+        found_at(column, &speeds)
+    }
+
+    fn found_at(column: &[f64], speeds: &[f64]) -> (Vec<f64>, Vec<Dropouts>) {
         let mut column = column.to_vec();
         let rows = 0..column.len();
-        let found = taken_out(&mut column, &[rows], true, ("torque1", Some(0)));
+        let found = taken_out(&mut column, &[rows], Some(speeds), ("torque1", Some(0)));
         (column, found)
     }
 
@@ -356,6 +410,34 @@ mod tests {
         };
         assert_eq!(corners(0.1), 0);
         assert_eq!(corners(1.0), 1);
+    }
+
+    /// At 100 rows a second friction steps from one reading to the next, on a torque that goes up to the step and on behind it.
+    #[test]
+    fn friction_that_changes_sides_is_no_wild_reading() {
+        let friction = |row: usize| {
+            let phase = 0.1 * row as f64;
+            let noise = 0.02 * (7.0 * (row as f64).powi(2)).sin();
+            2.0 * phase.sin() - 0.8 * (phase + 0.3).sin().signum() + noise
+        };
+        let stepping: Vec<f64> = (0..4000).map(friction).collect();
+        assert!(found(&stepping).1.is_empty());
+    }
+
+    /// A gear with play knocks where its load changes sides, or where the joint turns round.
+    #[test]
+    fn knocks_are_no_wild_readings() {
+        let load = |row: usize| 3.0 * (0.02 * row as f64).cos();
+        let at = |is_knock: fn(f64, f64) -> bool| {
+            let mut column = torque(3000);
+            let rows = (1..3000).filter(|row| is_knock(load(row - 1), load(*row)));
+            let rows: Vec<usize> = rows.collect();
+            rows.iter().for_each(|row| column[*row] += 2.0);
+            let speeds: Vec<f64> = (0..3000).map(|row| load(row + 20).abs()).collect();
+            found_at(&column, &speeds).1.len()
+        };
+        assert_eq!(at(|before, now| before * now <= 0.0), 0);
+        assert_eq!(at(|before, now| (before > 2.0) != (now > 2.0)), 1);
     }
 
     #[test]

@@ -12,11 +12,13 @@ use crate::effect::{is_calibration, is_exact};
 use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
 use crate::findings::{SAMPLING, findings};
 use crate::fit::base::{Base, Term};
-use crate::fit::problem::{Problem, Reading, is_still, oscillations};
+use crate::fit::problem::{Problem, Reading, is_still, noise_with_memory, oscillations};
 use crate::later::Later;
 use crate::recorded::Logs;
 use crate::scale::{Scale, doubts};
 use crate::select::{Fitted, Pick, Selection, select};
+use crate::signal::memory::is_even;
+use crate::signal::noise::Noise;
 use crate::survey::usable;
 use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
 use crate::unseen::{Unseen, within};
@@ -97,15 +99,17 @@ fn examined_each(
         }
     }
     // a noise with a memory may be all of a gap that has no name
-    let with_memory = Reading {
-        has_memory: true,
-        ..Reading::default()
-    };
-    let again = examine_with(device, logs, without, with_memory)?;
-    let mut noises = first.channels.iter().zip(&again.channels);
-    let is_noise = noises.all(|(white, own)| own.noise < MOST_OF_MEMORY * white.noise);
-    if is_noise && (!again.has_gap() || again.is_adequate()) {
-        return Ok(again);
+    if !first.may_have_memory.is_empty() {
+        let with_memory = Reading {
+            memories: first.may_have_memory.as_slice().into(),
+            ..Reading::default()
+        };
+        let again = examine_with(device, logs, without, with_memory)?;
+        let mut noises = first.channels.iter().zip(&again.channels);
+        let is_noise = noises.all(|(white, own)| own.noise < MOST_OF_MEMORY * white.noise);
+        if is_noise && (!again.has_gap() || again.is_adequate()) {
+            return Ok(again);
+        }
     }
     // a spring between motor and link is known to first order alone, well below its resonance
     for edge_hz in SPRING_EDGES_HZ
@@ -139,13 +143,13 @@ fn examine_with(
         ..reading
     };
     let (recording, second) = (&logs.log, logs.second.as_ref());
-    let mut problem = Problem::new(arm.clone(), recording, reading)?;
+    let mut problem = Problem::new(arm.clone(), recording, reading.clone())?;
     let mut base = Base::weighted(&mut problem);
     if let Some(likely) = base.likely_armature(&problem) {
         arm.likely_armature = likely;
         let reading = Reading {
             edge_hz: Some(problem.states.pass.edge_hz),
-            ..reading
+            ..reading.clone()
         };
         problem = Problem::new(arm.clone(), recording, reading)?;
         base = Base::weighted(&mut problem);
@@ -171,7 +175,7 @@ fn examine_with(
         }
         let of_band = Reading {
             edge_hz: Some(problem.states.pass.edge_hz),
-            ..reading
+            ..reading.clone()
         };
         zeros::refit(
             &arm,
@@ -335,6 +339,8 @@ fn examined(
             }
             fit
         });
+    let channels: Vec<ChannelFit> = channels.collect();
+    let may_have_memory = may_have_memory(problem, &channels);
     let solution = &selection.fitted.solved.solution;
     let free = base
         .columns
@@ -353,7 +359,7 @@ fn examined(
         set_right: Vec::new(),
         repeated_rows,
         behind_missing_rows,
-        channels: channels.collect(),
+        channels,
         findings: findings(problem, selection),
         before_nats: selection.bare.excess,
         after_nats: selection.fitted.excess,
@@ -373,7 +379,8 @@ fn examined(
         other_friction: base.other_friction(solution, rows),
         lacks_gravity: selection.bare.excess > 0.0 && lacks_gravity(problem, &selection.bare),
         oscillations: oscillations(problem),
-        has_memory: problem.has_memory,
+        memories: problem.memories.to_vec(),
+        may_have_memory,
         above_hz: None,
         jitter: problem.samples.jitter,
         is_stamped_late: problem.samples.is_stamped_late,
@@ -395,4 +402,32 @@ fn early_s(base: &Base, selection: &Selection) -> f64 {
     let numbers = base.columns.iter().zip(&selection.fitted.solved.solution);
     let within = numbers.filter(|(own, _)| matches!(own.term, Term::Delay));
     selection.early_s + within.map(|own| own.1).sum::<f64>()
+}
+
+/// Channels with a rest that has the spectrum of a noise with a memory, and is as large at each speed, load and posture; none where a rest
+/// has not, which is a gap.
+fn may_have_memory(problem: &Problem, channels: &[ChannelFit]) -> Vec<(usize, Noise)> {
+    if !problem.memories.is_empty() {
+        return Vec::new();
+    }
+    let states = &problem.states;
+    let at_rows = |own: &[f64], of: fn(f64) -> f64| -> Vec<f64> {
+        states.centre.iter().map(|step| of(own[*step])).collect()
+    };
+    let noise = |own: &ChannelFit| {
+        let joint = own.joint;
+        let quantities = [
+            at_rows(&states.motor.dq[joint], f64::abs),
+            at_rows(&problem.rigid[joint], f64::abs),
+            at_rows(&states.motor.q[joint], |q| q),
+        ];
+        let mut even = quantities.iter().map(|by| is_even(&own.after, by));
+        match even.all(|is_even| is_even) {
+            true => Some((joint, noise_with_memory(problem, joint, &own.after)?)),
+            false => None,
+        }
+    };
+    let with_rest = channels.iter().filter(|own| own.has_rest());
+    let noises = with_rest.map(noise);
+    noises.collect::<Option<Vec<_>>>().unwrap_or_default()
 }

@@ -8,6 +8,7 @@ use crate::effect::{contact, is_exact, is_of_own_joint, joint_compliance};
 use crate::findings::SAMPLING;
 use crate::scale::{Doubt, Scale};
 use crate::signal::line::Line;
+use crate::signal::noise::Noise;
 use crate::thresholds::examine::{
     ALLOWED_REST, GAP_SDS, LEFT_BY_LAW, LEFT_BY_PART, LEFT_OF_JOINT, LEFT_OF_POSTURE,
     LEFT_OF_SECOND, MOST_OF_GAP, NEAR_RIVAL_NATS, OF_SECOND_BESIDE_SPRING, PART_OF_GAP,
@@ -66,8 +67,10 @@ pub struct Examined {
     pub lacks_gravity: bool,
     /// Joints (from 0) whose torque oscillates faster than the motion: that counts as noise, and is none.
     pub oscillations: Vec<(usize, Line)>,
-    /// Whether the noise of the torques was taken to have a memory: a white one leaves a gap without a name.
-    pub has_memory: bool,
+    /// Joints (from 0) whose torque was taken to have a noise with a memory: a white one leaves a gap without a name.
+    pub memories: Vec<(usize, Noise)>,
+    /// Joints whose rest has the spectrum of such a noise.
+    pub(crate) may_have_memory: Vec<(usize, Noise)>,
     /// What is faster than this was left out, and has no name: a spring was found in what is slower \[Hz\].
     pub above_hz: Option<f64>,
     /// Root mean square deviation of the time stamps from an even grid, as a share of a step.
@@ -173,6 +176,11 @@ impl NearRival {
 }
 
 impl Examined {
+    /// Whether the noise of a torque was taken to have a memory.
+    pub fn has_memory(&self) -> bool {
+        !self.memories.is_empty()
+    }
+
     /// Whether a channel shows more than noise, or is in doubt.
     pub fn has_gap(&self) -> bool {
         self.channels.iter().any(ChannelFit::has_gap) || !self.doubts.is_empty()

@@ -36,7 +36,7 @@ impl Later {
             Reading {
                 edge_hz: Some(own.states.pass.edge_hz),
                 sets_right: true,
-                has_memory: own.has_memory,
+                memories: own.memories.clone(),
                 ..Reading::default()
             },
         )?;

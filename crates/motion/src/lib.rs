@@ -45,6 +45,7 @@ pub use loads::link_torques;
 pub use recorded::torque_nm_without_effects;
 pub use scale::{Doubt, Scale};
 pub use signal::line::Line;
+pub use signal::noise::Noise;
 pub use survey::{
     Survey, SurveyedJoint, SurveyedTorque, is_fast_enough, survey, unwrapped, usual_step_s, why_not,
 };

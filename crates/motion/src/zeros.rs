@@ -30,7 +30,7 @@ pub(crate) fn refit(
         zeros.push((joint, *offset, f64::INFINITY));
     }
     for _ in 0..ZERO_ROUNDS {
-        let Some(steps) = steps(arm, (recording, reading), &zeros, misfit) else {
+        let Some(steps) = steps(arm, (recording, reading.clone()), &zeros, misfit) else {
             return;
         };
         let mut is_unmoved = true;

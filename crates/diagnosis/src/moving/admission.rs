@@ -154,7 +154,7 @@ fn known_noise(words: &Words<'_>) -> Check {
             );
         }
     }
-    let memory = if examined.has_memory {
+    let memory = if examined.has_memory() {
         ", with a memory"
     } else {
         ""

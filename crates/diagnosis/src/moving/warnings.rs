@@ -50,7 +50,7 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
                 .to_owned(),
         );
     }
-    if examined.has_memory {
+    if examined.has_memory() {
         warnings.push(
             "the noise of the torques has a memory: by its fastest part it is larger within the band than a white one".to_owned(),
         );

@@ -20,6 +20,8 @@ pub(crate) const DROPOUT_SDS: f64 = 8.0;
 pub(crate) const SPIKE_SDS: f64 = 15.0;
 /// The least of the torque's standard deviation that such a reading is off by.
 pub(crate) const SPIKE_OF_TORQUE: f64 = 0.1;
+/// Share of them that lies in the lowest fifth of the joint's speed or load where they are the arm's and no wrong readings: by chance it is 0.2.
+pub(crate) const MOST_AT_LOW: f64 = 0.6;
 /// Fewest such readings, their least share and their largest.
 pub(crate) const LEAST_DROPOUTS: usize = 3;
 pub(crate) const LEAST_DROPOUT_SHARE: f64 = 0.002;

@@ -178,7 +178,7 @@ impl Grid {
             loads.push((self.load(torque), centres.clone()));
             raw.push(apart);
         }
-        let noise = Noise::of(raw.iter().map(Vec::as_slice), &self.local, false);
+        let noise = Noise::white(raw.iter().map(Vec::as_slice), &self.local);
         let weights = self.weights.clone();
         let mut found = JointRows {
             joint,

@@ -1,6 +1,7 @@
 //! A recording's torques as whitened rows, with what rigid bodies say of them.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use haptical_linalg::dot;
 use haptical_model::Recording;
@@ -11,6 +12,7 @@ use crate::fit::column::Column;
 use crate::fit::file_effects::FileEffects;
 use crate::signal::line::{Line, line};
 use crate::signal::local_polynomial::LocalPolynomial;
+use crate::signal::memory::{Within, two_parts};
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
 use crate::signal::states::States;
@@ -19,15 +21,18 @@ use crate::thresholds::fit::{
     EDGE_OF_RATE, EDGES_HZ, LEAST_JOINT_ROWS, OF_FRICTION, RESTING_SHARE, STILL,
 };
 
+/// Joints whose torque has a noise with a memory, with it.
+pub(crate) type Memories = Arc<[(usize, Noise)]>;
+
 /// How a recording is read.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Reading {
     /// Edge of the band, where it is settled already.
     pub(crate) edge_hz: Option<f64>,
     /// Rows that are repeated or missing are set right ([`crate::signal::sampling`]).
     pub(crate) sets_right: bool,
-    /// The noise of torques may have a memory.
-    pub(crate) has_memory: bool,
+    /// Noises of torques that have a memory, each of its joint.
+    pub(crate) memories: Memories,
     /// Share of a torque's root mean square that the noise of the positions may be, where it is above that of the torque: the band is
     /// narrowed until then.
     pub(crate) noise_share: f64,
@@ -43,8 +48,8 @@ pub(crate) struct Problem {
     pub(crate) states: States,
     /// Joints that have a torque.
     pub(crate) channels: Vec<usize>,
-    /// Whether the noise of torques may have a memory.
-    pub(crate) has_memory: bool,
+    /// As [`Reading::memories`].
+    pub(crate) memories: Memories,
     /// As [`Reading::at_tool`].
     pub(crate) at_tool: bool,
     /// Standard deviation of the noise of a row of each channel, and of a reading.
@@ -75,7 +80,7 @@ impl Problem {
         let Reading {
             edge_hz,
             sets_right,
-            has_memory,
+            memories,
             noise_share,
             at_tool,
         } = reading;
@@ -101,7 +106,7 @@ impl Problem {
             let Some(states) = states.filter(|own| own.rows() >= LEAST_JOINT_ROWS) else {
                 continue;
             };
-            let [positions, torques] = noises(&arm, &samples, &states, (&channels, has_memory))?;
+            let [positions, torques] = noises(&arm, &samples, &states, (&channels, &memories))?;
             let allowed = |channel: usize| {
                 let own = states.torque(&samples, channels[channel], 0.0);
                 torques[channel].max(noise_share * (dot(&own, &own) / own.len() as f64).sqrt())
@@ -129,7 +134,7 @@ impl Problem {
             return Err(MotionError::Standstill);
         }
         let mut problem = Self {
-            reading_sd: reading_noises(&samples, &channels, &states, has_memory)
+            reading_sd: reading_noises(&samples, &channels, &states, &memories)
                 .iter()
                 .map(|own| own.sd)
                 .collect(),
@@ -137,7 +142,7 @@ impl Problem {
             samples,
             states,
             channels,
-            has_memory,
+            memories,
             at_tool,
             row_sd,
             inertial: Vec::new(),
@@ -403,20 +408,38 @@ fn reading_noises(
     samples: &Samples,
     channels: &[usize],
     states: &States,
-    has_memory: bool,
+    memories: &Memories,
 ) -> Vec<Noise> {
     let local = LocalPolynomial::new(samples.step_s, 2.0 * states.pass.edge_hz);
     channels
         .iter()
         .map(|&joint| {
-            let torques = samples.pieces.iter();
-            Noise::of(
-                torques.filter_map(|own| own.torque[joint].as_deref()),
-                &local,
-                has_memory,
+            let mut known = memories.iter().filter(|own| own.0 == joint);
+            known.next().map_or_else(
+                || {
+                    let torques = samples.pieces.iter();
+                    let torques = torques.filter_map(|own| own.torque[joint].as_deref());
+                    Noise::white(torques, &local)
+                },
+                |own| own.1,
             )
         })
         .collect()
+}
+
+/// The noise of a channel if what a fit leaves of it is a noise of two parts: `rest` are its rows in the torque's unit.
+pub(crate) fn noise_with_memory(problem: &Problem, joint: usize, rest: &[f64]) -> Option<Noise> {
+    let (samples, states) = (&problem.samples, &problem.states);
+    let local = LocalPolynomial::new(samples.step_s, 2.0 * states.pass.edge_hz);
+    let torques = samples.pieces.iter();
+    let torques = torques.filter_map(|own| own.torque[joint].as_deref());
+    let (rows, every) = states.runs(rest);
+    let weights = states.row_weights();
+    let within = Within {
+        weights: &weights,
+        every,
+    };
+    two_parts(torques, (&local, samples.step_s), &rows, within)
 }
 
 /// Joints whose torque oscillates faster than the motion, each by the longest piece.
@@ -437,7 +460,7 @@ fn noises(
     arm: &Arm,
     samples: &Samples,
     states: &States,
-    (channels, has_memory): (&[usize], bool),
+    (channels, memories): (&[usize], &Memories),
 ) -> Result<[Vec<f64>; 2], MotionError> {
     let joints = arm.joints();
     let mut work = arm.work();
@@ -454,7 +477,7 @@ fn noises(
             inertia[joint] = inertia[joint].max(matrix[joint * joints + joint]);
         }
     }
-    let torques: Vec<f64> = reading_noises(samples, channels, states, has_memory)
+    let torques: Vec<f64> = reading_noises(samples, channels, states, memories)
         .into_iter()
         .map(|noise| states.behind(noise))
         .collect();

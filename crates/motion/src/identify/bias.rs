@@ -36,7 +36,7 @@ pub(crate) struct Known<'a> {
 impl Known<'_> {
     /// A recording of the same torques with other positions, as a problem of the same rows, weights and laws.
     pub(crate) fn problem(&self, recording: &Recording) -> Result<Problem, MotionError> {
-        let mut problem = Problem::new(self.arm.clone(), recording, self.reading)?;
+        let mut problem = Problem::new(self.arm.clone(), recording, self.reading.clone())?;
         problem.reweigh(&self.settled.row_sd);
         if let Some(arm) = &self.loaded.arm {
             problem.carry(arm)?;

@@ -11,6 +11,7 @@ use crate::MotionError;
 use crate::fit::column::Column;
 use crate::identify::combinations::{Combinations, folded};
 use crate::identify::fit::rest;
+use crate::thresholds::identify::MOST_MEMORY;
 
 /// Base parameters.
 #[derive(Debug, Clone)]
@@ -126,7 +127,8 @@ fn estimate(
     })
 }
 
-/// Long-run covariance of the scores `sum over joints of instrument times rest`, summed over the rows.
+/// Long-run covariance of the scores `sum over joints of instrument times rest`, summed over the rows: what a score repeats of the row before is
+/// taken off first and put back after (Andrews & Monahan 1992), without which a window is too short for a memory.
 fn long_run(instruments: &[Rc<Column>], rest: &[f64], rows: usize, scale: &[f64]) -> DMatrix<f64> {
     let count = instruments.len();
     let mut scores = DMatrix::zeros(count, rows);
@@ -134,6 +136,12 @@ fn long_run(instruments: &[Rc<Column>], rest: &[f64], rows: usize, scale: &[f64]
         let (first, values) = column.parts();
         for (at, value) in values.iter().enumerate() {
             scores[(k, (first + at) % rows)] += value * rest[first + at] / scale[k];
+        }
+    }
+    let memories: Vec<f64> = scores.row_iter().map(memory).collect();
+    for (mut own, memory) in scores.row_iter_mut().zip(&memories) {
+        for at in (1..rows).rev() {
+            own[at] -= memory * own[at - 1];
         }
     }
     let window = window(&scores);
@@ -149,8 +157,22 @@ fn long_run(instruments: &[Rc<Column>], rest: &[f64], rows: usize, scale: &[f64]
         }
         sums.set_column(at, &sum);
     }
+    for (mut own, memory) in sums.row_iter_mut().zip(&memories) {
+        own /= 1.0 - memory;
+    }
     let transposed = sums.transpose();
     sums * transposed / window as f64
+}
+
+/// Correlation of a score with the row before.
+fn memory<S: nalgebra::RawStorage<f64, nalgebra::U1, nalgebra::Dyn>>(
+    own: nalgebra::Matrix<f64, nalgebra::U1, nalgebra::Dyn, S>,
+) -> f64 {
+    let square: f64 = own.iter().map(|value| value * value).sum();
+    let next: f64 = (own.iter().zip(own.iter().skip(1)))
+        .map(|(a, b)| a * b)
+        .sum();
+    (next / square.max(1e-300)).clamp(-MOST_MEMORY, MOST_MEMORY)
 }
 
 /// Rows of Bartlett's window, from autoregressions of the scores (Andrews 1991, eq. 6.4).
@@ -158,11 +180,7 @@ fn window(scores: &DMatrix<f64>) -> usize {
     let rows = scores.ncols();
     let (mut above, mut below) = (0.0, 0.0);
     for own in scores.row_iter() {
-        let square: f64 = own.iter().map(|value| value * value).sum();
-        let next: f64 = (own.iter().zip(own.iter().skip(1)))
-            .map(|(a, b)| a * b)
-            .sum();
-        let memory = (next / square.max(1e-300)).clamp(-0.97, 0.97);
+        let memory = memory(own);
         above += 4.0 * memory.powi(2) / ((1.0 - memory).powi(6) * (1.0 + memory).powi(2));
         below += (1.0 - memory).powi(-4);
     }

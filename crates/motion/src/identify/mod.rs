@@ -110,11 +110,11 @@ fn pass(
         noise_share: POSITION_NOISE,
         ..Reading::default()
     };
-    let mut problem = Problem::new(arm.clone(), recording, reading)?;
+    let mut problem = Problem::new(arm.clone(), recording, reading.clone())?;
     let edge_hz = problem.states.pass.edge_hz;
     let reading = Reading {
         edge_hz: Some(edge_hz),
-        ..reading
+        ..reading.clone()
     };
     let mut is_held = held(device, &arm);
     is_held.iter_mut().for_each(|own| *own |= of_drives);
@@ -126,7 +126,7 @@ fn pass(
     let known = Known {
         arm: &arm,
         recording,
-        reading,
+        reading: reading.clone(),
         numbers: &numbers,
         settled: &settled,
         loaded,

@@ -400,7 +400,9 @@ fn nearest<'c>(frame: &Frame<'_>, pool: &Pool<'c>, state: &State<'c>) -> Vec<Sta
         let is_near = near
             .first()
             .is_none_or(|first| own.nats > NEAR_STRONGEST * first.nats);
-        if near.len() < FITTED_IN_FULL && is_near && copies < 1 {
+        // one factor on all torques is like many bodies, and its first order says little of it
+        let is_asked = near.len() < FITTED_IN_FULL && is_near || is_scale_of_all(&own.candidate);
+        if is_asked && copies < 1 {
             near.push(own);
         }
     }

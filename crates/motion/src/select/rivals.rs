@@ -55,7 +55,8 @@ impl<'c> InPlace for Search<'_, '_, 'c> {
             let merit = if is_scale_of_all(pick) || is_scale_of_all(last) {
                 // bodies that are off may look like a factor to within a hundredth, and a factor like them
                 let merit = merit.max(by_rows + pick.of_noise - last.of_noise);
-                match merit > SAME_AS_SCALE * of_pick {
+                // and one that leaves less of the rows is as likely, whatever noise it may have followed
+                match merit > SAME_AS_SCALE * of_pick || by_rows > of_pick {
                     true => merit.max(of_pick),
                     false => merit,
                 }

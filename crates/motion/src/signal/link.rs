@@ -34,7 +34,7 @@ impl Link {
         let differences: Vec<Vec<f64>> = (links.iter().zip(&motors))
             .map(|(link, motor)| link.iter().zip(*motor).map(|(a, b)| a - b).collect())
             .collect();
-        let noise = |columns: &[&[f64]]| Noise::of(columns.iter().copied(), &local, false).sd;
+        let noise = |columns: &[&[f64]]| Noise::white(columns.iter().copied(), &local).sd;
         let [of_link, of_difference] = [&links, &differences].map(|columns| {
             let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
             noise(&columns)

@@ -13,7 +13,7 @@ pub(crate) struct LocalPolynomial {
     pub(crate) half: usize,
     /// Of position, velocity \[1/s\], acceleration \[1/s^2\] and the higher derivatives, each of 2 `half` + 1 samples.
     pub(crate) weights: [Vec<f64>; LOCAL_DEGREE + 1],
-    step_s: f64,
+    pub(crate) step_s: f64,
 }
 
 impl LocalPolynomial {

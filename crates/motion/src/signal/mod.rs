@@ -4,6 +4,7 @@ pub(crate) mod line;
 pub(crate) mod link;
 pub(crate) mod local_polynomial;
 pub(crate) mod low_pass;
+pub(crate) mod memory;
 pub(crate) mod noise;
 pub(crate) mod samples;
 pub(crate) mod sampling;

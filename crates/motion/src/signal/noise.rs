@@ -1,99 +1,82 @@
-//! Noise of recorded columns, with its memory, from what is faster than the motion.
+//! Noise of recorded columns, from what is faster than the motion.
 
 use haptical_linalg::dot;
 
 use crate::signal::local_polynomial::LocalPolynomial;
-use crate::thresholds::signal::{MEMORY_SDS, NOISE_CORRELATIONS, NOISE_ROUNDING, NOISE_SEGMENT};
+use crate::thresholds::signal::{
+    LEAST_NOISE_SEGMENT, NOISE_ROUNDING, NOISE_SEGMENT, NOISE_SEGMENT_S,
+};
 
-/// A noise whose samples have a standard deviation and a correlation with the one before (an autoregression of the first order).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Noise {
-    pub(crate) sd: f64,
-    pub(crate) correlation: f64,
+/// A noise of two parts, one white and one with a memory, an autoregression of the first order.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Noise {
+    /// Standard deviation of the white part, in the reading's unit.
+    pub sd: f64,
+    /// And of the part with a memory.
+    pub memory_sd: f64,
+    /// Correlation of the latter's successive samples.
+    pub correlation: f64,
 }
 
 impl Noise {
-    /// Of columns, by what is beside a local polynomial: medians over short segments, those left aside where a reading stands still to the
-    /// last digit. Without `has_memory` it is white.
-    pub(crate) fn of<'c>(
+    /// Of columns whose noise is white, by what is next to a local polynomial: medians over short segments, those left aside where a reading
+    /// stands still to the last digit.
+    pub(crate) fn white<'c>(
         columns: impl Iterator<Item = &'c [f64]>,
         local: &LocalPolynomial,
-        has_memory: bool,
     ) -> Self {
+        let segment = (NOISE_SEGMENT_S / local.step_s).round() as usize;
+        let segment = segment.clamp(LEAST_NOISE_SEGMENT, NOISE_SEGMENT);
         let mut squares = Vec::new();
-        let mut ratios = Vec::new();
         for column in columns {
             let inner = local.half..column.len().saturating_sub(local.half);
             let rest: Vec<f64> = inner.map(|k| column[k] - local.at(0, column, k)).collect();
             let largest = column.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-            for own in rest.chunks_exact(NOISE_SEGMENT) {
-                let square = dot(own, own) / NOISE_SEGMENT as f64;
+            for own in rest.chunks_exact(segment) {
+                let square = dot(own, own) / segment as f64;
                 if square > (NOISE_ROUNDING * largest).powi(2) {
                     squares.push(square);
-                    let next = dot(&own[1..], own) / (NOISE_SEGMENT - 1) as f64;
-                    ratios.push(next / square);
                 }
             }
         }
-        if squares.is_empty() {
-            return Self {
-                sd: 0.0,
-                correlation: 0.0,
-            };
-        }
-        // what is left of an autoregression beside the polynomial
-        let mut left: Vec<f64> = local.weights[0].iter().map(|own| -own).collect();
-        left[local.half] += 1.0;
-        let spread = (1.25 / (NOISE_SEGMENT as f64 * ratios.len().max(1) as f64)).sqrt();
-        let found = median(&mut ratios);
-        let of = |step: usize| {
-            let correlation = step as f64 / NOISE_CORRELATIONS as f64;
-            (
-                correlation,
-                covariance(&left, correlation, 0),
-                covariance(&left, correlation, 1),
-            )
-        };
-        let white = of(0);
-        let is_white = !has_memory || found <= white.2 / white.1 + MEMORY_SDS * spread;
-        let off = |own: &(f64, f64, f64)| (own.2 / own.1 - found).abs();
-        let (correlation, variance, _) = match is_white {
-            true => white,
-            false => (1..NOISE_CORRELATIONS).map(of).fold(white, |best, own| {
-                if off(&own) < off(&best) { own } else { best }
-            }),
-        };
+        // what is left of a white noise next to the polynomial
+        let left = 1.0 - local.weights[0][local.half];
         // the median of a chi-square over its freedom (Wilson and Hilferty 1931)
-        let bias = (1.0 - 2.0 / (9.0 * NOISE_SEGMENT as f64)).powi(3);
+        let bias = (1.0 - 2.0 / (9.0 * segment as f64)).powi(3);
         let square = median(&mut squares) / bias;
         Self {
-            sd: (square / variance.max(1e-6)).sqrt(),
-            correlation,
+            sd: (square / left.max(1e-6)).sqrt(),
+            ..Self::default()
         }
     }
 
     /// What weights leave of its standard deviation.
     pub(crate) fn behind(self, weights: &[f64]) -> f64 {
-        self.sd * covariance(weights, self.correlation, 0).max(0.0).sqrt()
+        let white = self.sd * self.sd * dot(weights, weights);
+        let memory = match self.memory_sd > 0.0 {
+            true => self.memory_sd.powi(2) * covariance(weights, self.correlation),
+            false => 0.0,
+        };
+        (white + memory).max(0.0).sqrt()
     }
 }
 
-/// Covariance at a lag of what weights make of an autoregression of variance 1.
-fn covariance(weights: &[f64], correlation: f64, lag: usize) -> f64 {
+/// Variance of what weights make of an autoregression of variance 1.
+fn covariance(weights: &[f64], correlation: f64) -> f64 {
     let mut sum = 0.0;
     for (a, first) in weights.iter().enumerate() {
-        for (b, second) in weights.iter().enumerate() {
-            let apart = (a + lag).abs_diff(b);
-            // beyond this it is nothing
-            if apart == 0 || correlation > 0.0 && apart < 200 {
-                sum += first * second * correlation.powi(apart as i32);
-            }
+        // sums of the neighbours to one side
+        let (mut fades, mut beyond) = (1.0, 0.0);
+        for second in &weights[a + 1..] {
+            fades *= correlation;
+            beyond += second * fades;
         }
+        sum += first * (first + 2.0 * beyond);
     }
     sum
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
@@ -125,20 +108,11 @@ mod tests {
     }
 
     #[test]
-    fn size_and_memory_of_a_noise_are_found_beside_a_motion() {
+    fn the_size_of_a_white_noise_is_found_next_to_a_motion() {
         let local = LocalPolynomial::new(0.005, 40.0);
-        for correlation in [0.0, 0.3, 0.6] {
-            let own = column(correlation, 3);
-            let found = Noise::of([own.as_slice()].into_iter(), &local, true);
-            assert!(
-                (found.correlation - correlation).abs() < 0.12,
-                "{correlation}: {found:?}"
-            );
-            assert!(
-                (found.sd / 0.3 - 1.0).abs() < 0.15,
-                "{correlation}: {found:?}"
-            );
-        }
+        let own = column(0.0, 3);
+        let found = Noise::white([own.as_slice()].into_iter(), &local);
+        assert!((found.sd / 0.3 - 1.0).abs() < 0.15, "{found:?}");
     }
 
     #[test]
@@ -148,7 +122,7 @@ mod tests {
             |k: i32| (0.5 * f64::from(k.clamp(0, 1000)).powi(2) * 1e-5 / count).round() * count;
         let column: Vec<f64> = (-4000..4000).map(position).collect();
         let local = LocalPolynomial::new(0.005, 40.0);
-        let found = Noise::of([column.as_slice()].into_iter(), &local, false);
+        let found = Noise::white([column.as_slice()].into_iter(), &local);
         let wanted = count / 12.0_f64.sqrt();
         assert!((found.sd / wanted - 1.0).abs() < 0.2, "{found:?}, {wanted}");
     }
@@ -158,7 +132,8 @@ mod tests {
         let (_, weights) = LowPass { edge_hz: 20.0 }.weights(0.005, 0.0);
         let of = |correlation| {
             Noise {
-                sd: 1.0,
+                sd: 0.0,
+                memory_sd: 1.0,
                 correlation,
             }
             .behind(&weights)

@@ -270,9 +270,40 @@ impl States {
             .collect()
     }
 
+    /// Rows of each channel's rest, run by run: none where rows are not a whole number of samples apart; and the samples from row to row.
+    pub(crate) fn runs<'r>(&self, rest: &'r [f64]) -> (Vec<&'r [f64]>, usize) {
+        let sample = |row: usize| self.fine[self.centre[row]];
+        let apart = |row: usize| {
+            let (own, next) = (sample(row), sample(row + 1));
+            (own.0 == next.0).then(|| next.1 - own.1)
+        };
+        let mut steps: Vec<usize> = (0..self.rows().saturating_sub(1))
+            .filter_map(apart)
+            .collect();
+        steps.sort_unstable();
+        let Some(&every) = steps.get(steps.len() / 2) else {
+            return (Vec::new(), 1);
+        };
+        let mut runs = Vec::new();
+        let mut from = 0;
+        for row in 0..rest.len() {
+            let ends = row + 1 == rest.len() || apart(row) != Some(every);
+            if ends {
+                runs.push(&rest[from..=row]);
+                from = row + 1;
+            }
+        }
+        (runs, every)
+    }
+
+    /// Weights of the samples of a row of the recorded torques.
+    pub(crate) fn row_weights(&self) -> Vec<f64> {
+        self.pass.weights(self.step_s, 0.0).1
+    }
+
     /// What the low pass leaves of the standard deviation of a noise of the recorded torques.
     pub(crate) fn behind(&self, noise: Noise) -> f64 {
-        noise.behind(&self.pass.weights(self.step_s, 0.0).1)
+        noise.behind(&self.row_weights())
     }
 }
 
@@ -310,7 +341,7 @@ fn position_sds(samples: &Samples, local: &LocalPolynomial) -> Vec<f64> {
     let noise = |joint: usize| {
         let pieces = samples.pieces.iter();
         let own = pieces.map(|piece| piece.motor[joint].as_slice());
-        Noise::of(own, local, false).sd
+        Noise::white(own, local).sd
     };
     (0..joints).map(noise).collect()
 }

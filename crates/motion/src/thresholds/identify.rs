@@ -89,3 +89,7 @@ pub(crate) const MOST_WIDENING: f64 = 3.0;
 // `identify::result`
 /// Half width of a normal 95 % interval in standard deviations.
 pub(crate) const NORMAL_95: f64 = 1.96;
+
+// `identify::estimate`
+/// Largest correlation of a score with the row before that is taken off it (Andrews & Monahan 1992).
+pub(crate) const MOST_MEMORY: f64 = 0.97;

@@ -58,14 +58,31 @@ pub(crate) const DIFFERENCE_HALVINGS: i32 = 3;
 pub(crate) const DIFFERENCE_SDS: f64 = 3.0;
 
 // `signal::noise`
-/// Samples of a segment, of which the median counts: a reversal of friction is in few of them.
+/// Samples of a segment, of which the median counts: a reversal of friction is in few of them. Of slow logs they last so long \[s\], and have
+/// so many samples at least: of 0.48 s most have a reversal, and a noise came out ten times too large.
 pub(crate) const NOISE_SEGMENT: usize = 48;
-/// Correlations of successive samples that are tried.
-pub(crate) const NOISE_CORRELATIONS: usize = 96;
+pub(crate) const NOISE_SEGMENT_S: f64 = 0.24;
+pub(crate) const LEAST_NOISE_SEGMENT: usize = 12;
 /// A rest of a column that is this share of its values is rounding: a joint at rest shows no noise of its counts.
 pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
-/// A memory is believed beyond this many standard deviations of chance.
-pub(crate) const MEMORY_SDS: f64 = 4.0;
+
+// `signal::memory`
+/// Memories that are tried, from half a sample to the longest \[s\].
+pub(crate) const MEMORIES: usize = 20;
+pub(crate) const LONGEST_MEMORY_S: f64 = 0.3;
+/// Rows of a segment whose periodogram is taken, at most, and samples of one above the band.
+pub(crate) const SEGMENT: usize = 512;
+pub(crate) const SHORT_SEGMENT: usize = 64;
+/// Groups of ordinates above the band and within it, and the fewest independent ordinates of each.
+pub(crate) const OUTER_GROUPS: usize = 12;
+pub(crate) const INNER_GROUPS: usize = 8;
+pub(crate) const LEAST_MEMORY_ORDINATES: f64 = 40.0;
+/// Standard deviations of chance by which a group may be above the model, and the share that one above the band may be off at least: lines
+/// and counts are there too.
+pub(crate) const SHAPE_SDS: f64 = 5.0;
+pub(crate) const SHAPE_OFF: f64 = 0.5;
+/// Parts of the rows by speed, load and posture, in each of which a noise is as large.
+pub(crate) const FIFTHS: usize = 5;
 
 // `signal::line`
 /// Samples whose periodogram is looked at, at most.

@@ -187,11 +187,10 @@ pub fn examine_tracking(
     let reading = |early_s: f64| Reading {
         early_s,
         edge_hz: torques.edge_hz,
-        has_memory: torques.has_memory,
     };
     let rows = Rows::of(&arm, recording, reading(named_s))?;
     // a rest that passes for noise with a memory follows the motion as well as the commands do
-    if torques.has_memory || torques.has_gap() && !torques.is_adequate() {
+    if torques.has_memory() || torques.has_gap() && !torques.is_adequate() {
         return Err(Untracked::Torques);
     }
     let found = explained(rows)?;

@@ -18,8 +18,6 @@ pub(super) struct Reading {
     pub(super) early_s: f64,
     /// Edge of the band of the rows \[Hz\].
     pub(super) edge_hz: f64,
-    /// Whether the noise of the torques may have a memory.
-    pub(super) has_memory: bool,
 }
 
 /// The rows.
@@ -98,7 +96,7 @@ impl Rows {
             let columns = (samples.pieces.iter()).filter_map(|own| own.torque[joint].as_deref());
             let largest =
                 (columns.clone().flatten()).fold(0.0_f64, |most, own| most.max(own.abs()));
-            let sd = states.behind(Noise::of(columns, &local, reading.has_memory));
+            let sd = states.behind(Noise::white(columns, &local));
             // torques that are computed have no noise at all: their rounding then
             noise.push(sd.max(1e-6 * largest).max(1e-12));
         }

@@ -115,7 +115,7 @@ fn a_sound_arm_has_no_gap_whatever_friction_its_file_has() {
         let found = examine(&device(), &log, None, &[]).unwrap();
         assert!(!found.has_gap(), "{:?}", found.channels);
         // nor by another noise
-        assert!(!found.has_memory && found.findings.is_empty());
+        assert!(!found.has_memory() && found.findings.is_empty());
         assert!(found.doubts.is_empty(), "{:?}", found.doubts);
     }
 }

@@ -107,8 +107,8 @@ pub struct NumberEntry {
     pub value: f64,
     /// SI unit.
     pub unit: &'static str,
-    /// 95 % interval, a rest with a memory counted.
-    pub ci95: [f64; 2],
+    /// 95 % interval, a rest with a memory counted; none of a number that is held where physics ends: nothing says how far from there it is.
+    pub ci95: Option<[f64; 2]>,
 }
 
 /// Numbers of a joint.
@@ -267,7 +267,7 @@ fn number(own: &Estimated, unit: &'static str) -> NumberEntry {
     NumberEntry {
         value: own.value,
         unit,
-        ci95: own.ci95(),
+        ci95: (own.sd > 0.0).then(|| own.ci95()),
     }
 }
 

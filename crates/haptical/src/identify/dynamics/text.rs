@@ -28,12 +28,13 @@ pub(super) fn write(
         writeln!(text, "{}\n", table.to_terminal())?;
     }
     let delay = &result.torque_delay_s;
+    let interval = delay.ci95.map_or_else(String::new, |[low, high]| {
+        format!(" [{:.2}, {:.2}]", 1e3 * low, 1e3 * high)
+    });
+    let delay_ms = 1e3 * delay.value;
     writeln!(
         text,
-        "Torques are logged {:.2} ms after their positions [{:.2}, {:.2}].",
-        1e3 * delay.value,
-        1e3 * delay.ci95[0],
-        1e3 * delay.ci95[1]
+        "Torques are logged {delay_ms:.2} ms after their positions{interval}."
     )?;
     writeln!(
         text,
@@ -144,11 +145,10 @@ pub(super) fn bodies(result: &IdentifiedDynamics) -> Result<Table, Error> {
 
 /// A number with half the width of its interval, to the digits that this leaves.
 pub(super) fn in_words(own: &NumberEntry) -> String {
-    let half = 0.5 * (own.ci95[1] - own.ci95[0]);
-    if half <= 0.0 {
-        // it was held where physics ends, and nothing says how far from there it is
+    let Some([low, high]) = own.ci95 else {
         return "not determined".to_owned();
-    }
+    };
+    let half = 0.5 * (high - low);
     let decimals = earned_decimals(half).unwrap_or(4);
     format!("{:.decimals$} ± {half:.decimals$}", own.value)
 }
