@@ -168,3 +168,65 @@ fn gravcomp_is_named_by_its_bodies() {
     let class = "<default><joint actuatorgravcomp=\"true\"/></default>";
     assert_eq!(said("", ["1", "1"], class), "");
 }
+
+/// Springs, tendons, a fluid and ties load joints in MuJoCo, and are in no device: each is named, and an element of numbers 0 is not.
+#[test]
+fn forces_that_are_in_no_device_are_named() {
+    let said = |joint: &str, rest: &str| {
+        let text = format!(
+            "<mujoco>{rest}<worldbody><body name=\"a\"><joint name=\"j\" axis=\"1 0 0\" {joint}/>{OWN}\
+             <body name=\"b\"><joint name=\"k\" axis=\"1 0 0\"/>{OWN}<site name=\"tip\"/></body></body></worldbody></mujoco>"
+        );
+        read(&text, BaseAndTip::to("tip")).warnings.join("\n")
+    };
+    for (joint, rest, expected) in [
+        ("stiffness=\"3\"", "", "stiffness of `j` is left out"),
+        ("stiffness=\"0 0 3\"", "", "stiffness of `j` is left out"),
+        (
+            "springdamper=\"0.1 1\"",
+            "",
+            "springdamper of `j` is left out",
+        ),
+        (
+            "damping=\"1 2\"",
+            "",
+            "damping of `j` is its first number alone",
+        ),
+        (
+            "",
+            "<option density=\"1.2\" viscosity=\"0\"/>",
+            "the density of <option> is left out",
+        ),
+        (
+            "",
+            "<equality><connect body1=\"b\" anchor=\"0 0 0\"/></equality>",
+            "<connect> of <equality> is left out",
+        ),
+        (
+            "",
+            "<default><tendon stiffness=\"2\"/></default><tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon>",
+            "stiffness of tendons is left out, which loads joints in a simulator: `t`",
+        ),
+        (
+            "",
+            "<actuator><motor name=\"m\" joint=\"k\" armature=\"0.1\"/></actuator>",
+            "armature of actuators is left out, which loads joints in a simulator: `m`",
+        ),
+    ] {
+        let found = said(joint, rest);
+        assert!(found.contains(expected), "{expected}: {found}");
+    }
+    for (joint, rest) in [
+        ("stiffness=\"0\" damping=\"1\"", "<option density=\"0\"/>"),
+        (
+            "",
+            "<equality><connect body1=\"b\" anchor=\"0 0 0\" active=\"false\"/></equality>",
+        ),
+        (
+            "",
+            "<tendon><fixed><joint joint=\"j\" coef=\"1\"/></fixed></tendon><actuator><motor joint=\"k\"/></actuator>",
+        ),
+    ] {
+        assert_eq!(said(joint, rest), "");
+    }
+}

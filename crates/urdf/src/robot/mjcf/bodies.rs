@@ -52,6 +52,12 @@ pub(crate) struct Bodies<'m, 'd, 'input> {
     is_passive: bool,
     /// Bodies whose masses MuJoCo works out from geoms.
     of_geoms: Vec<String>,
+    /// Joints with a spring that is no yield of a drive.
+    pub(crate) sprung: Vec<String>,
+    /// Joints whose spring and damper MuJoCo works out.
+    pub(crate) tuned: Vec<String>,
+    /// Joints whose damping has further coefficients.
+    pub(crate) curved: Vec<String>,
     /// Sites that share a name, or have no place.
     no_ends: Vec<String>,
 }
@@ -74,6 +80,9 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
             held: Vec::new(),
             is_passive: false,
             of_geoms: Vec::new(),
+            sprung: Vec::new(),
+            tuned: Vec::new(),
+            curved: Vec::new(),
             no_ends: Vec::new(),
         };
         let root = mjcf.reader.document.root_element();
@@ -120,6 +129,10 @@ impl<'m, 'd, 'input> Bodies<'m, 'd, 'input> {
                 "{file}: gravcomp of {names} is left out: torques of a simulator that has it lack gravity's part"
             ));
         }
+        let said = self
+            .mjcf
+            .said_of_joints([&self.sprung, &self.tuned, &self.curved]);
+        self.robot.notes.extend(said);
         if !self.no_ends.is_empty() {
             let names = joined(&self.no_ends);
             self.robot.notes.push(format!(

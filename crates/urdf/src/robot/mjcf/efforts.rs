@@ -7,7 +7,7 @@ use crate::robot::mjcf::{Attributes, Mjcf};
 use crate::robot::xml::{Element, Reader, Result, elements};
 
 /// Actuators whose defaults are one and the same in MuJoCo.
-const KINDS: [&str; 9] = [
+pub(crate) const KINDS: [&str; 9] = [
     "general",
     "motor",
     "position",

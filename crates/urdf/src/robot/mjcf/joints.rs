@@ -7,6 +7,7 @@ use crate::numbers::{ONE_NUMBER, number};
 use crate::robot::mjcf::Attributes;
 use crate::robot::mjcf::bodies::{Bodies, Part, bare, name_of};
 use crate::robot::mjcf::frames::direction;
+use crate::robot::mjcf::unread::{is_curved, is_some};
 use crate::robot::xml::Result;
 use crate::robot::{Coordinates, PlacedBy, RobotJoint, RobotJointType};
 use haptical_model::rigid::{then, turn};
@@ -90,6 +91,7 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
                 None => (Vector3::z_axis(), Pose::default()),
             };
             let name = self.joint_name(part, own.as_ref().and_then(|own| own.name.clone()))?;
+            self.note_forces(part, &name);
             let link = match number + 1 == count && own.as_ref().is_none_or(Own::is_at_body) {
                 true => body.to_owned(),
                 false => self.free_link(format!("{body}/{name}")),
@@ -201,6 +203,25 @@ impl<'d, 'input> Bodies<'_, 'd, 'input> {
             limits: self.limits(part, &place, unit)?,
             stiffness: stiffness.and_then(|word| word.parse().ok()).unwrap_or(0.0),
         }))
+    }
+
+    /// Notes a joint whose spring is left out, or whose damping is more than one number.
+    fn note_forces(&mut self, part: &Part<'d, 'input>, name: &str) {
+        let text = |key| self.mjcf.attribute(&part.own, key);
+        let [is_sprung, is_tuned, is_bent] = [
+            text("stiffness").is_some_and(is_some),
+            text("springdamper").is_some_and(is_some),
+            text("damping").is_some_and(is_curved),
+        ];
+        let name = format!("`{name}`");
+        if is_tuned {
+            self.tuned.push(name.clone());
+        } else if is_sprung {
+            self.sprung.push(name.clone());
+        }
+        if is_bent {
+            self.curved.push(name);
+        }
     }
 
     /// The first number of an attribute; MuJoCo takes further coefficients of a damping that grows.

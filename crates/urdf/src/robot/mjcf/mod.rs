@@ -9,6 +9,7 @@ pub(crate) mod frames;
 pub(crate) mod include;
 mod joints;
 mod masses;
+mod unread;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -76,6 +77,7 @@ pub(crate) fn parse(text: &str, file: &str) -> Result<Robot> {
     };
     let references = Bodies::read(&mjcf, &mut robot)?;
     mjcf.bind(&mut robot, &references)?;
+    mjcf.say_what_is_unread(&mut robot)?;
     let questions = mjcf.reader.questions_of_mjcf(&robot);
     robot.notes.extend(questions);
     Ok(robot)
