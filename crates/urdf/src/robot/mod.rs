@@ -149,6 +149,22 @@ impl RobotJoint {
     }
 }
 
+impl Robot {
+    /// Whether a link, or anything that is fixed behind it, has a mass.
+    pub(crate) fn is_heavy_behind(&self, link: usize) -> bool {
+        let mut open = vec![link];
+        while let Some(link) = open.pop() {
+            let own = &self.links[link];
+            if own.inertial.is_some_and(|own| own.mass_kg > 0.0) {
+                return true;
+            }
+            let joints = own.child_joints.iter().map(|joint| &self.joints[*joint]);
+            open.extend(joints.filter(|own| !own.moves()).map(|own| own.child));
+        }
+        false
+    }
+}
+
 /// Reads a URDF or, by its outermost element, an MJCF; `file` names it in errors.
 pub(crate) fn read_any(text: &str, file: &str) -> xml::Result<Robot> {
     let plain = without_prefixes(text);

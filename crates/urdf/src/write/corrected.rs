@@ -18,7 +18,7 @@ use crate::rigid::to_rpy;
 use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::document;
 use crate::robot::{Robot, RobotJoint};
-use crate::words::listed;
+use crate::words::{joined, listed};
 use crate::write::effects::Effects;
 use crate::write::inertials::{put, urdf_element, weighed};
 use crate::write::not_carried::{Form, comment, not_carried};
@@ -88,6 +88,7 @@ pub fn corrected_urdf(
     let read = ReadChain::of_urdf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "URDF"))?;
     let (drives, said) = drives(text, file, &read, device)?;
+    let moved = said_of_moved_masses(&read, device, &corrections, file);
     let ReadChain {
         robot,
         paths,
@@ -95,6 +96,7 @@ pub fn corrected_urdf(
         ..
     } = read;
     warnings.extend(said);
+    warnings.extend(moved);
     let link = |index: usize| robot.links[index].name.clone();
     let mut base = link(paths[0].base);
     let mut tips: Vec<String> = paths.iter().map(|path| link(path.tip)).collect();
@@ -198,6 +200,46 @@ pub(crate) fn all_corrections(
         }
     }
     Ok(all)
+}
+
+/// Masses that corrected origins take with them, and that the device has where they were: of what is fixed behind a fixed joint,
+/// and of slides whose zero is another one.
+pub(crate) fn said_of_moved_masses(
+    read: &ReadChain,
+    device: &Device,
+    corrections: &[(usize, Correction)],
+    file: &str,
+) -> Option<String> {
+    let robot = &read.robot;
+    let fixed = corrections.iter().filter_map(|(_, own)| match own {
+        Correction::Joint(joint, origin) => Some((*joint, origin)),
+        Correction::Base(_) | Correction::Tip(_) => None,
+    });
+    let fixed = fixed.filter(|(joint, origin)| {
+        let own = &robot.joints[*joint];
+        let gap_m = (own.origin.position_m - origin.position_m).amax();
+        let gap = (own.origin.rotation - origin.rotation).amax();
+        !own.moves() && gap_m.max(gap) > 0.0
+    });
+    let slides = read.rows.rows.iter().enumerate().filter(|(row, own)| {
+        let link = device.links.get(row + 1);
+        own.drive.motion == JointType::Prismatic && link.is_some_and(|link| link.d_m != 0.0)
+    });
+    let moved = fixed
+        .map(|(joint, _)| joint)
+        .chain(slides.map(|(_, own)| own.joint));
+    let heavy = moved.map(|joint| robot.joints[joint].child);
+    let names = heavy.filter(|link| robot.is_heavy_behind(*link));
+    let names: Vec<String> = names
+        .map(|link| format!("`{}`", robot.links[link].name))
+        .collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{file}: the masses of {} move with their corrected origins, and the device has them where they were: torques differ \
+             by as much",
+            joined(&names)
+        )
+    })
 }
 
 /// What is before each row and behind the last, with each joint's zero beside its own origin: before the motion, but behind it

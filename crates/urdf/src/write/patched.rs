@@ -20,7 +20,7 @@ use crate::robot::prefixes::without_prefixes;
 use crate::robot::xml::{Element, document};
 use crate::robot::{PlacedBy, Robot, RobotJoint};
 use crate::write::added_joints::NewJoints;
-use crate::write::corrected::{all_corrections, replaced};
+use crate::write::corrected::{all_corrections, replaced, said_of_moved_masses};
 use crate::write::effects::Effects;
 use crate::write::inertials::{Weighed, mjcf_element, put, weighed};
 use crate::write::mjcf::snippet;
@@ -89,6 +89,7 @@ pub fn corrected_mjcf(
     let read = ReadChain::of_mjcf(text, file, ends)?;
     let corrections = all_corrections(&read, device, (file, "MJCF"))?;
     let (weighed, unweighed) = weighed(&read, device, file)?;
+    let moved = said_of_moved_masses(&read, device, &corrections, file);
     let ReadChain {
         robot,
         paths,
@@ -143,6 +144,7 @@ pub fn corrected_mjcf(
         edits.extend(patch.drive(own, friction, armature));
     }
     warnings.extend(unweighed);
+    warnings.extend(moved);
     edits.extend(patch.masses(&weighed, text, file, &mut warnings));
     let mut lost = not_carried(device, &effects, Form::Mjcf);
     lost.extend(late_encoders(&effects));

@@ -160,3 +160,38 @@ fn a_joints_zero_is_in_its_own_origin() {
     let (shift_m, turn_rad) = own(2);
     assert!(shift_m.amax() < 1e-12 && turn_rad.amax() < 1e-12);
 }
+
+/// A mass that is fixed behind a corrected origin, or that a slide with another zero carries, is elsewhere in the file: it is said.
+#[test]
+fn masses_that_move_with_an_origin_are_said() {
+    let inertial = "<inertial> <mass value=\"2\"/> <inertia ixx=\"0.1\" iyy=\"0.1\" izz=\"0.1\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/> </inertial>";
+    let text = |kind: &str, arm: &str, tool: &str| {
+        format!(
+            "<robot name=\"lever\"> <link name=\"base\"/> <link name=\"arm\">{arm}</link> <link name=\"tool\">{tool}</link>\
+             <joint name=\"j\" type=\"{kind}\"> <parent link=\"base\"/> <child link=\"arm\"/> <axis xyz=\"0 0 1\"/>\
+             <limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/> </joint>\
+             <joint name=\"f\" type=\"fixed\"> <origin xyz=\"0.1 0 0\"/> <parent link=\"arm\"/> <child link=\"tool\"/> </joint></robot>"
+        )
+    };
+    let said = |text: &str, row: usize| {
+        let ends = BaseAndTip::to("tool");
+        let mut device = device_from_urdf(text, "lever.urdf", ends).unwrap().device;
+        device.links[row].d_m = 0.002;
+        let corrected = corrected_urdf(text, "lever.urdf", ends, &device).unwrap();
+        corrected.warnings.join("\n")
+    };
+    let tool = said(&text("revolute", inertial, inertial), 1);
+    assert!(
+        tool.contains("the masses of `tool` move with their corrected origins"),
+        "{tool}"
+    );
+    let arm = said(&text("prismatic", inertial, ""), 1);
+    assert!(arm.contains("the masses of `arm` move"), "{arm}");
+    for (text, row) in [
+        (text("revolute", inertial, ""), 1),
+        (text("revolute", inertial, inertial), 0),
+    ] {
+        let none = said(&text, row);
+        assert!(!none.contains("move with"), "{none}");
+    }
+}
