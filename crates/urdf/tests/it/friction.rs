@@ -117,3 +117,41 @@ fn a_file_keeps_the_friction_that_a_device_does_not_change() {
     device.effects.clear();
     assert_eq!(write(&device), MJCF);
 }
+
+/// What a joint and those that follow it have together comes back from a new MJCF: each row is written with its share.
+#[test]
+fn followers_get_no_made_up_friction_beside_the_known_one() {
+    let finger = |name: &str| {
+        format!(
+            "<body name=\"{name}\"><joint name=\"{name}\" type=\"slide\" armature=\"0.1\" damping=\"10\" frictionloss=\"3\"/>\
+             <inertial pos=\"0 0 0\" mass=\"0.1\" diaginertia=\"0.001 0.001 0.001\"/></body>"
+        )
+    };
+    let text = format!(
+        "<mujoco><worldbody>{}{}</worldbody><equality><joint joint1=\"b\" joint2=\"a\" polycoef=\"0 -2 0 0 0\"/></equality></mujoco>",
+        finger("a"),
+        finger("b")
+    );
+    let further = ["b".to_owned()];
+    let ends = BaseAndTip {
+        base: None,
+        tip: Some("a"),
+        further_tips: &further,
+    };
+    let device = read(&text, ends).device;
+    let (new, _) = new_mjcf(&device).unwrap();
+    let again = read(&new, ends).device;
+    // 0.1 and 2^2 times 0.1
+    for own in [&device, &again] {
+        assert!(
+            (own.joints[0].armature_kgm2.unwrap() - 0.5).abs() < 1e-12,
+            "{new}"
+        );
+        let numbers = &own.effects[0].numbers;
+        assert!((numbers["coulomb_n"] - 9.0).abs() < 1e-12, "{numbers:?}");
+        assert!(
+            (numbers["viscous_n_s_per_m"] - 50.0).abs() < 1e-12,
+            "{numbers:?}"
+        );
+    }
+}

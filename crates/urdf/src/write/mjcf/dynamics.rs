@@ -121,6 +121,30 @@ fn carried(device: &Device, segments: &Segments, bodies: &[RowBody], gravity: f6
     carried
 }
 
+/// What a joint's numbers are divided by where rows follow it: each of its rows gets the same.
+struct Shares {
+    /// Of forces.
+    of_force: f64,
+    /// Of forces per speed or acceleration.
+    of_inertia: f64,
+}
+
+/// Sums over a joint's own row and those that follow it, of how far each moves per motion of the own one.
+fn shares(device: &Device, segments: &Segments, own: usize) -> Shares {
+    let mut shares = Shares {
+        of_force: 1.0,
+        of_inertia: 1.0,
+    };
+    for row in 0..segments.rows.len() {
+        let followed = segments.followed(device, row);
+        if let Some((_, multiplier)) = followed.filter(|(source, _)| *source == own) {
+            shares.of_force += multiplier.abs();
+            shares.of_inertia += multiplier * multiplier;
+        }
+    }
+    shares
+}
+
 /// Numbers of all rows, and the time step \[s\].
 pub(crate) fn row_dynamics(
     device: &Device,
@@ -134,10 +158,16 @@ pub(crate) fn row_dynamics(
     let rows = segments.rows.iter().zip(&carried).enumerate();
     let rows = rows.map(|(row, (segment, carried))| {
         let inertia = carried.inertia.max(LEAST_INERTIA);
-        let is_own = segments.followed(device, row).is_none();
+        let followed = segments.followed(device, row);
+        let is_own = followed.is_none();
+        let own = followed.map_or(row, |(source, _)| source);
+        let shares = shares(device, segments, own);
         let friction = effects.friction.get(segment.drive.joint).copied();
-        let friction = friction.filter(|_| is_own).unwrap_or_default();
-        let known = segment.armature(device).filter(|_| is_own);
+        let friction = friction.unwrap_or_default();
+        let coulomb = friction.coulomb.map(|own| own / shares.of_force);
+        let viscous = friction.viscous.map(|own| own / shares.of_inertia);
+        let known = segments.rows[own].armature(device);
+        let known = known.map(|own| own / shares.of_inertia);
         let armature = known.unwrap_or(ARMATURE * inertia);
         let sag = SAG[usize::from(segment.drive.motion == JointType::Prismatic)];
         let stiffness = (inertia * HOLDING_RAD_PER_S * HOLDING_RAD_PER_S).max(carried.load / sag);
@@ -168,13 +198,17 @@ pub(crate) fn row_dynamics(
         RowDynamics {
             armature,
             is_armature_known: known.is_some(),
-            damping: friction.viscous.unwrap_or(inertia / COASTING_S),
-            is_damping_known: friction.viscous.is_some(),
-            friction_loss: friction.coulomb.unwrap_or(0.0),
-            gains: [
-                stiffness,
-                2.0 * libm::sqrt(stiffness * (inertia + armature)),
-            ],
+            damping: viscous.unwrap_or(inertia / COASTING_S),
+            is_damping_known: viscous.is_some(),
+            friction_loss: coulomb.unwrap_or(0.0),
+            // what follows with its share of known numbers has no actuator to be stable with
+            gains: match is_own || known.is_none() {
+                true => [
+                    stiffness,
+                    2.0 * libm::sqrt(stiffness * (inertia + armature)),
+                ],
+                false => [0.0; 2],
+            },
             yields: yields.collect(),
         }
     });
