@@ -86,6 +86,8 @@ struct Facts {
     no_transmission: Vec<String>,
     /// Links.
     massless: Vec<String>,
+    /// Links with a number between blanks in their masses.
+    padded: Vec<String>,
 }
 
 impl Facts {
@@ -108,6 +110,7 @@ impl Facts {
             continuous: named(moving().filter(|own| own.attribute("type") == Some("continuous"))),
             no_transmission: named(driven.filter(|own| !robot.has_transmission(own))),
             massless: robot.massless(),
+            padded: named(robot.links.iter().copied().filter(has_padded_masses)),
         }
     }
 
@@ -126,6 +129,10 @@ impl Facts {
             (
                 &self.massless,
                 "% move and have no mass: kinematics stand, accelerations do not",
+            ),
+            (
+                &self.padded,
+                "a number with a blank before or behind it is none to its reader, which then leaves out the <inertial> of %",
             ),
         ]
     }
@@ -254,6 +261,17 @@ impl<'d, 'i> Description<'d, 'i> {
 
 fn child<'d, 'i>(node: &Node<'d, 'i>, tag: &str) -> Option<Node<'d, 'i>> {
     node.children().find(|own| own.has_tag_name(tag))
+}
+
+/// Whether a number of a link's mass or inertia has a blank before or behind it, as `"0.1 "`.
+fn has_padded_masses(link: &Node<'_, '_>) -> bool {
+    let inertial = child(link, "inertial").into_iter();
+    let mut parts = inertial.flat_map(|own| own.children());
+    parts.any(|own| {
+        let mut numbers = own.attributes();
+        matches!(own.tag_name().name(), "mass" | "inertia")
+            && numbers.any(|own| own.value() != own.value().trim())
+    })
 }
 
 fn moves(joint: &Node<'_, '_>) -> bool {

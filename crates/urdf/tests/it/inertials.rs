@@ -4,7 +4,8 @@ use haptical_model::dynamics::Inertia;
 use haptical_model::dynamics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, DeviceEffect, RigidBodies};
 use haptical_urdf::{
-    BaseAndTip, NewJoints, corrected_mjcf, corrected_urdf, device_from_mjcf, device_from_urdf,
+    BaseAndTip, Loader, NewJoints, corrected_mjcf, corrected_urdf, device_from_mjcf,
+    device_from_urdf, loader_notes,
 };
 
 const URDF: &str = r#"<robot name="two">
@@ -160,5 +161,26 @@ fn a_mass_that_no_link_can_have_is_said() {
             .any(|own| own.contains("row 2 was not put into `two`")),
         "{:?}",
         corrected.warnings
+    );
+}
+
+/// Pinocchio's reader leaves out an `<inertial>` with a number that a blank follows; the number is read here.
+#[test]
+fn a_blank_beside_a_number_is_said_to_be_none_to_pinocchio() {
+    let padded = URDF.replacen("iyy=\"0.01\"", "iyy=\"0.01 \"", 1);
+    let ends = BaseAndTip::to("tool");
+    let [plain, blank] = [URDF, padded.as_str()].map(|text| {
+        let device = device_from_urdf(text, "two.urdf", ends).unwrap().device;
+        let notes = loader_notes(text, "two.urdf", Loader::Pinocchio).unwrap();
+        let of_blanks = notes
+            .into_iter()
+            .filter(|own| own.contains("a blank before or behind it"));
+        (device, of_blanks.collect::<Vec<_>>())
+    });
+    assert_eq!(plain.0, blank.0);
+    assert_eq!(plain.1, Vec::<String>::new());
+    assert!(
+        blank.1.len() == 1 && blank.1[0].contains("`one`"),
+        "{blank:?}"
     );
 }
