@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask_paper::{experiment, tables};
-use xtask_peers::{bench_peers, bench_scaling, instructions, moving};
+use xtask_peers::{bench_peers, bench_scaling, descriptions, instructions, moving};
 
 /// Jobs of the Haptical project.
 #[derive(Debug, Parser)]
@@ -36,6 +36,9 @@ enum Job {
     BenchPeers(bench_peers::Arguments),
     /// MuJoCo's system identification and diagnose on logs of a moving arm with withheld effects.
     PeersMoving(moving::Arguments),
+    /// Compares kinematics, torques and exports of public URDFs and MJCFs with Pinocchio and MuJoCo; ends with an error where a
+    /// difference is not named.
+    Descriptions(descriptions::Arguments),
     /// Measures how time and memory grow with poses, parameters and joints.
     BenchScaling(bench_scaling::Arguments),
     /// Computes the figures of docs/evidence.md and writes it.
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Job::SettleCheck(arguments) => xtask_trials::settle(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
         Job::PeersMoving(arguments) => moving::run(&arguments),
+        Job::Descriptions(arguments) => descriptions::run(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),
         Job::Evidence(arguments) => xtask_evidence::evidence(&arguments),
         Job::CompareResults(arguments) => xtask_scenes::compare_results(&arguments),

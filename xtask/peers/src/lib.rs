@@ -1,4 +1,4 @@
-//! Speed: ours against other libraries, growth with the size of the work, counted instructions.
+//! Ours against other libraries, in speed and on public descriptions; growth with the size of the work, counted instructions.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -8,5 +8,6 @@
 
 pub mod bench_peers;
 pub mod bench_scaling;
+pub mod descriptions;
 pub mod instructions;
 pub mod moving;
