@@ -23,6 +23,17 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         };
         warnings.push(said.to_owned());
     }
+    let centres = examined
+        .findings
+        .iter()
+        .filter(|own| own.numbers.iter().any(|number| number.0 == "centre_x_m"));
+    warnings.extend(centres.filter_map(|own| own.joint).map(|joint| {
+        format!(
+            "the shift of the centre of mass behind joint {} is along the axes of its row of the device, and a robot description's link may \
+             have others: the exported description has the centre in those",
+            joint + 1
+        )
+    }));
     let named = examined.findings.iter().filter(|_| examined.is_answer());
     // rows that are set right are no number of a device
     let named = named.filter(|own| !own.is_of_sampling());
