@@ -11,6 +11,8 @@ const SMALL_M: f64 = 1e-3;
 const SMALL_RAD: f64 = 1e-4;
 /// Durations below these are shown in µs and ms, others in s \[s\].
 const SHORT_S: [f64; 2] = [1e-4, 0.1];
+/// Speeds below this are shown in µrad/s, others in rad/s \[rad/s\].
+const SLOW_RAD_PER_S: f64 = 1e-3;
 /// Numbers outside this range get an exponent.
 const PLAIN: std::ops::Range<f64> = 1e-3..1e7;
 
@@ -112,7 +114,7 @@ fn for_people(unit: Unit, size: f64) -> (&'static str, f64) {
         Unit::MetrePerSquareRadian => ("mm/rad²", 1e3),
         Unit::RadianPerKelvin => ("µrad/°C", 1e6),
         Unit::RadianPerNewtonMetre => ("mrad/(N m)", 1e3),
-        Unit::RadianPerSecond => ("µrad/s", 1e6),
+        Unit::RadianPerSecond if size < SLOW_RAD_PER_S => ("µrad/s", 1e6),
         Unit::MetrePerKelvin => ("µm/°C", 1e6),
         Unit::MetrePerSecond => ("µm/s", 1e6),
         Unit::MetrePerNewton => ("µm/N", 1e6),
@@ -173,6 +175,14 @@ mod tests {
             ("joint-drift", "rad_per_degc", 2e-5, "rate", "µrad/°C", 20.0),
             ("cable-drift", "m_per_s", 2e-6, "rate", "µm/s", 2.0),
             ("joint-drift", "rad_per_s", 2e-6, "rate", "µrad/s", 2.0),
+            (
+                "speed-saturation",
+                "limit_rad_per_s",
+                2.03,
+                "limit",
+                "rad/s",
+                2.03,
+            ),
             ("tool-compliance", "m_per_n", 2e-6, "rate", "µm/N", 2.0),
             (
                 "capstan-creep",
