@@ -7,8 +7,8 @@ use haptical_linalg::NormalEquations;
 use super::scan::{Likely, Scan};
 use super::sums::{Prefix, fitted, rows};
 use crate::thresholds::{
-    BROAD_NATS, DELAY_EDGE, DELAY_NATS, DELAY_REPEATS, DELAY_SHIFTS, NEAR_MOVES, NEAR_S,
-    PAST_READINGS, REPEATED_NATS, SHARE_OF_FREE, SPARE_STRETCHES, STRETCHES,
+    BROAD_NATS, DELAY_EDGE, DELAY_NATS, DELAY_PARTS, DELAY_REPEATS, DELAY_SHIFTS, NEAR_MOVES,
+    NEAR_S, PAST_READINGS, REPEATED_NATS, SHARE_OF_FREE, SPARE_STRETCHES, STRETCHES,
 };
 
 /// Sums with the inputs some rows later.
@@ -26,15 +26,14 @@ struct Sides {
 
 impl Scan<'_> {
     /// The likeliest delay: the inputs act some rows later than before, by all of the log, else by what is near.
-    pub(super) fn delay(&self) -> Option<Likely> {
+    /// Of rows that were put together it may lie between two.
+    pub(super) fn delay(&self, is_thin: bool) -> Option<Likely> {
         let near = (NEAR_S / self.regression.step_s).round() as usize;
         let near = near.max(10 * self.regression.regressors());
         let all = self.regression.rows;
         let windows = [all, near];
         let found = DELAY_SHIFTS.map(|rows| {
-            let prefix = self.regression.prefix(rows as f64);
-            let whole = self.regression.up_to(&prefix, all);
-            let shifted = Shifted { prefix, whole };
+            let shifted = self.shifted(rows as f64);
             let bonus = self.repeats(rows);
             let mut further: Vec<usize> = (0..all).filter(|&row| bonus[row] > 0.0).collect();
             further.sort_unstable_by(|&a, &b| bonus[b].total_cmp(&bonus[a]));
@@ -47,21 +46,40 @@ impl Scan<'_> {
                 if window < all && !self.moves(row.saturating_sub(window)..row, row..row + window) {
                     return None;
                 }
-                let sides = self.sides_of(row, &shifted, window);
-                let nats = sides.nats(self);
-                let likely = Likely { nats, ..likely };
-                let is_late = nats > DELAY_NATS
-                    && sides.is_mostly_late(self)
-                    && self.is_broad(&sides, (row, rows), window);
-                Some((likely, is_late))
+                Some(self.judged((likely, &shifted), window))
             })
         });
         // the likeliest must be one, and mostly that: else the law itself is another one
         (0..windows.len()).find_map(|window| {
             let own = found.iter().filter_map(|found| found[window]);
             let (best, is_late) = own.max_by(|a, b| a.0.nats.total_cmp(&b.0.nats))?;
-            is_late.then(|| self.between_rows(best))
+            let between = self.between_rows(best, is_thin);
+            let is_late = is_late
+                || is_thin && {
+                    let shifted = self.shifted(between.size);
+                    let rows = best.rows;
+                    let own = Likely { rows, ..between };
+                    self.judged((own, &shifted), windows[window]).1
+                };
+            is_late.then_some(between)
         })
+    }
+
+    fn shifted(&self, rows: f64) -> Shifted {
+        let prefix = self.regression.prefix(rows);
+        let whole = self.regression.up_to(&prefix, self.regression.rows);
+        Shifted { prefix, whole }
+    }
+
+    /// What a delay gains without repeated readings, and whether that is enough.
+    fn judged(&self, (likely, shifted): (Likely, &Shifted), window: usize) -> (Likely, bool) {
+        let row = likely.rows[1];
+        let sides = self.sides_of(row, shifted, window);
+        let nats = sides.nats(self);
+        let is_late = nats > DELAY_NATS
+            && sides.is_mostly_late(self)
+            && self.is_broad(&sides, (row, likely.size), window);
+        (Likely { nats, ..likely }, is_late)
     }
 
     /// Whether the joint moves in most rows of two stretches.
@@ -80,7 +98,7 @@ impl Scan<'_> {
 
     /// Whether more than a motion or two on either side says so: what the delay takes of each stretch's squares, without the
     /// stretches that say most.
-    fn is_broad(&self, sides: &Sides, (row, shift): (usize, isize), window: usize) -> bool {
+    fn is_broad(&self, sides: &Sides, (row, shift): (usize, f64), window: usize) -> bool {
         let regression = self.regression;
         let unchanged = fitted(&sides.before.plus(&sides.after, 1.0));
         let unchanged = unchanged.coefficients();
@@ -89,7 +107,7 @@ impl Scan<'_> {
         let count = rows(&sides.before) + rows(&sides.later);
         let variance = squares / count.max(1.0) + regression.rounding;
         let gained = |at: usize| {
-            let shift = if at < row { 0.0 } else { shift as f64 };
+            let shift = if at < row { 0.0 } else { shift };
             let square = |solution: &[f64], shift: f64| {
                 let off = regression.position(at) - regression.predicted(solution, at, shift)?;
                 Some(off * off)
@@ -164,16 +182,17 @@ impl Scan<'_> {
         bonus
     }
 
-    /// Its size to an eighth of a row, at the row where it is likeliest.
-    fn between_rows(&self, likely: Likely) -> Likely {
+    /// Its size to an eighth of a row, or a 32nd of rows that were put together, at the row where it is likeliest.
+    fn between_rows(&self, likely: Likely, is_thin: bool) -> Likely {
         let row = likely.rows[1];
         let before = self.regression.up_to(&self.own, row);
         let squares = |shift: f64| {
             let later = (self.regression).of_rows(row + PAST_READINGS..self.regression.rows, shift);
             fitted(&before.plus(&later, 1.0)).rest_square()
         };
+        let least_step = DELAY_PARTS[usize::from(is_thin)];
         let (mut size, mut least, mut step) = (likely.size, squares(likely.size), 0.5);
-        while step > 0.1 {
+        while step > least_step {
             let tried = [size - step, size + step].map(|size| (size, squares(size)));
             let best = tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
             match best {

@@ -4,6 +4,7 @@ mod delay;
 mod scan;
 mod still;
 mod sums;
+mod thin;
 mod torque;
 
 use std::convert::Infallible;
@@ -14,6 +15,7 @@ use self::scan::{Likely, Scan};
 pub(crate) use self::still::of_a_still_joint;
 use self::still::{between_runs, by_means};
 use self::sums::Regression;
+use self::thin::Thinned;
 pub use self::torque::torque_gain;
 use crate::answer::{Finding, Instant, Number};
 use crate::effect::{gain, latency, offset};
@@ -237,18 +239,37 @@ fn next(series: &Series, is_level: bool) -> Option<Change> {
     if !is_level {
         return None;
     }
-    let beside_velocity = series.velocity.as_deref().and_then(|velocity| {
-        let regression = Regression::new(series, Some(velocity));
-        Scan::new(&regression).delay()
-    });
-    let behind_velocity = beside_velocity.is_some();
-    let likely = beside_velocity.or_else(|| scan.delay())?;
+    let Some(thin) = Thinned::new(series) else {
+        let (likely, behind_velocity) = of_delay(series, &scan, false)?;
+        let kind = Kind::Delay {
+            rows: likely.size,
+            behind_velocity,
+        };
+        let half_step = 0.5 * series.step_s / 1.96;
+        return Some(Change::new(series, kind, likely.rows, half_step));
+    };
+    let regression = Regression::new(&thin.series, None);
+    if thin.series.len() < 8 * regression.regressors() {
+        return None;
+    }
+    let (likely, behind_velocity) = of_delay(&thin.series, &Scan::new(&regression), true)?;
     let kind = Kind::Delay {
-        rows: likely.size,
+        rows: thin.whole(likely.size),
         behind_velocity,
     };
-    let half_step = 0.5 * series.step_s / 1.96;
-    Some(Change::new(series, kind, likely.rows, half_step))
+    let half_step = 0.5 * thin.series.step_s / 1.96;
+    Some(Change::new(series, kind, thin.rows(likely.rows), half_step))
+}
+
+/// The likeliest delay, and whether positions are late by what their velocities say.
+fn of_delay(series: &Series, scan: &Scan<'_>, is_thin: bool) -> Option<(Likely, bool)> {
+    let beside_velocity = series.velocity.as_deref().and_then(|velocity| {
+        let regression = Regression::new(series, Some(velocity));
+        Scan::new(&regression).delay(is_thin)
+    });
+    let behind_velocity = beside_velocity.is_some();
+    let likely = beside_velocity.or_else(|| scan.delay(is_thin))?;
+    Some((likely, behind_velocity))
 }
 
 /// Laws that explain what they can of a log with or without a change.

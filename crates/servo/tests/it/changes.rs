@@ -1,9 +1,10 @@
 //! What changes within a log is found, sized and placed; what does not is not.
 
+use crate::loops::{Loop, moves, steps};
 use crate::servo::{Log, Servo, motion};
 use haptical_servo::{Finding, JointLog, diagnose_joint};
 
-use crate::{asked, cause};
+use crate::{asked, cause, number};
 
 fn hobby() -> Servo {
     Servo {
@@ -315,5 +316,50 @@ fn a_loss_between_episodes_that_scatter_is_placed() {
             "{seed}: {found:?}"
         );
         assert!((0.03..0.12).contains(&(high - low)), "{seed}: {found:?}");
+    }
+}
+
+/// 1000 rows a second: a delay that is longer than so many rows is no change.
+#[test]
+fn a_fast_log_has_no_change_that_is_not_there() {
+    for seed in 0..4 {
+        let servo = Loop {
+            rows_hz: 1000.0,
+            holds: true,
+            delay_s: 0.03 + 0.005 * seed as f64,
+            lag_s: 0.04 + 0.02 * seed as f64,
+            ..Loop::default()
+        };
+        let command = match seed % 2 {
+            0 => steps(seed, 1000.0, 20.0),
+            _ => moves(seed, 1000.0, 20.0),
+        };
+        let answer = asked(&servo.log(&command, seed)).unwrap();
+        let changes = answer.causes.iter().filter(|cause| cause.since.is_some());
+        assert_eq!(changes.count(), 0, "{seed}: {:?}", answer.causes);
+    }
+}
+
+/// And one that is there has its size, though it is many rows.
+#[test]
+fn a_delay_that_changes_in_a_fast_log_has_its_size() {
+    let (mut before, rows_hz) = (Loop::default(), 1000.0);
+    (before.rows_hz, before.delay_s) = (rows_hz, 0.02);
+    let after = Loop {
+        delay_s: 0.045,
+        ..before
+    };
+    for seed in 0..3 {
+        let command = moves(seed, rows_hz, 30.0);
+        let mut log = before.log(&command, seed);
+        let half = log.response.len() / 2;
+        log.response[half..].clone_from_slice(&after.log(&command, seed).response[half..]);
+        let answer = asked(&log).unwrap();
+        let found = answer.causes.iter().find(|cause| cause.since.is_some());
+        let found = found.unwrap_or_else(|| panic!("{seed}: {:?}", answer.causes));
+        let delay = number(found, "delay_s");
+        assert!((delay.value - 0.025).abs() < 0.005, "{seed}: {delay:?}");
+        let at = found.since.unwrap().time_s;
+        assert!(at[0] < 15.2 && at[2] > 14.8, "{seed}: {at:?}");
     }
 }

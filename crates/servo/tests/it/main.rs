@@ -8,6 +8,7 @@
 mod changes;
 mod input;
 mod laws;
+mod loops;
 mod servo;
 mod torque;
 
