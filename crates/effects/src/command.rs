@@ -42,12 +42,13 @@ pub const STIFFNESS: Spec = Spec {
     name: "servo-stiffness",
     meaning: "the position loop gives way: a low gain makes it lag, and droop under a load",
     inspect: "the proportional gain of the position loop, and whether it has an integral one",
-    adds: "-tau / k, and dx/dt = (u - x) / T",
+    adds: "-tau / k, and x'' / w^2 + T x' + x = u",
     family: Family::Lag,
     parameters: &[
         Parameter::size("stiffness_nm_per_rad", 0.0, f64::MAX),
         Parameter::size("droop_rad", 0.0, f64::MAX),
         Parameter::size("lag_s", 0.0, f64::MAX),
+        Parameter::size("natural_rad_per_s", 0.0, f64::MAX),
     ],
     ..ANSWER
 };

@@ -1,6 +1,6 @@
 //! One joint from its log to an answer.
 
-use haptical_judge::{Closed, Evidence, Gain, closed_share, verdict};
+use haptical_judge::{Closed, Evidence, closed_share, verdict};
 use haptical_linalg::jackknife_sd;
 
 use crate::answer::{Course, Finding, JointAnswer, Number, Verdict};
@@ -10,10 +10,10 @@ use crate::log::{JointLog, Series, Untested, range, rms};
 use crate::next::next;
 use crate::noise::{floor, rounding};
 use crate::predict::Model;
-use crate::select::{Judged, Law, Selection, is_sure, parts, select};
+use crate::select::{Judged, Law, Selection, parts, select};
 use crate::thresholds::{
-    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, OFFSET_COUNTS, REFUSED, RESOLUTION,
-    WIDE_RAD,
+    ABOVE_FLOOR, ALL_CLOSED, AS_GOOD, CLOSED, DROOP_GAIN, LAW_SHARE, OFFSET_COUNTS, REFUSED,
+    REFUSED_AT_NOISE, RESOLUTION, WIDE_RAD,
 };
 
 /// Says how a joint answers its command, and what of that changed within the log.
@@ -149,7 +149,7 @@ impl Joint<'_> {
             ci95: closed_ci95,
         } = self.closed(floor);
         let laws: f64 = self.selection.before.iter().sum::<f64>() / total;
-        let has_converged = has_converged(chosen);
+        let has_converged = chosen.has_converged();
         let mut causes = match has_converged {
             true => self.laws(closed),
             false => Vec::new(),
@@ -174,7 +174,7 @@ impl Joint<'_> {
             closed,
             closed_ci95,
             warnings,
-            tried: Law::ALL.len() + 2,
+            tried: Law::ALL.len() + 4,
             model: has_converged
                 .then(|| Model::new(self.series, chosen.terms, &chosen.fit, &self.changes)),
             course: course(self.series, self.bare, chosen.fit.residual.clone()),
@@ -210,13 +210,7 @@ impl Joint<'_> {
                     })],
                     vec![friction::DEAD_ZONE, friction::BACKLASH],
                 ),
-                Law::Saturation => (
-                    saturation::NAME,
-                    vec![number("limit_rad_per_s", chosen, |fit| {
-                        1.0 / fit.shape.slowness.max(1e-3)
-                    })],
-                    vec![lag::NAME],
-                ),
+                Law::Saturation => (saturation::NAME, vec![self.limit()], vec![lag::NAME]),
                 Law::Gain => self.gain(),
                 Law::Droop => self.droop(),
             };
@@ -251,25 +245,42 @@ impl Joint<'_> {
         Some((offset::NAME, vec![own], rivals))
     }
 
-    /// Delay or lag: both where neither alone does, or where the laws leave a part of the gap that the other may be.
+    /// Delay or lag: both where neither alone does, or where the laws leave a part of the gap that the other may be. A lag with a mass
+    /// answers slow commands as a delay does.
     fn timing(&self, closed: f64) -> Named {
         let chosen = &self.selection.chosen;
         let leaves = |alone: &Judged| alone.unseen_squares() / chosen.unseen_squares().max(1e-300);
         let is_worse = |alone: Option<&Judged>| alone.is_none_or(|alone| leaves(alone) > AS_GOOD);
-        let is_surely_worse = |alone: Option<&Judged>| {
-            let sure = |alone: &Judged| is_sure(Gain::between(&alone.unseen, &chosen.unseen));
-            alone.is_some_and(|alone| leaves(alone) > REFUSED && sure(alone))
-        };
+        let is_surely_worse =
+            |alone: Option<&Judged>| alone.is_some_and(|alone| alone.leaves_more(REFUSED, chosen));
+        if chosen.terms.inertia {
+            return (lag::NAME, heavy(chosen), vec![latency::NAME]);
+        }
         let delay = number("delay_s", chosen, |fit| fit.shape.delay_s + fit.shape.lag_s);
         let part = number("lag_s", chosen, |fit| fit.shape.lag_s);
-        let [delay_alone, lag_alone] = [&self.selection.delay_alone, &self.selection.lag_alone]
-            .map(|own| own.as_ref().filter(|own| has_converged(own)));
+        let [delay_alone, lag_alone, heavy_alone] = [
+            &self.selection.delay_alone,
+            &self.selection.lag_alone,
+            &self.selection.heavy_alone,
+        ]
+        .map(|own| own.as_ref().filter(|own| own.has_converged()));
         if let Some(alone) = delay_alone.filter(|_| !is_worse(delay_alone))
             && is_surely_worse(lag_alone)
             && closed > ALL_CLOSED
         {
             let delay = number("delay_s", alone, |fit| fit.shape.delay_s);
-            return (latency::NAME, vec![delay], Vec::new());
+            let rows = self.series.len() as f64;
+            let left = (alone.unseen_squares() / rows).sqrt();
+            let than = match left > ABOVE_FLOOR * floor(self.series) {
+                true => REFUSED,
+                false => REFUSED_AT_NOISE,
+            };
+            let is_refused = heavy_alone.is_some_and(|heavy| heavy.leaves_more(than, alone));
+            let rivals = match is_refused {
+                true => Vec::new(),
+                false => vec![lag::NAME],
+            };
+            return (latency::NAME, vec![delay], rivals);
         }
         if let Some(alone) = lag_alone.filter(|_| !is_worse(lag_alone))
             && is_surely_worse(delay_alone)
@@ -278,6 +289,24 @@ impl Joint<'_> {
             return (lag::NAME, vec![lag], vec![latency::NAME]);
         }
         (latency::NAME, vec![delay, part], vec![lag::NAME])
+    }
+
+    /// The limit of the speed, as wide as parts of the log differ and as the laws are wrong: how a drive comes to its limit and leaves it is
+    /// not known, and in all parts alike.
+    fn limit(&self) -> Number {
+        let chosen = &self.selection.chosen;
+        let limit = number("limit_rad_per_s", chosen, |fit| {
+            1.0 / fit.shape.slowness.max(1e-3)
+        });
+        let bare: f64 = self.bare.iter().map(|e| e * e).sum();
+        let noise = floor(self.series).powi(2) * self.bare.len() as f64;
+        let left = (chosen.unseen_squares() - noise).max(0.0) / bare.max(1e-300);
+        let of_law = 1.96 * LAW_SHARE * left.sqrt() * limit.value;
+        let half = (0.5 * (limit.ci95[1] - limit.ci95[0])).hypot(of_law);
+        Number {
+            ci95: [limit.value - half, limit.value + half],
+            ..limit
+        }
     }
 
     fn gain(&self) -> Named {
@@ -317,10 +346,17 @@ impl Joint<'_> {
 const NOT_CONVERGED: &str =
     "the fit of the servo's laws did not converge: it has no intervals, and no law is named";
 
-/// Whether the fit of a model, and those to all but each part, have converged.
-fn has_converged(judged: &Judged) -> bool {
-    let mut all = judged.folds.iter().chain([&judged.fit]);
-    all.all(|own| own.has_converged)
+/// The numbers of a lag with a mass.
+fn heavy(judged: &Judged) -> Vec<Number> {
+    let lag = number("lag_s", judged, |fit| fit.shape.lag_s);
+    let inertia = number("inertia_s", judged, |fit| fit.shape.inertia_s);
+    // without a mass that shows it is a lag
+    let natural = (inertia.ci95[0] > 0.0).then(|| Number {
+        name: "natural_rad_per_s",
+        value: 1.0 / inertia.value,
+        ci95: [1.0 / inertia.ci95[1], 1.0 / inertia.ci95[0]],
+    });
+    std::iter::once(lag).chain(natural).collect()
 }
 
 type Named = (&'static str, Vec<Number>, Vec<&'static str>);

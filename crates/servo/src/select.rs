@@ -10,7 +10,10 @@ use haptical_judge::{
 
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
-use crate::thresholds::{AS_GOOD, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, SURE_SD};
+use crate::thresholds::{
+    AS_GOOD, FEWEST_SPEAKING, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, REFUSED, START_DAMPING,
+    START_LAG_S, SURE_SD,
+};
 
 /// A model with what it leaves of rows that its fit did not see, part by part.
 #[derive(Debug, Clone)]
@@ -26,6 +29,18 @@ pub(crate) struct Judged {
 impl Judged {
     pub(crate) fn unseen_squares(&self) -> f64 {
         self.unseen.iter().sum()
+    }
+
+    /// Whether its fit, and those to all but each part, have converged.
+    pub(crate) fn has_converged(&self) -> bool {
+        let mut all = self.folds.iter().chain([&self.fit]);
+        all.all(|own| own.has_converged)
+    }
+
+    /// Whether it surely leaves more than so many times what another model does.
+    pub(crate) fn leaves_more(&self, than: f64, other: &Self) -> bool {
+        self.unseen_squares() > than * other.unseen_squares()
+            && is_sure(&self.unseen, &other.unseen)
     }
 }
 
@@ -54,7 +69,10 @@ impl Law {
     pub(crate) fn set(self, mut terms: Terms, has: bool) -> Terms {
         match self {
             Self::Offset => terms.offset = has,
-            Self::Timing => (terms.delay, terms.lag) = (has, has),
+            Self::Timing => {
+                (terms.delay, terms.lag) = (has, has);
+                (terms.inertia, terms.holds) = (false, false);
+            }
             Self::Friction => terms.friction = has,
             Self::Saturation => terms.saturation = has,
             Self::Gain => terms.gain = has,
@@ -79,6 +97,8 @@ pub(crate) struct Selection {
     /// With a delay alone, and with a lag alone, where there is timing.
     pub(crate) delay_alone: Option<Judged>,
     pub(crate) lag_alone: Option<Judged>,
+    /// With a lag that has a mass, and no delay.
+    pub(crate) heavy_alone: Option<Judged>,
     pub(crate) droop_size: f64,
 }
 
@@ -110,8 +130,12 @@ pub(crate) fn select(series: &Series) -> Selection {
     let Ok(chosen) = haptical_judge::select(&mut chooser, chosen);
     let Ok(kept) = without_needless(&mut chooser, chosen, 0);
     let mut chosen = kept.state;
-    let kept = laws(&chosen).zip(kept.worth.unwrap_or_default()).collect();
+    let mut kept: Vec<_> = laws(&chosen).zip(kept.worth.unwrap_or_default()).collect();
     let timing = Law::Timing.is_in(chosen.terms);
+    if let Some(with) = chooser.with_lag_within_limit(&chosen) {
+        chosen = with;
+    }
+    let heavy_alone = timing.then(|| chooser.heavy_alone(&chosen));
     let shape = chosen.fit.shape;
     let both = shape.delay_s + shape.lag_s;
     let alone = |delay: bool| {
@@ -129,6 +153,13 @@ pub(crate) fn select(series: &Series) -> Selection {
     };
     let mut delay_alone = timing.then(|| alone(true));
     let mut lag_alone = timing.then(|| alone(false));
+    if let Some(heavy) = (heavy_alone.as_ref())
+        .filter(|heavy| heavy.has_converged() && chosen.leaves_more(REFUSED, heavy))
+    {
+        let Ok(less) = without_needless(&mut chooser, heavy.clone(), 0);
+        chosen = less.state;
+        kept = laws(&chosen).zip(less.worth.unwrap_or_default()).collect();
+    }
     chooser.refit(&mut chosen);
     for own in [&mut delay_alone, &mut lag_alone].into_iter().flatten() {
         if own.unseen_squares() <= AS_GOOD * chosen.unseen_squares() {
@@ -139,19 +170,36 @@ pub(crate) fn select(series: &Series) -> Selection {
         droop_size: problem.droop_size(&chosen.fit),
         delay_alone,
         lag_alone,
+        heavy_alone,
         before: before.unseen,
         kept,
         chosen,
     }
 }
 
-fn is_missed(gain: Gain, total: f64) -> bool {
-    is_sure(gain) && gain.sum > LEAST_SHARE * total
+fn is_missed(without: &Judged, with: &Judged, total: f64) -> bool {
+    let gained = Gain::between(&without.unseen, &with.unseen).sum;
+    is_sure(&without.unseen, &with.unseen) && gained > LEAST_SHARE * total
 }
 
-/// Whether a gain on unseen rows is sure by the scatter of the parts, or by their signs.
-pub(crate) fn is_sure(gain: Gain) -> bool {
-    gain.sum > 0.0 && (gain.deviations() > SURE_SD || gain.gaining + 1 >= gain.parts)
+/// The one that leaves less on unseen rows.
+fn better(one: Judged, other: Judged) -> Judged {
+    match other.unseen_squares() < one.unseen_squares() {
+        true => other,
+        false => one,
+    }
+}
+
+/// Whether a gain on unseen rows is sure by the scatter of the parts, or by their signs. A part in which a law does nothing, as a limit that
+/// no motion there meets, says neither: enough others that all leave far more are sure too.
+fn is_sure(without: &[f64], with: &[f64]) -> bool {
+    let gain = Gain::between(without, with);
+    let pairs = without.iter().zip(with);
+    let speaking: Vec<_> = pairs.filter(|(without, with)| without != with).collect();
+    let are_all_far = speaking.len() >= FEWEST_SPEAKING
+        && (speaking.iter()).all(|(without, with)| **without > REFUSED * **with);
+    let by_sign = gain.gaining + 1 >= gain.parts || are_all_far;
+    gain.sum > 0.0 && (gain.deviations() > SURE_SD || by_sign)
 }
 
 struct Chooser<'p, 's> {
@@ -194,7 +242,7 @@ impl Forward for Chooser<'_, '_> {
         let is_known = law != Law::Droop || self.has_load;
         let least = if is_known { 0.0 } else { LEAST_DROOP_SHARE };
         Ok(
-            match is_missed(gain, self.total) && gain.sum > least * self.total {
+            match is_missed(chosen, &with, self.total) && gain.sum > least * self.total {
                 true => Ruling::Taken(with),
                 false => Ruling::Refused,
             },
@@ -228,8 +276,7 @@ impl Needless for Chooser<'_, '_> {
         effect: usize,
         all: &[Without<Judged>],
     ) -> Result<bool, Infallible> {
-        let gain = Gain::between(&all[effect].state.unseen, &chosen.unseen);
-        Ok(!is_missed(gain, self.total))
+        Ok(!is_missed(&all[effect].state, chosen, self.total))
     }
 
     fn refitted(&mut self, near: Judged) -> Result<Judged, Infallible> {
@@ -255,6 +302,55 @@ impl Chooser<'_, '_> {
             folds,
             fit,
         }
+    }
+
+    /// A limit of the speed with delay and lag, though they close too little of the gap to be causes: without them the limit is too low, as the
+    /// joint slows down before it is there.
+    fn with_lag_within_limit(&self, chosen: &Judged) -> Option<Judged> {
+        if Law::Timing.is_in(chosen.terms) || !Law::Saturation.is_in(chosen.terms) {
+            return None;
+        }
+        let start = Shape {
+            delay_s: START_LAG_S,
+            lag_s: START_LAG_S,
+            ..chosen.fit.shape
+        };
+        // a delay next to a command that holds is no more than half a row's
+        let tried = [(true, false), (false, false), (false, true)].map(|(delay, holds)| {
+            let terms = Terms {
+                delay,
+                lag: true,
+                holds,
+                ..chosen.terms
+            };
+            self.judged(terms, Some(start))
+        });
+        let tried = tried.into_iter().filter(Judged::has_converged);
+        let with = tried.reduce(better)?;
+        is_sure(&chosen.unseen, &with.unseen).then_some(with)
+    }
+
+    /// A model with a mass on its loop in the place of delay and lag, its commands held or not.
+    fn heavy_alone(&self, chosen: &Judged) -> Judged {
+        let shape = chosen.fit.shape;
+        let both = shape.delay_s + shape.lag_s;
+        let start = Shape {
+            delay_s: 0.0,
+            lag_s: both,
+            inertia_s: both / (2.0 * START_DAMPING),
+            ..shape
+        };
+        let with = |holds: bool| {
+            let terms = Terms {
+                delay: false,
+                lag: true,
+                inertia: true,
+                holds,
+                ..chosen.terms
+            };
+            self.judged(terms, Some(start))
+        };
+        better(with(false), with(true))
     }
 
     /// The shape is fitted anew without each part too.

@@ -7,8 +7,13 @@ use std::ops::Range;
 pub(crate) const NAME: &str = "servo-stiffness";
 
 /// Smooths a piece in place, from its first value on; exact for an input that goes from row to row along straight lines: over a step h
-/// from u to v, x <- a x + (r - a) u + (1 - r) v, a = exp(-h/T), r = (1 - a) T / h.
-pub(crate) fn lagged(time_s: &[f64], piece: Range<usize>, lag_s: f64, input: &mut [f64]) {
+/// from u to v, x <- a x + (r - a) u + (1 - r) v, a = exp(-h/T), r = (1 - a) T / h. An input that holds is u till the next row.
+pub(crate) fn lagged(
+    time_s: &[f64],
+    piece: Range<usize>,
+    (lag_s, holds): (f64, bool),
+    input: &mut [f64],
+) {
     if lag_s <= 0.0 {
         return;
     }
@@ -20,7 +25,10 @@ pub(crate) fn lagged(time_s: &[f64], piece: Range<usize>, lag_s: f64, input: &mu
         if (own - step).abs() > 1e-7 || step.is_nan() {
             step = own;
             decay = (-own / lag_s).exp();
-            ramp = (1.0 - decay) * lag_s / own;
+            ramp = match holds {
+                true => 1.0,
+                false => (1.0 - decay) * lag_s / own,
+            };
         }
         let now = input[row];
         input[row] = decay * input[row - 1] + (ramp - decay) * before + (1.0 - ramp) * now;

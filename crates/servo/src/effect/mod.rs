@@ -7,6 +7,7 @@ pub(crate) mod lag;
 pub(crate) mod latency;
 pub(crate) mod offset;
 pub(crate) mod saturation;
+pub(crate) mod second_order;
 pub(crate) mod torque_gain;
 
 /// Names of all effects, rivals included; `haptical-effects` describes them.

@@ -1,6 +1,6 @@
 //! Fits of one model at many shapes: what a shape has in common with the one before is not calculated again.
 
-use crate::effect::{friction, lag, latency, saturation};
+use crate::effect::{friction, lag, latency, saturation, second_order};
 use crate::log::mean;
 
 use super::linear::Columns;
@@ -18,16 +18,16 @@ pub(super) struct Evaluator<'p> {
     limited: Stage,
 }
 
-/// The command after one law, and the law's number.
+/// The command after one law, and the law's numbers.
 #[derive(Debug, Default)]
 struct Stage {
-    number: Option<f64>,
+    number: Option<[f64; 2]>,
     course: Vec<f64>,
 }
 
 impl Stage {
-    /// Whether it is another number than before, which is kept.
-    fn changes_to(&mut self, number: f64) -> bool {
+    /// Whether they are other numbers than before, which are kept.
+    fn changes_to(&mut self, number: [f64; 2]) -> bool {
         self.number.replace(number) != Some(number)
     }
 }
@@ -50,7 +50,7 @@ impl<'p> Evaluator<'p> {
     pub(super) fn driven(&mut self, shape: Shape) -> &[f64] {
         let series = self.problem.series;
         let time_s = &series.time_s;
-        let mut is_new = self.delayed.changes_to(shape.delay_s);
+        let mut is_new = self.delayed.changes_to([shape.delay_s, 0.0]);
         if is_new {
             let course = &mut self.delayed.course;
             course.resize(series.len(), 0.0);
@@ -58,18 +58,37 @@ impl<'p> Evaluator<'p> {
                 latency::delayed(&series.command, time_s, piece, shape.delay_s, course);
             }
         }
-        is_new |= self.lagged.changes_to(shape.lag_s);
+        is_new |= self.lagged.changes_to([shape.lag_s, shape.inertia_s]);
+        let holds = self.terms.holds;
+        // a limit without a mass is one of the speed that the lag asks for
+        let has_mass = shape.inertia_s > 0.0;
+        let lag_within_s = if has_mass { 0.0 } else { shape.lag_s };
         if is_new {
-            self.lagged.course.clone_from(&self.delayed.course);
+            let course = &mut self.lagged.course;
+            course.clone_from(&self.delayed.course);
+            let answer = second_order::Answer {
+                lag_s: shape.lag_s,
+                inertia_s: shape.inertia_s,
+                holds,
+            };
             for piece in series.pieces() {
-                lag::lagged(time_s, piece, shape.lag_s, &mut self.lagged.course);
+                match has_mass {
+                    true => answer.followed(time_s, piece, course),
+                    false => lag::lagged(time_s, piece, (shape.lag_s, holds), course),
+                }
             }
         }
-        is_new |= self.limited.changes_to(shape.slowness);
+        is_new |= self.limited.changes_to([shape.slowness, lag_within_s]);
         if is_new {
-            self.limited.course.clone_from(&self.lagged.course);
+            let is_within = shape.slowness > 0.0 && !has_mass;
+            let course = &mut self.limited.course;
+            course.clone_from(match is_within {
+                true => &self.delayed.course,
+                false => &self.lagged.course,
+            });
+            let numbers = (lag_within_s, shape.slowness, holds && is_within);
             for piece in series.pieces() {
-                saturation::limited(time_s, piece, shape.slowness, &mut self.limited.course);
+                saturation::limited(time_s, piece, numbers, course);
             }
         }
         &self.limited.course
@@ -184,6 +203,7 @@ mod tests {
             lag_s: 0.03,
             half_width: 0.05,
             slowness: 0.8,
+            inertia_s: 0.0,
         };
         let mut evaluator = Evaluator::new(&problem, TERMS, &None);
         evaluator.fit(shape);

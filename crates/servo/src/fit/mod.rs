@@ -11,7 +11,7 @@ use haptical_linalg::{Information, dot};
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::noise::rounding;
-use crate::thresholds::{FASTER, MOST_LAG_S};
+use crate::thresholds::{FASTER, MOST_LAG_S, SPEED_S};
 
 use self::evaluator::Evaluator;
 use self::search::AXES;
@@ -22,6 +22,10 @@ pub(crate) struct Terms {
     pub(crate) offset: bool,
     pub(crate) delay: bool,
     pub(crate) lag: bool,
+    /// The lag has a mass.
+    pub(crate) inertia: bool,
+    /// Its commands hold from row to row.
+    pub(crate) holds: bool,
     pub(crate) friction: bool,
     pub(crate) saturation: bool,
     pub(crate) gain: bool,
@@ -34,6 +38,8 @@ impl Terms {
         offset: false,
         delay: false,
         lag: false,
+        inertia: false,
+        holds: false,
         friction: false,
         saturation: false,
         gain: false,
@@ -46,6 +52,8 @@ impl Terms {
 pub(crate) struct Shape {
     pub(crate) delay_s: f64,
     pub(crate) lag_s: f64,
+    /// One over the natural frequency of a mass on the loop; 0 without one.
+    pub(crate) inertia_s: f64,
     /// Half the width of the band in which the joint rests.
     pub(crate) half_width: f64,
     /// One over the largest speed; 0 without a limit.
@@ -174,11 +182,12 @@ impl<'s> Problem<'s> {
         // the speed of a servo that crosses the motion in a quarter of a second
         let quick = 4.0 * crate::log::range(&series.command).max(1e-6);
         let (starts, steps) = match start {
-            Some(shape) => (vec![shape], [0.01, 0.01, 0.05 * wide, 0.2 / quick]),
+            Some(shape) => (vec![shape], [0.01, 0.01, 0.05 * wide, 0.2 / quick, 0.005]),
             None => {
                 let at = |delay_s, lag_s, share: f64| Shape {
                     delay_s,
                     lag_s,
+                    inertia_s: 0.0,
                     half_width: share * wide,
                     slowness: 0.0,
                 };
@@ -193,12 +202,24 @@ impl<'s> Problem<'s> {
                     slowness,
                     ..at(0.005, 0.005, 0.0)
                 }));
-                (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick])
+                (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick, 0.01])
             }
         };
         let range = crate::log::range(&series.command);
-        let most = [MOST_LAG_S, MOST_LAG_S, 0.5 * range, 20.0 / quick];
-        let free = [terms.delay, terms.lag, terms.friction, terms.saturation];
+        let most = [
+            MOST_LAG_S,
+            MOST_LAG_S,
+            0.5 * range,
+            20.0 / quick,
+            MOST_LAG_S,
+        ];
+        let free = [
+            terms.delay,
+            terms.lag,
+            terms.friction,
+            terms.saturation,
+            terms.inertia,
+        ];
         let limits = search::Limits {
             free,
             steps,
@@ -211,7 +232,13 @@ impl<'s> Problem<'s> {
         let found = starts
             .iter()
             .map(|start| {
-                let at = [start.delay_s, start.lag_s, start.half_width, start.slowness];
+                let at = [
+                    start.delay_s,
+                    start.lag_s,
+                    start.half_width,
+                    start.slowness,
+                    start.inertia_s,
+                ];
                 search::compass(at, &limits, &mut squares)
             })
             .min_by(|a, b| a.value.total_cmp(&b.value));
@@ -228,17 +255,19 @@ impl<'s> Problem<'s> {
 
     /// One over the speed that the joint hardly exceeds, where its command does by far.
     fn slower_than_command(&self) -> Option<f64> {
+        // over a time in which noise is no speed
+        let apart = ((SPEED_S / self.series.step_s).round() as usize).max(1);
         let fast = |column: &[f64]| {
             let of_piece = |piece: Range<usize>| {
-                let rows = piece.start + 1..piece.end;
+                let rows = (piece.start + apart).min(piece.end)..piece.end;
                 rows.map(|row| {
-                    let time_s = self.series.time_s[row] - self.series.time_s[row - 1];
-                    ((column[row] - column[row - 1]) / time_s).abs()
+                    let time_s = self.series.time_s[row] - self.series.time_s[row - apart];
+                    ((column[row] - column[row - apart]) / time_s).abs()
                 })
             };
             let mut speeds: Vec<f64> = self.series.pieces().flat_map(of_piece).collect();
             speeds.sort_unstable_by(f64::total_cmp);
-            speeds.get(speeds.len() * 19 / 20).copied()
+            speeds.get(speeds.len() * 99 / 100).copied()
         };
         let (response, command) = (fast(&self.series.response)?, fast(&self.series.command)?);
         (response > 0.0 && command > FASTER * response).then(|| 1.0 / response)
@@ -263,12 +292,13 @@ impl<'s> Problem<'s> {
     }
 }
 
-fn shape_of([delay_s, lag_s, half_width, slowness]: [f64; AXES], terms: Terms) -> Shape {
+fn shape_of([delay_s, lag_s, half_width, slowness, inertia_s]: [f64; AXES], terms: Terms) -> Shape {
     let only = |is_free: bool, value: f64| if is_free { value } else { 0.0 };
     Shape {
         delay_s: only(terms.delay, delay_s),
         lag_s: only(terms.lag, lag_s),
         half_width: only(terms.friction, half_width),
         slowness: only(terms.saturation, slowness),
+        inertia_s: only(terms.inertia, inertia_s),
     }
 }

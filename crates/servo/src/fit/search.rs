@@ -15,7 +15,7 @@ pub(crate) struct Limits {
 }
 
 /// Numbers of a shape.
-pub(crate) const AXES: usize = 4;
+pub(crate) const AXES: usize = 5;
 
 /// The lowest point of a search.
 #[derive(Debug, Clone, Copy)]
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     const LIMITS: Limits = Limits {
-        free: [true, true, false, false],
+        free: [true, true, false, false, false],
         steps: [0.03; AXES],
         most: [10.0; AXES],
         rows: 1000.0,

@@ -6,8 +6,10 @@
 )]
 
 mod changes;
+mod heavy;
 mod input;
 mod laws;
+mod limits;
 mod loops;
 mod servo;
 mod torque;
