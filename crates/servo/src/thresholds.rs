@@ -41,7 +41,7 @@ pub(crate) const AS_GOOD: f64 = 1.02;
 /// by a few percent (real arm: up to 1.4).
 pub(crate) const REFUSED: f64 = 2.0;
 /// The same next to a law that leaves no gap but noise, which favours neither: of 34 logs of a pure delay a loop with a mass left up to 1.18
-/// times as much where no motion told them apart.
+/// times as much where no motion was fast enough.
 pub(crate) const REFUSED_AT_NOISE: f64 = 1.2;
 /// Damping ratio of a loop with a mass at which its search starts: there it answers slow commands as a delay does.
 pub(crate) const START_DAMPING: f64 = 0.7;

@@ -60,7 +60,7 @@ fn the_interval_of_a_limit_holds_it() {
     assert!(held >= 17, "{held} of 18");
 }
 
-/// A drive that limits what it is told to, and follows that late: another law than the library's, and an interval that is wider for it.
+/// A drive that limits its command, and follows that late: another law than the library's, and an interval that is wider for it.
 #[test]
 fn the_interval_of_a_limit_is_as_wide_as_the_law_is_wrong() {
     let (mut held, mut said) = (0, 0);
