@@ -190,3 +190,7 @@ pub(crate) const MOST_COUNTS: f64 = 1e6;
 pub(crate) const FASTER: f64 = 1.1;
 /// Time over which those speeds are taken \[s\]: noise of 0.5 mrad is 0.014 rad/s then, and 0.7 rad/s from one row of 1 ms to the next.
 pub(crate) const SPEED_S: f64 = 0.05;
+
+// `effect::saturation`
+/// Switches between limit and lag within a row at most: an input along a straight line has two.
+pub(crate) const SWITCHES: usize = 4;

@@ -138,7 +138,7 @@ fn long_run(instruments: &[Rc<Column>], rest: &[f64], rows: usize, scale: &[f64]
             scores[(k, (first + at) % rows)] += value * rest[first + at] / scale[k];
         }
     }
-    let memories: Vec<f64> = scores.row_iter().map(memory).collect();
+    let memories: Vec<f64> = scores.row_iter().map(|own| memory(&own)).collect();
     for (mut own, memory) in scores.row_iter_mut().zip(&memories) {
         for at in (1..rows).rev() {
             own[at] -= memory * own[at - 1];
@@ -166,7 +166,7 @@ fn long_run(instruments: &[Rc<Column>], rest: &[f64], rows: usize, scale: &[f64]
 
 /// Correlation of a score with the row before.
 fn memory<S: nalgebra::RawStorage<f64, nalgebra::U1, nalgebra::Dyn>>(
-    own: nalgebra::Matrix<f64, nalgebra::U1, nalgebra::Dyn, S>,
+    own: &nalgebra::Matrix<f64, nalgebra::U1, nalgebra::Dyn, S>,
 ) -> f64 {
     let square: f64 = own.iter().map(|value| value * value).sum();
     let next: f64 = (own.iter().zip(own.iter().skip(1)))
@@ -180,7 +180,7 @@ fn window(scores: &DMatrix<f64>) -> usize {
     let rows = scores.ncols();
     let (mut above, mut below) = (0.0, 0.0);
     for own in scores.row_iter() {
-        let memory = memory(own);
+        let memory = memory(&own);
         above += 4.0 * memory.powi(2) / ((1.0 - memory).powi(6) * (1.0 + memory).powi(2));
         below += (1.0 - memory).powi(-4);
     }

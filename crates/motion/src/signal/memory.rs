@@ -137,7 +137,7 @@ fn sizes(groups: &[Group], index: usize) -> ([f64; 2], f64) {
         ];
         // one part alone where the other would be negative
         for (one, other) in [(0, 1), (1, 0)] {
-            if !(next[one] > 0.0) {
+            if next[one].is_nan() || next[one] <= 0.0 {
                 next = [0.0; 2];
                 next[other] = product[other] / square[other][other];
                 break;
@@ -190,7 +190,7 @@ fn above<'c>(
             memory: memories.map(|own| passed * of_memory(own, turn)),
         })
     });
-    grouped(ordinates.collect(), OUTER_GROUPS)
+    grouped(&ordinates.collect::<Vec<_>>(), OUTER_GROUPS)
 }
 
 /// The spectrum of the rows.
@@ -222,7 +222,7 @@ fn inside(rows: &[&[f64]], within: Within<'_>, memories: &[f64; MEMORIES]) -> Ve
                 memory: memories.map(|own| folded(Some(own))),
             }
         });
-    grouped(ordinates.collect(), INNER_GROUPS)
+    grouped(&ordinates.collect::<Vec<_>>(), INNER_GROUPS)
 }
 
 /// Ordinates of segments under a Hann window, their mean or by their median: turn from sample to sample \[rad\], size, number of independent
@@ -277,7 +277,7 @@ fn periodogram(runs: &[&[f64]], longest: usize, is_median: bool) -> Vec<(f64, f6
 }
 
 /// Groups of ordinates, even by the logarithm of the frequency.
-fn grouped(ordinates: Vec<Group>, groups: usize) -> Vec<Group> {
+fn grouped(ordinates: &[Group], groups: usize) -> Vec<Group> {
     let total = ordinates.len();
     let end = |group: usize| {
         let share = group as f64 / groups as f64;

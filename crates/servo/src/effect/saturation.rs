@@ -3,11 +3,10 @@
 
 use std::ops::Range;
 
+use crate::thresholds::SWITCHES;
+
 /// Limit of the speed.
 pub(crate) const NAME: &str = "speed-saturation";
-
-/// Switches between limit and lag within a row at most: an input along a straight line has two.
-const SWITCHES: usize = 4;
 
 /// Lets a piece be followed in place by a joint of a lag and a limit, one over which is `slowness`; exact for an input that goes from row to
 /// row along straight lines, or that holds.

@@ -85,7 +85,7 @@ fn best<'n>(names: &[&'n str]) -> Option<&'n str> {
 mod tests {
     use super::*;
 
-    fn state<'n>(names: &[&'n str]) -> Option<String> {
+    fn state(names: &[&str]) -> Option<String> {
         let names: Vec<String> = names.iter().map(|&name| name.to_owned()).collect();
         of_state(&names).ok()
     }
