@@ -69,7 +69,9 @@ fn encoders_on_links_take_no_cause_of_the_commands_away() {
     let late = |joint| ("command-latency".to_owned(), Some(joint));
     assert_eq!(names(&alone), [late(1), late(2)]);
     let with_outputs = answer(&log(&device, true, 1.0, 0.0), &device);
-    assert_eq!(with_outputs.verdict, Verdict::Named);
+    // of commands this slow a delay is a mass on the loop as well
+    assert_eq!(alone.verdict, Verdict::Ambiguous);
+    assert_eq!(with_outputs.verdict, alone.verdict);
     assert_eq!(names(&with_outputs), names(&alone));
     let channels = with_outputs.gap.channels.iter();
     let gaps: Vec<(&str, bool)> = channels
@@ -92,7 +94,7 @@ fn encoders_on_links_take_no_cause_of_the_commands_away() {
 fn a_gap_of_the_links_is_said_with_the_causes_of_the_commands() {
     let device = device();
     let found = answer(&log(&device, true, 1.0, 0.02), &device);
-    assert_eq!(found.verdict, Verdict::Named);
+    assert_eq!(found.verdict, Verdict::Ambiguous);
     let out1 = found.gap.channels.iter().find(|gap| gap.channel == "out1");
     assert!(out1.unwrap().has_gap, "{:?}", found.gap);
     let is_explained = found
