@@ -26,7 +26,7 @@ mujoco = package("mujoco")
 
 # What a passive force has to be to count [N m], [N].
 LEAST_FORCE = 1e-12
-# Of a part that stands for one without a mass [kg], [kg m^2], until the model is compiled.
+# Of a part in the place of one without a mass [kg], [kg m^2], until the model is compiled.
 STAND_IN = 1.0
 # More than what MuJoCo takes for no mass [kg].
 NEARLY_NONE = 1e-14

@@ -1,7 +1,7 @@
 //! A noise of two parts, one white and one with a memory, from two spectra: that of a torque above the band of the motion, and that of
 //! what a fit leaves within it.
 //!
-//! The noise is `white + m`, `m` an autoregression of the first order. Both spectra are its own, as the local polynomial and the low pass
+//! The noise is `white + m`, `m` an autoregression of the first order. Both spectra are those of the noise, as the local polynomial and the low pass
 //! leave them; the sizes and the memory are those of the greatest likelihood (Whittle, Arkiv foer Matematik 2, 1953). What a law of the
 //! motion leaves has another shape: it lies where the motion is and does not go on above it (docs/equations.md, A noise with a memory).
 
@@ -50,7 +50,7 @@ pub(crate) fn two_parts<'c>(
     });
     let mut groups = above(columns, local, &memories);
     let inner = inside(rows, within, &memories);
-    let count = |own: &[Group]| own.iter().map(|own| own.count).sum::<f64>();
+    let count = |groups: &[Group]| groups.iter().map(|group| group.count).sum::<f64>();
     if count(&groups).min(count(&inner)) < LEAST_MEMORY_ORDINATES {
         return None;
     }
@@ -58,8 +58,8 @@ pub(crate) fn two_parts<'c>(
     let mut best: Option<(f64, Noise, Vec<f64>)> = None;
     for (index, correlation) in memories.iter().enumerate() {
         let ([white, memory], loss) = sizes(&groups, index);
-        if best.as_ref().is_none_or(|own| loss < own.0) {
-            let model = |own: &Group| white * own.white + memory * own.memory[index];
+        if best.as_ref().is_none_or(|best| loss < best.0) {
+            let model = |group: &Group| white * group.white + memory * group.memory[index];
             let noise = Noise {
                 sd: white.sqrt(),
                 memory_sd: memory.sqrt(),
@@ -69,19 +69,19 @@ pub(crate) fn two_parts<'c>(
         }
     }
     // at the longest it may as well be longer: that is a drift, or what a slow motion leaves
-    let (_, noise, model) = best.filter(|own| own.1.correlation < memories[MEMORIES - 1])?;
+    let (_, noise, model) = best.filter(|best| best.1.correlation < memories[MEMORIES - 1])?;
     let mut pairs = groups.iter().zip(&model);
-    let has_shape = pairs.all(|(own, model)| {
-        let by_chance = SHAPE_SDS / own.count.sqrt();
+    let has_shape = pairs.all(|(group, model)| {
+        let by_chance = SHAPE_SDS / group.count.sqrt();
         // what is above the band may be lines and counts as well: it is the rows that have to be noise
-        let allowed = if own.is_inner {
+        let allowed = if group.is_inner {
             by_chance
         } else {
             SHAPE_OFF.max(by_chance)
         };
-        let ratio = own.mean / model;
+        let ratio = group.mean / model;
         // what the fit took off the rows is noise as well
-        ratio < 1.0 + allowed && (own.is_inner || ratio > 1.0 / (1.0 + allowed))
+        ratio < 1.0 + allowed && (group.is_inner || ratio > 1.0 / (1.0 + allowed))
     });
     has_shape.then_some(noise)
 }
@@ -90,41 +90,43 @@ pub(crate) fn two_parts<'c>(
 pub(crate) fn is_even(rows: &[f64], quantity: &[f64]) -> bool {
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_by(|a, b| quantity[*a].total_cmp(&quantity[*b]));
-    let square = |own: &[usize]| own.iter().map(|row| rows[*row].powi(2)).sum::<f64>();
+    let square = |rows_of: &[usize]| rows_of.iter().map(|row| rows[*row].powi(2)).sum::<f64>();
     let mean = square(&order) / rows.len() as f64;
     let mut parts = order.chunks(rows.len().div_ceil(FIFTHS).max(1));
-    parts.all(|own| {
-        let count = own.len() as f64;
+    parts.all(|part| {
+        let count = part.len() as f64;
         // neighbours share a part of what they show
-        square(own) / count < mean * (1.0 + SHAPE_SDS * (4.0 / count).sqrt())
+        square(part) / count < mean * (1.0 + SHAPE_SDS * (4.0 / count).sqrt())
     })
 }
 
 /// Sizes of the two parts with one memory, and minus twice the logarithm of their likelihood: Newton's steps by the expected curvature.
 fn sizes(groups: &[Group], index: usize) -> ([f64; 2], f64) {
-    let terms = |own: &Group| [own.white, own.memory[index]];
-    let model = |own: &Group, sizes: [f64; 2]| {
-        let [white, memory] = terms(own);
+    let terms = |group: &Group| [group.white, group.memory[index]];
+    let model = |group: &Group, sizes: [f64; 2]| {
+        let [white, memory] = terms(group);
         (sizes[0] * white + sizes[1] * memory).max(f64::MIN_POSITIVE)
     };
     let loss = |sizes: [f64; 2]| -> f64 {
-        let own = |own: &Group| {
-            let model = model(own, sizes);
-            own.count * (model.ln() + own.mean / model)
+        let term = |group: &Group| {
+            let model = model(group, sizes);
+            group.count * (model.ln() + group.mean / model)
         };
-        groups.iter().map(own).sum()
+        groups.iter().map(term).sum()
     };
-    let all: f64 = groups.iter().map(|own| own.count).sum();
-    let mean = groups.iter().map(|own| own.count * own.mean / own.white);
+    let all: f64 = groups.iter().map(|group| group.count).sum();
+    let mean = groups
+        .iter()
+        .map(|group| group.count * group.mean / group.white);
     let start = mean.sum::<f64>() / all;
     let mut sizes = [0.5 * start, 0.5 * start];
     for _ in 0..60 {
         let (mut square, mut product) = ([[0.0; 2]; 2], [0.0; 2]);
-        for own in groups {
-            let (terms, model) = (terms(own), model(own, sizes));
-            let weight = own.count / (model * model);
+        for group in groups {
+            let (terms, model) = (terms(group), model(group, sizes));
+            let weight = group.count / (model * model);
             for a in 0..2 {
-                product[a] += weight * terms[a] * own.mean;
+                product[a] += weight * terms[a] * group.mean;
                 for b in 0..2 {
                     square[a][b] += weight * terms[a] * terms[b];
                 }
@@ -187,7 +189,7 @@ fn above<'c>(
             count,
             is_inner: false,
             white: passed,
-            memory: memories.map(|own| passed * of_memory(own, turn)),
+            memory: memories.map(|correlation| passed * of_memory(correlation, turn)),
         })
     });
     grouped(&ordinates.collect::<Vec<_>>(), OUTER_GROUPS)
@@ -210,7 +212,7 @@ fn inside(rows: &[&[f64]], within: Within<'_>, memories: &[f64; MEMORIES]) -> Ve
             let folded = |memory: Option<f64>| -> f64 {
                 let aliases = (0..within.every).map(|alias| {
                     let turn = (turn + TAU * alias as f64) / every;
-                    passed(turn) * memory.map_or(1.0, |own| of_memory(own, turn))
+                    passed(turn) * memory.map_or(1.0, |correlation| of_memory(correlation, turn))
                 });
                 aliases.sum::<f64>() / every
             };
@@ -219,7 +221,7 @@ fn inside(rows: &[&[f64]], within: Within<'_>, memories: &[f64; MEMORIES]) -> Ve
                 count,
                 is_inner: true,
                 white: folded(None),
-                memory: memories.map(|own| folded(Some(own))),
+                memory: memories.map(|correlation| folded(Some(correlation))),
             }
         });
     grouped(&ordinates.collect::<Vec<_>>(), INNER_GROUPS)
@@ -228,7 +230,7 @@ fn inside(rows: &[&[f64]], within: Within<'_>, memories: &[f64; MEMORIES]) -> Ve
 /// Ordinates of segments under a Hann window, their mean or by their median: turn from sample to sample \[rad\], size, number of independent
 /// ones. A white noise of variance 1 has ordinates of 1.
 fn periodogram(runs: &[&[f64]], longest: usize, is_median: bool) -> Vec<(f64, f64, f64)> {
-    let most = runs.iter().map(|own| own.len()).max().unwrap_or(0);
+    let most = runs.iter().map(|run| run.len()).max().unwrap_or(0);
     let length = most / most.div_ceil(longest).max(1);
     if length < 16 {
         return Vec::new();
@@ -236,13 +238,13 @@ fn periodogram(runs: &[&[f64]], longest: usize, is_median: bool) -> Vec<(f64, f6
     let window: Vec<f64> = (0..length)
         .map(|at| (PI * (at as f64 + 0.5) / length as f64).sin().powi(2))
         .collect();
-    let square: f64 = window.iter().map(|own| own * own).sum();
+    let square: f64 = window.iter().map(|weight| weight * weight).sum();
     let table: Vec<[f64; 2]> = (0..length)
         .map(|at| (TAU * at as f64 / length as f64).sin_cos().into())
         .collect();
     let segments: Vec<&[f64]> = runs
         .iter()
-        .flat_map(|own| own.chunks_exact(length))
+        .flat_map(|run| run.chunks_exact(length))
         .collect();
     let ordinate = |segment: &&[f64], order: usize| {
         let mut parts = [0.0; 2];
@@ -261,7 +263,10 @@ fn periodogram(runs: &[&[f64]], longest: usize, is_median: bool) -> Vec<(f64, f6
     // neighbours under this window share what they show: about two of three ordinates are independent
     let independent = segments.len() as f64 / 1.5;
     let of_order = |order: usize| {
-        let mut all: Vec<f64> = segments.iter().map(|own| ordinate(own, order)).collect();
+        let mut all: Vec<f64> = segments
+            .iter()
+            .map(|segment| ordinate(segment, order))
+            .collect();
         let turn = TAU * order as f64 / length as f64;
         match is_median {
             // of an exponential distribution, with half the certainty of its mean
@@ -285,17 +290,17 @@ fn grouped(ordinates: &[Group], groups: usize) -> Vec<Group> {
     };
     let ranges = (0..groups).map(|group| end(group)..end(group + 1));
     let of_range = |range: std::ops::Range<usize>| {
-        let own = ordinates.get(range).filter(|own| !own.is_empty())?;
-        let count: f64 = own.iter().map(|own| own.count).sum();
+        let part = ordinates.get(range).filter(|part| !part.is_empty())?;
+        let count: f64 = part.iter().map(|one| one.count).sum();
         let mean = |of: &dyn Fn(&Group) -> f64| {
-            own.iter().map(|own| own.count * of(own)).sum::<f64>() / count
+            part.iter().map(|one| one.count * of(one)).sum::<f64>() / count
         };
         Some(Group {
-            mean: mean(&|own| own.mean),
+            mean: mean(&|one| one.mean),
             count,
-            is_inner: own[0].is_inner,
-            white: mean(&|own| own.white),
-            memory: std::array::from_fn(|index| mean(&|own| own.memory[index])),
+            is_inner: part[0].is_inner,
+            white: mean(&|one| one.white),
+            memory: std::array::from_fn(|index| mean(&|one| one.memory[index])),
         })
     };
     ranges.filter_map(of_range).collect()
@@ -333,12 +338,12 @@ mod tests {
             let time_s = STEP_S * k as f64;
             20.0 * (2.0 * time_s).sin() + 5.0 * (7.0 * time_s).sin()
         };
-        let torque = rest.iter().enumerate().map(|(k, own)| motion(k) + own);
+        let torque = rest.iter().enumerate().map(|(k, value)| motion(k) + value);
         let torque: Vec<f64> = torque.collect();
         let (_, weights) = PASS.weights(STEP_S, 0.0);
         let every = (PASS.row_s() / STEP_S) as usize;
         let windows = rest.windows(weights.len()).step_by(every);
-        let rows: Vec<f64> = windows.map(|own| dot(own, &weights)).collect();
+        let rows: Vec<f64> = windows.map(|window| dot(window, &weights)).collect();
         let local = LocalPolynomial::new(STEP_S, 2.0 * PASS.edge_hz);
         let within = Within {
             weights: &weights,
@@ -379,7 +384,9 @@ mod tests {
         ];
         for (number, law) in laws.into_iter().enumerate() {
             let rest = noise(7).into_iter().enumerate();
-            let rest: Vec<f64> = rest.map(|(k, own)| own + law(STEP_S * k as f64)).collect();
+            let rest: Vec<f64> = rest
+                .map(|(k, value)| value + law(STEP_S * k as f64))
+                .collect();
             let (found, _) = found(&rest);
             assert!(found.is_none(), "{number}: {found:?}");
         }
@@ -395,7 +402,7 @@ mod tests {
         assert!(is_even(&sound, &speeds));
         let knocks = sound.iter().zip(&speeds);
         let knocks: Vec<f64> = knocks
-            .map(|(own, speed)| own + 3.0 * (-(speed / 0.1).powi(2)).exp())
+            .map(|(value, speed)| value + 3.0 * (-(speed / 0.1).powi(2)).exp())
             .collect();
         assert!(!is_even(&knocks, &speeds));
     }

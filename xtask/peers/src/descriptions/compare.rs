@@ -1,4 +1,4 @@
-//! Haptical's numbers beside a peer's: equal, named, or different.
+//! Haptical's numbers and a peer's: equal, named, or different.
 
 use haptical_model::kinematics::Pose;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
