@@ -10,8 +10,8 @@ use std::f64::consts::{LN_2, PI, TAU};
 use super::local_polynomial::LocalPolynomial;
 use super::noise::{Noise, median};
 use crate::thresholds::signal::{
-    FIFTHS, INNER_GROUPS, LEAST_MEMORY_ORDINATES, LONGEST_MEMORY_S, MEMORIES, OUTER_GROUPS,
-    SEGMENT, SHAPE_OFF, SHAPE_SDS, SHORT_SEGMENT,
+    FIFTHS, INNER_GROUPS, LEAST_MEMORY_ORDINATES, LEAST_SHORT_SEGMENT, LONGEST_MEMORY_S, MEMORIES,
+    NOISE_SEGMENT_S, OUTER_GROUPS, SEGMENT, SHAPE_OFF, SHAPE_SDS, SHORT_SEGMENT,
 };
 
 /// Ordinates of a spectrum next to each other.
@@ -173,7 +173,9 @@ fn above<'c>(
     let rests: Vec<Vec<f64>> = columns.map(rest).collect();
     let rests: Vec<&[f64]> = rests.iter().map(Vec::as_slice).collect();
     // friction that changes sides is in few segments
-    let ordinates = periodogram(&rests, SHORT_SEGMENT, true);
+    let segment = (NOISE_SEGMENT_S / local.step_s).round() as usize;
+    let segment = segment.clamp(LEAST_SHORT_SEGMENT, SHORT_SEGMENT);
+    let ordinates = periodogram(&rests, segment, true);
     let passed = |turn: f64| {
         let weights = local.weights[0].iter().enumerate();
         let smoothed: f64 = weights

@@ -71,9 +71,11 @@ pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
 /// that is withheld is as well one of 0.3 to 0.6 s.
 pub(crate) const MEMORIES: usize = 20;
 pub(crate) const LONGEST_MEMORY_S: f64 = 0.3;
-/// Rows of a segment whose periodogram is taken, at most, and samples of one above the band.
+/// Rows of a segment whose periodogram is taken, at most.
 pub(crate) const SEGMENT: usize = 512;
+/// Samples of one above the band, whose median counts: at most, and at least of a slow log, of which it lasts `NOISE_SEGMENT_S`.
 pub(crate) const SHORT_SEGMENT: usize = 64;
+pub(crate) const LEAST_SHORT_SEGMENT: usize = 24;
 /// Groups of ordinates above the band and within it, and the fewest independent ordinates of each.
 pub(crate) const OUTER_GROUPS: usize = 12;
 pub(crate) const INNER_GROUPS: usize = 8;

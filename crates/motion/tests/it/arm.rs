@@ -82,6 +82,8 @@ pub(crate) struct Truth {
     pub(crate) further_rows: usize,
     /// The torques are noise of this size and nothing else \[N m\].
     pub(crate) unrelated_nm: f64,
+    /// Noise of the torques that lasts for 30 ms, next to a white one of 0.1 N m \[N m\].
+    pub(crate) lasting_nm: f64,
 }
 
 pub(crate) fn device() -> Device {
@@ -144,6 +146,7 @@ fn log_of(
         torque_nm: vec![Some(Vec::new()), Some(Vec::new())],
         ..Recording::default()
     };
+    let mut lasting = [0.0; 2];
     for row in 0..rows {
         let time = 0.005 * row as f64;
         let [logged, now] =
@@ -168,7 +171,13 @@ fn log_of(
             log.torque_nm[joint]
                 .as_mut()
                 .unwrap()
-                .push(own + 0.1 * noise + truth.offset_nm * (1 - joint) as f64);
+                .push(own + 0.1 * noise + lasting[joint] + truth.offset_nm * (1 - joint) as f64);
+            if truth.lasting_nm > 0.0 {
+                let noise: f64 = StandardNormal.sample(random);
+                let kept = (-0.005 / 0.03_f64).exp();
+                lasting[joint] =
+                    kept * lasting[joint] + truth.lasting_nm * (1.0 - kept * kept).sqrt() * noise;
+            }
         }
     }
     log

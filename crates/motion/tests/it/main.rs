@@ -10,6 +10,7 @@ mod commands;
 mod found;
 mod identified;
 mod laws;
+mod noise;
 mod recorded;
 mod second;
 mod several;
