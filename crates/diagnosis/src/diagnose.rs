@@ -501,7 +501,12 @@ fn is_in_base(effect: &dyn Effect, base: &Base) -> bool {
             .iter()
             .any(|parameter| matches!(parameter, ParameterId::Transmission { joint: of, .. } if *of == joint))
     };
-    let is_own = |own: &DeviceEffect| own.name == effect.name() && own.joint == effect.joint();
+    let cable = effect.further_cable().map(|cable| (cable + 1) as f64);
+    let is_own = |own: &DeviceEffect| {
+        own.name == effect.name()
+            && own.joint == effect.joint()
+            && own.numbers.get("cable").copied() == cable
+    };
     if base.device.effects.iter().any(is_own) {
         return true;
     }

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::fmt::Debug;
 
+use haptical_calibration::Channel;
+
 use crate::context::{Context, Stream, moves};
 use crate::{Family, Hook, Need, Shape, Signal, Spec};
 
@@ -23,6 +25,11 @@ pub trait Effect: Debug + Send + Sync {
 
     /// The other joint, from 0, whose angle its law is a function of.
     fn other_joint(&self) -> Option<usize> {
+        None
+    }
+
+    /// The cable whose reading it changes, from 0, where that is not the first.
+    fn further_cable(&self) -> Option<usize> {
         None
     }
 
@@ -82,11 +89,12 @@ impl dyn Effect + '_ {
         self.spec().name
     }
 
-    /// `backlash@3`, `cable-latency`.
+    /// `backlash@3`, `cable-latency`, `cable-scale@cable2`.
     pub fn label(&self) -> String {
-        match self.joint() {
-            Some(joint) => format!("{}@{}", self.name(), joint + 1),
-            None => self.name().to_owned(),
+        match (self.joint(), self.further_cable()) {
+            (Some(joint), _) => format!("{}@{}", self.name(), joint + 1),
+            (None, Some(cable)) => format!("{}@cable{}", self.name(), cable + 1),
+            (None, None) => self.name().to_owned(),
         }
     }
 
@@ -112,6 +120,11 @@ impl dyn Effect + '_ {
     fn unseen(&self, context: &Context<'_>) -> Option<String> {
         if self.spec().hook.is_on_drives() {
             return self.unseen_by_drives(context);
+        }
+        if let Some(index) = self.further_cable() {
+            let channel = Channel::Cable { index };
+            let is_seen = context.streams_of(channel).next().is_some();
+            return (!is_seen).then(|| format!("no column {}_m", channel.name()));
         }
         let is_transmission = self.spec().hook == Hook::Transmission;
         let joint = self.joint().filter(|_| is_transmission)?;
@@ -162,7 +175,9 @@ impl dyn Effect + '_ {
 
     /// Whether another effect is of the same kind at the same place.
     pub fn is_kin_of(&self, other: &dyn Effect) -> bool {
-        self.joint() == other.joint() && self.spec().is_kin_of(other.spec())
+        self.joint() == other.joint()
+            && self.further_cable() == other.further_cable()
+            && self.spec().is_kin_of(other.spec())
     }
 
     /// Relative step of the shape over which its signal is taken for straight.

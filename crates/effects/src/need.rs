@@ -30,6 +30,8 @@ pub enum Need {
     Output,
     /// The first cable.
     Cable,
+    /// A cable after the first; each such effect says which column it lacks.
+    FurtherCable,
     /// Radius of the first cable's drum.
     DrumRadius,
     /// Positions of a tracker.
@@ -70,6 +72,7 @@ impl Need {
             Self::Temperature => "temperature",
             Self::Output => "external encoder",
             Self::Cable => "cable",
+            Self::FurtherCable => "another cable",
             Self::DrumRadius => "drum radius",
             Self::Position => "position",
             Self::Orientation => "orientation",
@@ -141,6 +144,7 @@ impl Need {
                 .is_none()
                 .then(|| format!("no column out{number}_{}", device.joints[joint].unit())),
             Self::Cable => lacks(context.cable.is_none(), "no column cable_m"),
+            Self::FurtherCable => None,
             Self::DrumRadius => lacks(
                 cable.is_none_or(|cable| cable.drum_radius_m.is_none()),
                 "no drum_radius_m in the device file",

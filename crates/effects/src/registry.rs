@@ -81,6 +81,22 @@ macro_rules! on_device {
     }};
 }
 
+/// At each cable but the first.
+macro_rules! further_cables {
+    ($spec:ident, $reads_m:ident) => {{
+        use cable::further::{Further, $reads_m, $spec};
+        Line {
+            specs: from_ref(&$spec),
+            site: Site::Device(|device| {
+                let cables = 1..device.cables.len();
+                let reads_m = $reads_m;
+                let made = cables.map(|cable| placed(&$spec, None, Further { cable, reads_m }));
+                made.collect()
+            }),
+        }
+    }};
+}
+
 const fn elsewhere(spec: &'static Spec) -> Line {
     Line {
         specs: from_ref(spec),
@@ -148,6 +164,9 @@ const REGISTRY: &[Line] = &[
     on_device!(cable::zero_offset),
     on_device!(cable::scale),
     on_device!(cable::stretch),
+    further_cables!(ZERO, constant),
+    further_cables!(SCALE, proportional),
+    further_cables!(STRETCH, proportional),
     on_device!(cable::sag),
     on_device!(cable::twist),
     on_device!(cable::drum_eccentricity),

@@ -349,7 +349,8 @@ impl Series {
     /// Since when the joint stands still while its command goes on, to the log's end.
     fn stopped_s(&self) -> Option<f64> {
         let end = *self.response.last()?;
-        let near = STOPPED_COUNTS * self.count;
+        // a change of gain that was undone has smaller steps than a count
+        let near = STOPPED_COUNTS * self.count.min(smallest_step(&self.response));
         let moves = |value: &f64| (value - end).abs() > near;
         let from = self.response.iter().rposition(moves)? + 1;
         let command = self.command.get(from..)?;

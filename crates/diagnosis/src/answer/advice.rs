@@ -222,7 +222,7 @@ fn explore(place: Option<&Located>) -> String {
         Covariate::Time | Covariate::Temperature => {
             "repeat the motion after half an hour at rest, and again warm; home the device in between".to_owned()
         }
-        Covariate::Length | Covariate::ExitAngle => {
+        Covariate::Length(_) | Covariate::ExitAngle => {
             "put the cable encoder in a second known place and repeat the motion".to_owned()
         }
     }

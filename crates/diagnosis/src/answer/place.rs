@@ -137,7 +137,11 @@ fn by_line(engine: &Engine<'_>) -> Option<Located> {
 fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
     let context = &selection.engine().context;
     let effect = selection.effect(cause);
-    let stream = stream_of(selection, effect.spec().hook, effect.joint())?;
+    let cable = effect.further_cable().map(|index| Channel::Cable { index });
+    let stream = match cable {
+        Some(channel) => context.streams_of(channel).next(),
+        None => stream_of(selection, effect.spec().hook, effect.joint()),
+    }?;
     let joint = effect.joint();
     let covariate = law_covariate(effect);
     let mut depends_on = vec![covariate.column(context)];
@@ -149,12 +153,11 @@ fn by_cause(selection: &Selection<'_>, cause: &Cause) -> Option<Located> {
     {
         depends_on.push(Covariate::Angle(joint).column(context));
     }
-    let place = Place::at(effect.spec().hook, joint);
-    let region = format!(
-        "{}; it follows {}",
-        hook_words(context, place),
-        covariate.words(context)
-    );
+    let place = match effect.further_cable() {
+        Some(cable) => format!("in measuring cable {} or its encoder", cable + 1),
+        None => hook_words(context, Place::at(effect.spec().hook, joint)),
+    };
+    let region = format!("{place}; it follows {}", covariate.words(context));
     let located = Located::new(context, stream, joint, covariate, region)?;
     Some(located.depending(depends_on.into_iter().map(|column| (column, 1.0))))
 }
@@ -170,7 +173,7 @@ fn law_covariate(effect: &dyn Effect) -> Covariate {
         Follows::Force => Covariate::Force,
         Follows::Temperature => Covariate::Temperature,
         Follows::Time | Follows::Run => Covariate::Time,
-        Follows::Length => Covariate::Length,
+        Follows::Length => Covariate::Length(effect.further_cable().unwrap_or(0)),
         Follows::ExitAngle => Covariate::ExitAngle,
         Follows::CableSpeed => Covariate::CableSpeed,
     }
@@ -298,7 +301,7 @@ fn covariates(place: Place) -> Vec<Covariate> {
             Covariate::Temperature,
         ],
         None => vec![
-            Covariate::Length,
+            Covariate::Length(0),
             Covariate::CableSpeed,
             Covariate::ExitAngle,
             Covariate::Time,
@@ -363,7 +366,7 @@ fn in_unit(context: &Context<'_>, covariate: Covariate, value: f64) -> String {
         Covariate::Torque(_) => "N m",
         Covariate::Time => "s",
         Covariate::Temperature => "K from its mean",
-        Covariate::Length => "m",
+        Covariate::Length(_) => "m",
         Covariate::CableSpeed => "m/s",
         Covariate::Force => "N",
     };

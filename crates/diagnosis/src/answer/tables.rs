@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use haptical_calibration::Channel;
-use haptical_effects::{Context, Effect};
+use haptical_effects::{Context, Effect, Hook};
 
 use crate::Result;
 use crate::answer::{
@@ -127,8 +127,28 @@ pub(crate) fn untestable(findings: &Findings<'_>) -> Vec<Untestable> {
         let why = general(effect.as_ref(), why);
         Untestable::add(&mut found, effect.name(), effect.joint(), why);
     }
+    found.extend(of_further_cables(findings));
     found.extend(findings.force.untestable.iter().cloned());
     found
+}
+
+/// Effects of a cable that are looked for on the first one alone.
+fn of_further_cables(findings: &Findings<'_>) -> Vec<Untestable> {
+    let context = &findings.engine().context;
+    let mut channels = context.streams.iter().map(|stream| stream.channel);
+    let has_further = channels.any(|own| matches!(own, Channel::Cable { index } if index > 0));
+    let effects = findings.selection.selector.effects;
+    let is_of_first = |effect: &&Box<dyn Effect>| {
+        let of_further = |other: &Box<dyn Effect>| {
+            other.name() == effect.name() && other.further_cable().is_some()
+        };
+        effect.spec().hook == Hook::CableSensor && !effects.iter().any(of_further)
+    };
+    let of_first = effects.iter().filter(|_| has_further).filter(is_of_first);
+    let why = "looked for in cable_m alone, not in cable2_m and further ones";
+    of_first
+        .map(|effect| Untestable::new(effect.name(), why))
+        .collect()
 }
 
 /// The reason without the joint's number, so that joints with the same reason share a line.

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use haptical_calibration::Channel;
 use haptical_effects::{Context, Effect, Family, Hook, Signal};
 use haptical_model::kinematics::nalgebra::Vector3;
 
@@ -21,7 +22,8 @@ pub(crate) enum Covariate {
     Torque(usize),
     Time,
     Temperature,
-    Length,
+    /// Of a cable, from 0.
+    Length(usize),
     CableSpeed,
     ExitAngle,
     Force,
@@ -44,7 +46,7 @@ impl Covariate {
             Self::Torque(joint) => context.torque_nm.get(joint)?.clone(),
             Self::Time => context.elapsed_s(),
             Self::Temperature => context.warming_k.clone(),
-            Self::Length => Some(context.cable.as_ref()?.length_m.clone()),
+            Self::Length(cable) => context.cable_length_m(cable),
             Self::CableSpeed => {
                 motion?;
                 Some(context.cable.as_ref()?.motion.velocity.clone())
@@ -75,7 +77,8 @@ impl Covariate {
             Self::Torque(joint) => joints[joint].torque_column(joint + 1),
             Self::Time => "t_s".to_owned(),
             Self::Temperature => "temp_degc".to_owned(),
-            Self::Length | Self::CableSpeed | Self::ExitAngle => "cable_m".to_owned(),
+            Self::Length(cable) => format!("{}_m", Channel::Cable { index: cable }.name()),
+            Self::CableSpeed | Self::ExitAngle => "cable_m".to_owned(),
             Self::Force => "fx_n".to_owned(),
         }
     }
@@ -93,7 +96,8 @@ impl Covariate {
             Self::Torque(joint) => format!("the torque of joint {}", joint + 1),
             Self::Time => "time".to_owned(),
             Self::Temperature => "temperature".to_owned(),
-            Self::Length => "the cable's length".to_owned(),
+            Self::Length(0) => "the cable's length".to_owned(),
+            Self::Length(cable) => format!("the length of cable {}", cable + 1),
             Self::CableSpeed => "the cable's speed".to_owned(),
             Self::ExitAngle => "the angle at which the cable leaves its guide".to_owned(),
             Self::Force => "the size of the hand's force".to_owned(),
@@ -223,7 +227,7 @@ pub(crate) fn own_covariates(effect: &dyn Effect) -> Vec<(Place, Covariate, usiz
         Family::Shape if effect.joint().is_some() => vec![of_joint(Covariate::Angle, 24)],
         Family::Shape | Family::Exit => {
             vec![
-                cable(Covariate::Length, 16),
+                cable(Covariate::Length(0), 16),
                 cable(Covariate::ExitAngle, 12),
             ]
         }

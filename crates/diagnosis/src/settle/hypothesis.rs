@@ -37,11 +37,14 @@ impl Hypothesis {
         let number = |name: &str| candidate.numbers.get(name).copied();
         let joint = candidate.joint.and_then(|joint| joint.checked_sub(1));
         let is_it = |effect: &dyn Effect| {
-            let from = effect.other_joint().map(|joint| (joint + 1) as f64);
+            let place = |index: usize| (index + 1) as f64;
+            let from = effect.other_joint().map(place);
+            let cable = effect.further_cable().map(place);
             let mut names = effect.spec().parameters.iter().map(|own| own.name);
             effect.name() == candidate.effect
                 && effect.joint() == joint
                 && (from.is_none() || from == number("from_joint"))
+                && cable == number("cable")
                 && names.all(|name| number(name).is_some_and(f64::is_finite))
         };
         let index = effects.iter().position(|own| is_it(own.as_ref()))?;

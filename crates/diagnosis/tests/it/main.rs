@@ -17,6 +17,7 @@ mod dependencies;
 mod determinism;
 mod floors;
 mod foreign_torque;
+mod further_cables;
 mod gap_sets;
 mod lines;
 #[path = "../../src/force/tests/arm.rs"]

@@ -6,6 +6,7 @@ pub(crate) mod count_loss;
 pub(crate) mod drift;
 pub(crate) mod drum_eccentricity;
 pub(crate) mod exit_geometry;
+pub(crate) mod further;
 pub(crate) mod hysteresis;
 pub(crate) mod latency;
 pub(crate) mod sag;

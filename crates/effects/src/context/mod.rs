@@ -23,7 +23,7 @@ use self::loads::loads;
 use crate::ContextError;
 use crate::signal::{LocalMotion, local_motion, smooth, smooth_twice};
 
-use self::cable::cable_geometry;
+use self::cable::{anchor_m, cable_geometry};
 pub(crate) use self::rows::moves;
 pub use self::rows::runs_of;
 use self::rows::{STEP_OF_A_MOTION, is_path, load_reach, step_of_range};
@@ -274,6 +274,13 @@ impl<'a> Context<'a> {
         self.cable.as_ref().map_or(1.0, |cable| {
             cable.length_m.iter().sum::<f64>() / cable.length_m.len().max(1) as f64
         })
+    }
+
+    /// Distance from the exit of a cable (from 0) to the handle at every row \[m\]; none of one that was not recorded.
+    pub fn cable_length_m(&self, index: usize) -> Option<Vec<f64>> {
+        self.streams_of(Channel::Cable { index }).next()?;
+        let anchor = anchor_m(self.device, index);
+        Some(self.position.iter().map(|p| (p - anchor).norm()).collect())
     }
 
     /// A joint's axis and the way from its origin to the handle, frame (-1). None for a sliding joint, for one that moves

@@ -135,9 +135,11 @@ fn resolved(
     let is_it = |effect: &dyn Effect| {
         let number = |joint: usize| (joint + 1) as f64;
         let from = effect.other_joint().map(number);
+        let cable = effect.further_cable().map(number);
         effect.spec() == spec
             && effect.joint() == entry.joint
             && (from.is_none() || from == entry.numbers.get("from_joint").copied())
+            && (cable.is_none() || cable == entry.numbers.get("cable").copied())
     };
     let mut all = everywhere(device).into_iter();
     let Some(effect) = all.find(|effect| is_it(effect.as_ref())) else {
@@ -148,7 +150,7 @@ fn resolved(
         let same = |key: &str| other.numbers.get(key) == entry.numbers.get(key);
         other.name == entry.name
             && other.joint == entry.joint
-            && ["time_s", "order", "from_joint", "from_run"]
+            && ["time_s", "order", "from_joint", "from_run", "cable"]
                 .into_iter()
                 .all(same)
             && spec_of(other).is_ok_and(|own| own == spec)
@@ -181,7 +183,7 @@ fn resolved(
 }
 
 /// Numbers that say where an effect is, not how large.
-pub const PLACES: [&str; 2] = ["from_joint", "order"];
+pub const PLACES: [&str; 3] = ["from_joint", "order", "cable"];
 
 pub(super) fn is_place(name: &str) -> bool {
     PLACES.contains(&name)
@@ -304,6 +306,12 @@ fn refused_place(device: &Device, entry: &DeviceEffect, spec: &Spec) -> DeviceEf
         .collect();
     let at_joints = own.iter().any(|effect| effect.joint().is_some());
     let why = match entry.joint {
+        None if entry.numbers.contains_key("cable") => {
+            let cables = device.cables.len();
+            format!(
+                "this device has {cables} cables: give the number of one as `cable`, or leave it out for the first"
+            )
+        }
         None if at_joints => "it is of a joint: give `joint`, from 1".to_owned(),
         Some(_) if !own.is_empty() && !at_joints => {
             "it is of the whole device: leave `joint` out".to_owned()

@@ -96,6 +96,11 @@ pub(crate) trait Law: Debug + Send + Sync {
         None
     }
 
+    /// The cable whose reading it changes, from 0, where that is not the first.
+    fn further_cable(&self) -> Option<usize> {
+        None
+    }
+
     /// Shapes to try, where the recording or the place decides them: of what is there from a run on, the first run with it.
     fn shapes(&self, input: Input<'_, '_>) -> Option<Vec<f64>> {
         (input.spec.follows == Follows::Run).then(|| input.later_runs())
@@ -161,6 +166,10 @@ impl<L: Law> Effect for Placed<L> {
 
     fn other_joint(&self) -> Option<usize> {
         self.law.other_joint()
+    }
+
+    fn further_cable(&self) -> Option<usize> {
+        self.law.further_cable()
     }
 
     fn shapes(&self, context: &Context<'_>) -> Vec<f64> {

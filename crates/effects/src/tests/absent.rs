@@ -74,7 +74,8 @@ const SPOILT: [Spoilt; 8] = [
         |effect| {
             let name = effect.name();
             // the pitch is that of a capstan's cable
-            name.starts_with("cable-") && name != "cable-pitch"
+            let is_of_first = name.starts_with("cable-") && name != "cable-pitch";
+            is_of_first && effect.further_cable().is_none()
         },
     ),
     (

@@ -407,14 +407,16 @@ fn assert_changes_smoothly_with_its_shape(effect: &AnyEffect, context: &Context<
 }
 
 /// Whether a hook reaches a stream, by the definition of [`Hook`].
-fn reaches(hook: Hook, joint: Option<usize>, channel: Channel) -> bool {
+fn reaches(effect: &AnyEffect, channel: Channel) -> bool {
+    let (hook, joint) = (effect.spec().hook, effect.joint());
+    let index = effect.further_cable().unwrap_or(0);
     let chain = !matches!(channel, Channel::Output { .. });
     let own = matches!(channel, Channel::Output { joint: of } if Some(of) == joint);
     match hook {
         Hook::Transmission => own || chain,
         Hook::ExternalEncoder => own,
         Hook::Joint | Hook::Structure => chain,
-        Hook::CableSensor => channel == Channel::Cable { index: 0 },
+        Hook::CableSensor => channel == Channel::Cable { index },
         Hook::Tracker => matches!(channel, Channel::Position | Channel::Orientation),
         Hook::Timing => true,
         Hook::Torque | Hook::ForceSensor | Hook::Readings | Hook::BaseModel | Hook::Command => {
@@ -431,7 +433,7 @@ fn assert_reaches_its_hook_alone(effect: &AnyEffect, context: &Context<'_>) {
         let felt = signal
             .on(index)
             .is_some_and(|values| values.iter().any(|v| *v != 0.0));
-        let reached = reaches(effect.spec().hook, effect.joint(), stream.channel);
+        let reached = reaches(effect, stream.channel);
         assert!(reached || !felt, "{label} leaks into {}", stream.name());
         // the first cable and a joint's own encoder feel whatever reaches them
         let plain = stream.channel == Channel::Cable { index: 0 } || stream.joint().is_some();

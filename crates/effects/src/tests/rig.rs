@@ -330,7 +330,7 @@ pub(super) fn values(effect: &AnyEffect, context: &Context<'_>, factor: f64) -> 
             (Some(value), "phase_rad" | "time_s") => value,
             (Some(value), _) => factor * value,
             (None, "from_joint") => effect.other_joint().map_or(shape, |from| (from + 1) as f64),
-            (None, "order" | "frequency_hz") => shape,
+            (None, "order" | "frequency_hz" | "cable") => shape,
             (None, "from_run") => shape + 1.0,
             (None, other) => panic!(
                 "{} has a parameter `{other}` without a size",

@@ -5,14 +5,14 @@ use haptical_effects::base_model::{JOINT_OFFSET, LINK_GEOMETRY};
 
 use crate::diagnose::commands::is_settled_by_plan;
 use crate::diagnose::faults::faults;
-use crate::diagnose::words::{listed, main_channel, named_at};
+use crate::diagnose::words::{listed, main_channel, placed};
 
 /// What to do next: the experiment that the diagnosis asks for, else what the verdict suggests; first the use of the log
 /// that was `repaired`.
 pub(crate) fn next_step(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
     let step = step_beside_the_log(diagnosis);
     let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
-    let names = of_log.map(|cause| named_at(&cause.effect, cause.joint));
+    let names = of_log.map(|cause| placed(cause));
     let names: Vec<String> = names.collect();
     let first = match (repaired, names.as_slice()) {
         (Some(log), _) => {

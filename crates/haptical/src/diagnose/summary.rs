@@ -8,8 +8,8 @@ use crate::diagnose::absorbed::absorbed_sentence;
 use crate::diagnose::adjusted::adjusted;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    closed, held_out_answer, held_out_sizes, listed, named_at, not_in_file, parameters, percent,
-    place_sentence, probability, record, rivals, verdict_mark, verdict_sentence,
+    closed, held_out_answer, held_out_sizes, listed, not_in_file, parameters, percent,
+    place_sentence, placed, probability, record, rivals, verdict_mark, verdict_sentence,
 };
 use crate::lines::{WIDTH, lines_of};
 use crate::units::Shown;
@@ -182,7 +182,7 @@ impl Summary {
 pub(super) fn cause(cause: &CauseAnswer) -> String {
     let mut said = format!(
         "{}, probability {}: {}",
-        named_at(&cause.effect, cause.joint),
+        placed(cause),
         probability(cause.probability),
         parameters(cause)
     );

@@ -19,6 +19,15 @@ pub(crate) fn named_at(effect: &str, joint: Option<usize>) -> String {
     }
 }
 
+/// A cause with its place: `backlash at joint 2`, `cable-scale of cable 3`.
+pub(crate) fn placed(cause: &CauseAnswer) -> String {
+    let name = named_at(&cause.effect, cause.joint);
+    match cause.parameters.get("cable") {
+        Some(cable) => format!("{name} of cable {:.0}", cable.value),
+        None => name,
+    }
+}
+
 /// Head of a joint's column; none is the device as a whole.
 pub(crate) fn column(joint: Option<usize>) -> String {
     joint.map_or_else(|| "device".to_owned(), |joint| format!("joint {joint}"))
@@ -228,7 +237,7 @@ fn named_after<'c>(words: &str, causes: impl Iterator<Item = &'c CauseAnswer>) -
 }
 
 fn with_probability(cause: &CauseAnswer) -> String {
-    let name = named_at(&cause.effect, cause.joint);
+    let name = placed(cause);
     format!("{name} (probability {})", probability(cause.probability))
 }
 
@@ -279,9 +288,7 @@ fn unknown(diagnosis: &Diagnosis) -> String {
         (diagnosis.causes.iter()).partition(|cause| cause.probability > 0.5);
     if !in_part.is_empty() {
         // no probability: the name of a part reads as a finding with it
-        let names = in_part
-            .iter()
-            .map(|cause| named_at(&cause.effect, cause.joint));
+        let names = in_part.iter().map(|cause| placed(cause));
         let part = listed(&names.collect::<Vec<_>>());
         sentence.push_str(&match diagnosis.unexplained_share {
             share if share < NOTHING_LEFT => format!(

@@ -250,7 +250,7 @@ fn covariates_at(place: Place) -> Vec<(Place, Covariate, usize)> {
             Covariate::Time,
         ],
         None => vec![
-            Covariate::Length,
+            Covariate::Length(0),
             Covariate::CableSpeed,
             Covariate::ExitAngle,
             Covariate::Time,

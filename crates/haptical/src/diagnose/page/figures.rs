@@ -4,7 +4,7 @@ use haptical_diagnosis::{ChannelGap, Diagnosis, Trace, Verdict};
 use haptical_report::{BarRow, BarRows, Block, Figure, HeatCell, HeatMap, Mark, Series};
 
 use crate::diagnose::quantity::axis_label;
-use crate::diagnose::words::{column, joints, main_channel, named_at, record};
+use crate::diagnose::words::{column, joints, main_channel, placed, record};
 use crate::error::Error;
 use crate::page::{FIGURE_PX, drawn, thinned};
 use crate::units::{Shown, decimals};
@@ -66,7 +66,7 @@ pub(super) fn gap(diagnosis: &Diagnosis) -> Result<Option<Block>, Error> {
     row(name, 0.0, before, Series::BEFORE, value);
     let causes = diagnosis.causes.iter().zip(budget.levels.windows(2));
     for ((cause, pair), colour) in causes.zip(CAUSES.into_iter().cycle()) {
-        let name = named_at(&cause.effect, cause.joint);
+        let name = placed(cause);
         let step = pair[1] - pair[0];
         let sign = if step > 0.0 { "+" } else { "−" };
         let value = format!("{sign}{}", text(step.abs()));

@@ -12,7 +12,7 @@ use crate::diagnose::absorbed::absorbed_sentence;
 use crate::diagnose::commands::commands;
 use crate::diagnose::next::next_step;
 use crate::diagnose::words::{
-    named_at, not_in_file, parameters, percent, place_sentence, verdict_mark, verdict_sentence,
+    not_in_file, parameters, percent, place_sentence, placed, verdict_mark, verdict_sentence,
 };
 use crate::error::Error;
 use crate::files::Record;
@@ -94,7 +94,7 @@ fn answer(diagnosis: &Diagnosis, besides: Besides<'_>) -> Result<Vec<Block>, Err
     let causes = diagnosis.causes.iter();
     let changed = causes.filter(|own| !own.changed.is_empty());
     blocks.extend(changed.map(|cause| {
-        let place = named_at(&cause.effect, cause.joint);
+        let place = placed(cause);
         Block::Paragraph(format!("{place}: {}.", parameters(cause)))
     }));
     blocks.extend(figures::gap(diagnosis)?);

@@ -15,7 +15,7 @@ use serde::Serialize;
 use self::cells::Repairing;
 use crate::device::Device;
 use crate::diagnose::faults::{Fault, faults};
-use crate::diagnose::words::named_at;
+use crate::diagnose::words::placed;
 use crate::error::Error;
 use crate::files::{Fingerprint, InputFile, NewFile};
 use crate::log::Log;
@@ -191,7 +191,7 @@ impl Repair {
     /// With what the diagnosis says of the repaired log.
     pub(super) fn checked(&mut self, again: &Diagnosis, answer: String) {
         let causes = again.causes.iter();
-        let causes = causes.map(|cause| named_at(&cause.effect, cause.joint));
+        let causes = causes.map(|cause| placed(cause));
         self.check = Some(RepairCheck {
             verdict: again.verdict,
             answer,
@@ -320,7 +320,7 @@ fn nothing(diagnosis: &Diagnosis) -> &'static str {
 
 /// Why a cause stays in the log.
 fn stays(cause: &CauseAnswer) -> String {
-    let name = named_at(&cause.effect, cause.joint);
+    let name = placed(cause);
     match spec(&cause.effect).and_then(|spec| spec.log_fault) {
         Some(_) => format!("{name} is not sure enough, or cannot be taken out of the log"),
         None => format!("{name} is of the device, and stays in the log"),

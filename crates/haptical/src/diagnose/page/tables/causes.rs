@@ -4,7 +4,7 @@ use haptical_diagnosis::{CandidateAnswer, Diagnosis};
 use haptical_report::{Cell, Table};
 
 use crate::diagnose::quantity::Quantity;
-use crate::diagnose::words::{earlier, listed, named_at};
+use crate::diagnose::words::{earlier, listed, named_at, placed};
 use crate::error::Error;
 use crate::units::Shown;
 
@@ -24,7 +24,7 @@ pub(in crate::diagnose::page) fn causes(diagnosis: &Diagnosis) -> Result<Table, 
         };
         let held_out = cause.held_out.as_ref();
         vec![
-            named_at(&cause.effect, cause.joint).into(),
+            placed(cause).into(),
             Cell::number(100.0 * cause.probability, 1),
             Cell::number(100.0 * cause.share, 1),
             rivals.into(),
@@ -50,7 +50,7 @@ pub(in crate::diagnose::page) fn parameters(diagnosis: &Diagnosis) -> Result<Tab
     let columns = "cause | parameter | value and 95 % interval | in gap.json";
     let mut table = Table::with_heads("Their numbers", columns);
     for cause in &diagnosis.causes {
-        let named = named_at(&cause.effect, cause.joint);
+        let named = placed(cause);
         for (name, parameter) in &cause.parameters {
             let quantity = Quantity::new(&cause.effect, name, parameter.value);
             table.push(vec![
