@@ -33,6 +33,8 @@ pub struct ParameterFit {
     pub noise_is_checked: bool,
     /// The channels' noise, where it is not independent and of one size ([`crate::with_ordered_noise`] looks).
     pub channel_noise: Vec<ChannelNoise>,
+    /// Whether the intervals of a robust fit allow every reading noise of a size of its own.
+    pub is_widened: bool,
     /// Intervals that are not linearised ones ([`crate::calibrate`] looks for them).
     pub profiled: Profiled,
     /// What searches from other places said, where the first was doubted.

@@ -23,8 +23,8 @@ pub(crate) fn profile(
     weights: &Weights,
     options: &Options,
 ) {
-    // the sum of squares says nothing of noise with memory
-    let is_usual = fit.channel_noise.is_empty();
+    // the sum of squares says nothing of noise with memory, or of sizes that differ
+    let is_usual = fit.channel_noise.is_empty() && !fit.is_widened;
     if !is_usual || fit.residuals.len() * fit.fitted.len() > MOST_ROWS {
         return;
     }

@@ -83,6 +83,9 @@ impl ParameterFit {
                 "linearised at the solution, with the spectrum of the noise that the residuals show (sandwich over bands of \
                  frequency), Student's t with Satterthwaite's degrees of freedom"
             }
+            _ if self.is_widened => {
+                "linearised at the solution, not narrower than with noise of its own size for every reading (sandwich, HC1)"
+            }
             NoiseScale::Stated => "linearised at the solution, normal, with the stated noise",
             NoiseScale::Estimated => {
                 "linearised at the solution, Student's t, with the noise that the residuals show"

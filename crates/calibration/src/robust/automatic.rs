@@ -8,7 +8,7 @@ use haptical_model::{Device, Recording};
 use crate::robust::reweighted::{far_out, fit, judge_residuals, set_aside};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, ChannelReport, ChannelResiduals, FittedDevice,
-    Options, Outlier, RobustChannel, Robustness, channels,
+    Options, Outlier, ParameterFit, RobustChannel, Robustness, channels, with_ordered_noise,
 };
 
 /// Rows on which it is tried whether a robust loss is needed.
@@ -61,10 +61,39 @@ pub(crate) fn automatic(
     if outliers.is_empty() || !(wild || at_noise) || are_in_stretches(&outliers, &sample) {
         return plain;
     }
-    match fit(device, recording, options, Loss::Tukey) {
-        Ok(robust) if plain.is_err() || is_sound(&robust, recording)? => Ok(robust),
-        _ => plain,
+    match (fit(device, recording, options, Loss::Tukey), plain) {
+        (Ok(robust), Err(_)) => Ok(robust),
+        (Ok(robust), Ok(plain)) => {
+            let is_better = is_sound(&robust, recording)?
+                && !is_surer(&plain, &robust, recording, options.method)?;
+            Ok(if is_better { robust } else { plain })
+        }
+        (Err(_), plain) => plain,
     }
+}
+
+/// Whether least squares states smaller standard deviations than a robust fit, in the geometric mean: where a part of the
+/// range is louder it loses less than a loss that takes loud readings for wild ones.
+fn is_surer(
+    plain: &FittedDevice,
+    robust: &FittedDevice,
+    recording: &Recording,
+    method: CalibrationMethod,
+) -> Result<bool, CalibrationError> {
+    let [plain, robust] = [plain, robust].map(|fitted| -> Result<_, CalibrationError> {
+        let fitted = with_ordered_noise(fitted.clone(), recording, method)?;
+        let steps = fitted.transmissions.into_iter().filter_map(|step| step.fit);
+        let fits: Vec<ParameterFit> = steps.chain(fitted.whole).collect();
+        let estimates = fits.into_iter().flat_map(|fit| fit.estimates);
+        let stated = estimates.filter_map(|own| Some((own.name, own.standard_deviation?)));
+        Ok(stated.collect::<BTreeMap<String, f64>>())
+    });
+    let (plain, robust) = (plain?, robust?);
+    let ratios = plain.iter().filter_map(|(name, sd)| {
+        let ratio = (sd / robust.get(name)?).ln();
+        ratio.is_finite().then_some(ratio)
+    });
+    Ok(ratios.sum::<f64>() < 0.0)
 }
 
 /// Whether a robust fit came to rest, or all but its wild readings are at their noise: it need not come to rest

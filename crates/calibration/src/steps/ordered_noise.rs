@@ -16,9 +16,10 @@ use crate::problem::device_problem::Block;
 use crate::problem::form::{Prepared, reduce};
 use crate::report::channel_noise::ChannelNoise;
 use crate::steps::device::step_two;
+use crate::steps::robust_floor;
 use crate::{
     CalibrationError, CalibrationMethod, Channel, DeviceProblem, FittedDevice, ParameterFit,
-    Weights, channels, with_step_one_noise,
+    Robustness, Weights, channels, with_step_one_noise,
 };
 
 /// Local sizes of the noise by channel and line of the log.
@@ -42,11 +43,13 @@ pub fn with_ordered_noise(
 ) -> Result<FittedDevice, CalibrationError> {
     let all = channels(&fitted.device, recording)?;
     let weights = fitted.weights.clone();
+    let robust = fitted.robust.clone();
+    let robust = robust.as_ref();
     let mut sizes = Sizes::new();
     if method == CalibrationMethod::Joint {
         if let Some(whole) = fitted.whole.take() {
             let whole = with_length_scales(whole, recording, &all, &weights)?;
-            let whole = look(whole, recording, &all, &weights, &mut sizes)?;
+            let whole = look(whole, recording, &all, (&weights, robust), &mut sizes)?;
             fitted.device.clone_from(&whole.device);
             fitted.whole = Some(whole);
         }
@@ -60,7 +63,7 @@ pub fn with_ordered_noise(
         };
         let old = values(&before);
         let own = [Channel::Output { joint: step.joint }];
-        let after = look(before, recording, &own, &weights, &mut sizes)?;
+        let after = look(before, recording, &own, (&weights, robust), &mut sizes)?;
         let changes = values(&after).into_iter().zip(old);
         moved.extend(changes.filter_map(|((parameter, now), (_, was))| {
             (now != was).then_some((parameter, now - was))
@@ -74,7 +77,13 @@ pub fn with_ordered_noise(
             let steps = &fitted.transmissions;
             let whole = with_step_one_noise(whole, steps, &rows, &distant, &weights)?;
             let whole = with_length_scales(whole, &rows, &distant, &weights)?;
-            Some(look(whole, &rows, &distant, &weights, &mut sizes)?)
+            Some(look(
+                whole,
+                &rows,
+                &distant,
+                (&weights, robust),
+                &mut sizes,
+            )?)
         }
         (whole, _) => whole,
     };
@@ -106,7 +115,7 @@ fn look(
     mut fit: ParameterFit,
     recording: &Recording,
     channels: &[Channel],
-    weights: &Weights,
+    (weights, robust): (&Weights, Option<&Robustness>),
     sizes: &mut Sizes,
 ) -> Result<ParameterFit, CalibrationError> {
     let failed = |source| wrap("noise of a fit", source);
@@ -149,6 +158,11 @@ fn look(
         }),
     });
     let Some(found) = found else {
+        if let Some(robust) = robust {
+            let rows = (&derivatives, &residuals[..]);
+            robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
+            take_step(&mut fit, &[], &[]);
+        }
         return Ok(fit);
     };
     fit.channel_noise = ChannelNoise::list(&found, &signals, channels);
@@ -176,6 +190,10 @@ fn look(
     }
     let changes: Vec<(ParameterId, f64)> = own.into_iter().zip(step).collect();
     fit.uncertainty = fit.uncertainty.with_components(components);
+    if let Some(robust) = robust {
+        let rows = (&derivatives, &residuals[..]);
+        robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
+    }
     take_step(&mut fit, &changes, &[]);
     let problem = DeviceProblem::new(&fit.device, recording, channels, &[], weights)?;
     let prepared = Prepared::new(&problem)?;

@@ -2,6 +2,7 @@
 
 use haptical_calibration::{
     CalibrationMethod, Channel, FittedDevice, LossChoice, Options, calibrate, fit_device,
+    with_ordered_noise,
 };
 use haptical_identification::Loss;
 use haptical_model::{Device, Recording};
@@ -223,4 +224,49 @@ fn a_shift_that_lasts_stays_with_least_squares() {
     let found = fit_device(&nominal, &dirty, &options(method, LossChoice::Auto)).unwrap();
     assert_eq!(found.robust, None);
     assert_eq!(found.device, plain.device);
+}
+
+/// Largest factor on a standard deviation by which the floor of sizes of their own widens the joint fit of Tukey's loss.
+fn widened(nominal: &Device, recording: &Recording) -> (f64, bool) {
+    let options = options(CalibrationMethod::Joint, LossChoice::Fixed(Loss::Tukey));
+    let usual = fit_device(nominal, recording, &options).unwrap();
+    let found = with_ordered_noise(usual.clone(), recording, options.method).unwrap();
+    let [usual, found] = [usual, found].map(|fitted| fitted.whole.unwrap());
+    let mut largest: f64 = 0.0;
+    for &index in &usual.fitted {
+        let [before, after] = [&usual, &found].map(|fit| &fit.estimates[index]);
+        let pair = (before.standard_deviation, after.standard_deviation);
+        let (Some(before), Some(after)) = pair else {
+            continue;
+        };
+        assert!(after > 0.999 * before, "{}", found.estimates[index].name);
+        largest = largest.max(after / before);
+    }
+    (largest, found.is_widened)
+}
+
+/// Noise of the longest fifth of the distances twelve times larger, half of them one way and half the other.
+#[test]
+fn intervals_are_wider_where_long_distances_are_louder() {
+    for seed in 60..66 {
+        let Some((nominal, mut recording)) = recorded(300, seed) else {
+            return;
+        };
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let sd_m = nominal.cable_sd_m(0).unwrap();
+        let distances = recording.cable_m[0].as_mut().unwrap();
+        let mut sorted = distances.clone();
+        sorted.sort_by(f64::total_cmp);
+        for distance in distances.iter_mut().filter(|own| **own > sorted[240]) {
+            // uniform, of this standard deviation
+            *distance += 12.0 * sd_m * random.random_range(-3_f64.sqrt()..3_f64.sqrt());
+        }
+        let (largest, is_widened) = widened(&nominal, &recording);
+        assert!(is_widened && largest > 1.3, "{seed}: {largest}");
+    }
+    let Some((nominal, recording)) = recorded(300, 64) else {
+        return;
+    };
+    let (largest, _) = widened(&nominal, &spoil(&recording, 65, false).0);
+    assert!(largest < 1.3, "of one size: {largest}");
 }

@@ -1,7 +1,8 @@
 //! Robust losses: slopes, efficiency, outliers, estimating equations, standard deviations.
 
 use haptical_identification::{
-    Loss, NoiseScale, RobustFit, Settings, robust_scale, solve, solve_robust, uncertainty,
+    Loss, Matrix, NoiseScale, RobustFit, Settings, robust_covariance, robust_scale, solve,
+    solve_robust, uncertainty,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -176,4 +177,47 @@ fn squares_are_least_squares() {
     let found = solve_robust(&problem, &TRUTH, &FREE, &Settings::default(), Loss::Squares).unwrap();
     assert_eq!(found.fit.parameters, plain.parameters);
     assert_eq!((found.rounds, found.settled), (1, true));
+}
+
+/// The last third of the rows has six times the noise: the loss's own factor states too little, the sandwich does not.
+#[test]
+fn deviations_of_rows_with_sizes_of_their_own_are_those_of_many_fits() {
+    const RUNS: u64 = 400;
+    let (mut usual, mut allowed) = ([0.0; 3], [0.0; 3]);
+    for seed in 0..RUNS {
+        let (t, clean, _) = sample(5000 + seed, 240, false);
+        let truth = |t: f64| TRUTH[0] * (-TRUTH[1] * t).exp() + TRUTH[2];
+        let louder = t.iter().zip(&clean).map(|(&t, y)| match t > 3.4 {
+            true => truth(t) + 6.0 * (y - truth(t)),
+            false => *y,
+        });
+        let louder: Vec<f64> = louder.collect();
+        let problem = decay(&t, &louder, NOISE);
+        let settings = Settings::default();
+        let found = solve_robust(&problem, &TRUTH, &FREE, &settings, Loss::Tukey).unwrap();
+        let (residuals, slopes) = (problem.evaluate)(&found.fit.parameters).unwrap();
+        let derivatives = Matrix::from_fn(240, 3, |row, k| slopes[row][k] / found.scale);
+        let of = |of: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            residuals.iter().map(|r| of(r / found.scale)).collect()
+        };
+        let bends = of(&|u| Loss::Tukey.influence_slope(u));
+        let pulls = of(&|u| Loss::Tukey.influence(u).powi(2));
+        let covariance = robust_covariance(&derivatives, &bends, &pulls).unwrap();
+        let fit = &found.fit;
+        let spread = uncertainty(&fit.reduction, &FREE, fit.cost, NoiseScale::Stated).unwrap();
+        for k in FREE {
+            let square = (fit.parameters[k] - TRUTH[k]).powi(2) / RUNS as f64;
+            let stated = spread.standard_deviation(k) * found.scale;
+            usual[k] += square / stated.powi(2) / found.variance_factor;
+            allowed[k] += square / covariance[(k, k)];
+        }
+    }
+    // the offset rests on the louder rows
+    assert!(usual[2] > 1.5, "the noise is no challenge: {usual:?}");
+    for square in allowed {
+        assert!(
+            (0.8..1.3).contains(&square),
+            "{allowed:?}, usually {usual:?}"
+        );
+    }
 }
