@@ -57,11 +57,12 @@ pub use rig::motion::{Motion, MotionPlan};
 pub use rig::noise::{ChannelNoise, NoisePlan};
 pub use rig::scene::{CablePath, CleanChannels, Recorded, Scene};
 pub use score::{
-    Answer, Calibration, Cause, ChannelGap, Coverage, Gap, HeldOut, ParameterAnswer, Prediction,
-    Rate, ShrinkScore, Summary, TrialScore, TrueReduction, Verdict, Where, channel_of,
-    closed_percent, judge, summarise, true_reductions,
+    Adjusted, Answer, Calibration, Cause, ChannelGap, Check, Coverage, Gap, HeldOut,
+    ParameterAnswer, Prediction, Rate, SecondChannel, SecondRecording, ShrinkScore, Summary,
+    TrialScore, TrueReduction, Verdict, Where, channel_of, closed_percent, judge, judge_refusal,
+    summarise, true_reductions,
 };
 pub use seal::{Sealed, seal, sha256_hex};
 pub use suites::Suite;
 pub use trial::{Asked, Trial};
-pub use truth::{EffectTruth, Event, Truth};
+pub use truth::{Besides, EffectTruth, Event, Said, Truth};

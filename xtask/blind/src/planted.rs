@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::gap::ChannelGapTruth;
 use crate::trial::TrialId;
-use crate::truth::{EffectTruth, Event, Truth};
+use crate::truth::{Besides, EffectTruth, Event, Truth};
 
 /// One effect of a recording.
 #[derive(Debug, Clone)]
@@ -108,6 +108,7 @@ impl Story {
             gap,
             no_gap_is_right: false,
             implausible: false,
+            besides: Besides::default(),
         }
     }
 }

@@ -67,6 +67,41 @@ pub struct Truth {
     pub no_gap_is_right: bool,
     /// Whether the answer must flag a magnitude beyond the physical bound.
     pub implausible: bool,
+    /// What else is right, or wrong whatever is named.
+    #[serde(default, skip_serializing_if = "Besides::is_nothing")]
+    pub besides: Besides,
+}
+
+/// Answers that are right besides the names, and words that make an answer wrong.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Besides {
+    /// A refusal that has one of these words is as right as a name. A refusal is an error, or the verdict `unknown` with a
+    /// question of its admission answered with no.
+    pub refusals: Vec<String>,
+    /// Whether the verdict `unknown` is as right as a name.
+    pub unknown: bool,
+    /// `no-gap` is as right as a name where the answer says this.
+    pub no_gap_with: Option<Said>,
+    /// Whether the right name is one of the whole arm: at a joint it is another one.
+    pub is_of_whole: bool,
+    /// Whether the second recording is of another device: no answer may say that its gap closes there.
+    pub second_is_foreign: bool,
+}
+
+/// What an answer may say beside its verdict.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Said {
+    /// Readings that count for nothing.
+    Dropouts,
+    /// A number of a body that was adjusted.
+    Bodies,
+}
+
+impl Besides {
+    fn is_nothing(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Truth {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, anyhow, ensure};
 use serde::Serialize;
 use xtask_blind::{
-    Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, seal, sha256_hex,
-    true_reductions, write_moving, write_trial,
+    Answer, Random, Sealed, Suite, TrialScore, TrueReduction, Truth, judge, judge_refusal, seal,
+    sha256_hex, true_reductions, write_moving, write_trial,
 };
 use xtask_output::Progress;
 
@@ -80,6 +80,9 @@ pub(crate) struct Case {
     pub(crate) answer: Option<Answer>,
     /// Why there is no answer.
     pub(crate) error: Option<String>,
+    /// The same, where that is right.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) refusal: Option<String>,
     pub(crate) score: Option<TrialScore>,
     /// What the corrected device makes of a fresh recording.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -225,12 +228,16 @@ impl Batch {
                 Ok((answer, sha256)) => (Some(answer), Some(sha256), None),
                 Err(error) => (None, None, Some(error.to_string())),
             };
+            let refused = error.as_ref();
+            let refused = refused.and_then(|error| judge_refusal(&truth, error));
+            let refusal = refused.as_ref().and_then(|_| error.take());
             // what comes after the answer fails as the answer does
             let closing = kept(fixed.closing, &mut error);
             let fit = kept(fixed.fit, &mut error);
             let score = answer
                 .as_ref()
-                .map(|answer| judge(&truth, answer, &fixed.reductions));
+                .map(|answer| judge(&truth, answer, &fixed.reductions))
+                .or(refused);
             cases.push(Case {
                 suite,
                 index,
@@ -244,6 +251,7 @@ impl Batch {
                 answer_sha256,
                 answer,
                 error,
+                refusal,
                 score,
                 closing,
                 fit,

@@ -41,6 +41,7 @@ fn case(suite: Suite, index: u64, gap_json: &str) -> Case {
         truth_json: sealed.truth_json,
         answer_sha256: None,
         error: answer.as_ref().err().map(ToString::to_string),
+        refusal: None,
         answer: answer.ok(),
         score,
         closing: None,

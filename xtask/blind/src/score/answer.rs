@@ -47,6 +47,52 @@ pub struct Answer {
     pub causes: Vec<Cause>,
     /// Probability that no name of the catalogue is right.
     pub probability_unknown: Option<f64>,
+    /// Questions that were asked before any verdict.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub admission: BTreeMap<String, Check>,
+    /// Numbers that were fitted before anything was judged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub adjusted: Vec<Adjusted>,
+    /// What is left of the second recording.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub second_recording: Option<SecondRecording>,
+    /// Things that a user should know.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+/// A question before any verdict.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Check {
+    /// `yes`, `no` or `unknown`.
+    pub answer: String,
+    /// What it rests on.
+    #[serde(default)]
+    pub why: String,
+}
+
+/// A number that was fitted before anything was judged.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Adjusted {
+    /// What it is of: `friction`, `armature`.
+    pub name: String,
+}
+
+/// What the model of the log leaves of a second recording.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SecondRecording {
+    /// Channels that were predicted.
+    #[serde(default)]
+    pub channels: Vec<SecondChannel>,
+}
+
+/// One channel of a second recording.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SecondChannel {
+    /// Channel.
+    pub channel: String,
+    /// Whether a gap is left in it.
+    pub has_gap: bool,
 }
 
 /// The gap of all channels.

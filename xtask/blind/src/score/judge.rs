@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::answer::{Answer, Cause, Verdict, plain_name};
+use super::besides::{is_allowed, is_forbidden};
 use super::reduction::TrueReduction;
 use crate::truth::{EffectTruth, Truth};
 
@@ -93,7 +94,7 @@ pub struct TrialScore {
 /// Right is: `no-gap` for a clean truth, and where it is said to be right; `unknown` (or acceptable names alone) where no name
 /// is right;
 /// else a verdict `named` or `ambiguous` with one name of every group of the truth among the causes or
-/// what they are declared to be confused with.
+/// what they are declared to be confused with; and what the truth allows besides.
 pub fn judge(
     truth: &Truth,
     answer: &Answer,
@@ -103,7 +104,10 @@ pub fn judge(
     let names_causes = matches!(answer.verdict, Verdict::Named | Verdict::Ambiguous);
     let causes: &[Cause] = if names_causes { &answer.causes } else { &[] };
     let in_group = |name: &str, group: &[String]| group.iter().any(|right| right == name);
-    let is_of = |cause: &Cause, group: &[String]| cause.names().any(|name| in_group(name, group));
+    let is_of = |cause: &Cause, group: &[String]| {
+        let is_placed = truth.besides.is_of_whole && cause.joint.is_some();
+        !is_placed && cause.names().any(|name| in_group(name, group))
+    };
     let is_acceptable = |cause: &Cause| is_of(cause, &truth.acceptable);
     let is_found = |group: &&Vec<String>| causes.iter().any(|cause| is_of(cause, group));
     let groups_found = truth.right.iter().filter(is_found).count();
@@ -121,6 +125,7 @@ pub fn judge(
     } else {
         all_found || (truth.no_gap_is_right && !detected)
     };
+    let right = (right || is_allowed(truth, answer)) && !is_forbidden(truth, answer);
     let first = causes.first();
     let top_right = first.is_some_and(|cause| {
         let name = plain_name(&cause.effect);

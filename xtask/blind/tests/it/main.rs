@@ -1,5 +1,6 @@
 //! Tests of xtask-blind.
 
+mod besides;
 mod dynamics;
 mod effects;
 mod files;
