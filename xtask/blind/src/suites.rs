@@ -28,7 +28,7 @@ macro_rules! suites {
 
         impl Suite {
             /// All suites, in the order of a batch.
-            pub const ALL: [Self; 27] = [$(Self::$variant,)*];
+            pub const ALL: [Self; 28] = [$(Self::$variant,)*];
 
             /// Short name, what it holds, number of its streams and place among the salts, trials.
             const fn row(self) -> (&'static str, &'static str, [u64; 2], [u64; 2]) {
@@ -68,6 +68,7 @@ suites! {
     Absent "sla" 22 24 100 1 "clean, and an effect asked for";
     Moving "moving" 23 25 400 1 "arms that a controller moves";
     MovingMemory "moving-memory" 24 26 40 1 "the same, clean, noise with a memory";
+    MovingAdmission "moving-admission" 25 27 140 2 "the same with faults of log, file and laws";
 }
 
 /// Streams of suites do not meet: suite number times this, plus the index.
@@ -98,6 +99,11 @@ impl Suite {
     /// Whether the diagnosis must not see the second recording: what it made of the first is tried on it.
     pub const fn keeps_second_back(self) -> bool {
         matches!(self, Self::Loop | Self::LoopPairs | Self::Absent)
+    }
+
+    /// Whether device file and logs may be such that a reader refuses them, which is an answer.
+    pub const fn is_of_admission(self) -> bool {
+        matches!(self, Self::MovingAdmission)
     }
 
     pub(crate) fn random(self, index: u64, batch_seed: u64) -> Random {
@@ -140,6 +146,7 @@ impl Suite {
             Self::Absent => loop_suites::absent,
             Self::Moving => moving::draw,
             Self::MovingMemory => moving::with_memory,
+            Self::MovingAdmission => moving::with_faults,
             _ => return None,
         })
     }

@@ -46,7 +46,7 @@ use seed::SeedRule;
 #[command(after_help = "Example: cargo xtask blind-check --suite s1 --first 17 --count 1 --seed 5")]
 pub struct Arguments {
     /// Suites: s0, s1, s1n, s2, s3, s4, s5, s6, s7, s8, s10, sf, sfw, sfu, sp, spw, spc, se, sr, sm, sc, sw, sl, slp, sla, moving,
-    /// moving-memory (default: all).
+    /// moving-memory, moving-admission (default: all).
     #[arg(long, value_delimiter = ',')]
     suite: Vec<String>,
     /// Trials of each suite (default: as many as a scored batch has).

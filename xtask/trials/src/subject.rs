@@ -13,6 +13,8 @@ use xtask_blind::{Asked, Prediction, Suite, Trial};
 #[derive(Debug)]
 pub(crate) struct Given {
     pub(crate) device: Device,
+    /// Why device file or log were not read.
+    refused: Option<String>,
     /// The text of its file.
     pub(crate) device_toml: String,
     pub(crate) log: Recording,
@@ -47,10 +49,17 @@ impl Given {
         let model = model.map(|text| Device::from_toml(text, "model"));
         let model = model.transpose().context("the model of an ablation")?;
         let mut log2 = trial.log2.clone();
+        let read = suite.is_of_admission().then(|| read(trial));
+        let (device, refused) = match read {
+            Some(Err(error)) => (trial.device.clone(), Some(error.to_string())),
+            Some(Ok(device)) => (device, None),
+            None => (trial.device.clone(), None),
+        };
         let is_kept = suite.keeps_second_back();
         let fresh = is_kept.then(|| std::mem::take(&mut log2));
         Ok(Self {
-            device: trial.device.clone(),
+            device,
+            refused,
             device_toml: trial.device_toml.clone(),
             log: trial.log.clone(),
             log2,
@@ -65,6 +74,7 @@ impl Given {
     pub(crate) fn alone(device: Device, log: Recording) -> Self {
         Self {
             device,
+            refused: None,
             device_toml: String::new(),
             log,
             log2: Recording::default(),
@@ -83,6 +93,9 @@ impl Given {
             validation: (!self.log2.is_empty()).then_some(&self.log2),
             ..Options::default()
         };
+        if let Some(refused) = &self.refused {
+            bail!("{refused}");
+        }
         let start = Instant::now();
         let diagnosis = diagnosis(&self.device, &self.log, &options)?;
         let time_s = start.elapsed().as_secs_f64();
@@ -115,6 +128,15 @@ impl Given {
         };
         gap_json(&diagnosis(&self.device, fresh, &options)?)
     }
+}
+
+/// The device as its file has it, read as a user's is, with both logs.
+fn read(trial: &Trial) -> Result<Device> {
+    let device = haptical::Device::from_toml(&trial.device_toml, "device.toml")?;
+    for (log, name) in [(&trial.log, "log.csv"), (&trial.log2, "log2.csv")] {
+        haptical::Log::from_recording(log.clone(), name, &device)?;
+    }
+    Ok(device.model)
 }
 
 fn gap_json(diagnosis: &Diagnosis) -> Result<String> {

@@ -116,3 +116,11 @@ pub(crate) const FOREIGN: [Kind; 6] = rows! {
     "cable-bundle", &[], &[], Pair, Nothing, true, true, false, torques::bundle;
     "torque-dead-band", &[], &[], Loaded, Nothing, true, true, false, sensing::dead_band;
 };
+
+/// Friction of laws that no catalogue has, beside an effect that it has.
+pub(crate) const OWN_FRICTION: [Kind; 3] = rows! {
+    Kind {label right twins site need scales is_sized hides draw}
+    "friction-waves", &[], &[], Any, Nothing, true, true, false, friction::waves;
+    "slow-bristle", &[], &[], Any, Nothing, true, true, false, friction::slow_bristle;
+    "shallow-dent", &[], &[], Any, Nothing, true, true, false, friction::shallow_dent;
+};

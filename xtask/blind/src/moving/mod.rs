@@ -1,6 +1,7 @@
 //! Arms that a controller moves: recordings of joints, torques and commands with an effect of masses, friction, sensors or
 //! surroundings.
 
+mod admission;
 mod arms;
 mod change;
 mod files;
@@ -16,5 +17,6 @@ mod trial;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use admission::draw as with_faults;
 pub use files::write_moving;
 pub(crate) use trial::{draw, with_memory};

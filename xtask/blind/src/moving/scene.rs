@@ -7,7 +7,7 @@ use crate::moving::arms::{Arm, SEVEN, SIX, SLIDER};
 use crate::moving::change::{Changes, changes, every};
 use crate::moving::kinds::{Kind, Need, Site};
 use crate::moving::laws::{ANGLES_PER_S, Draw, Drawn};
-use crate::moving::motion::control::Design;
+use crate::moving::motion::control::{Asked, Design};
 use crate::moving::motion::course::{Course, loads};
 use crate::moving::motion::log::Ticks;
 use crate::moving::motion::rigid::At;
@@ -84,6 +84,19 @@ impl Scene {
         }
     }
 
+    /// What is asked of the arm along the first course.
+    pub(crate) fn asked(&self) -> Vec<Asked> {
+        let steps = 0..(ANGLES_PER_S * self.sensors.duration_s) as usize;
+        steps
+            .map(|step| self.courses[0].at(step as f64 / ANGLES_PER_S))
+            .collect()
+    }
+
+    /// Joints (from 0) at which a kind can act.
+    pub(crate) fn joints(&self, kind: &Kind) -> Vec<usize> {
+        kind.joints(self.arm, &self.loads)
+    }
+
     /// Effects at their joints; two do not share one.
     pub(crate) fn effects(
         &self,
@@ -155,16 +168,24 @@ impl Scene {
     }
 }
 
-/// An arm: the one of six joints and that of seven twice in five each.
-fn arm(random: &mut Random) -> &'static Arm {
-    [&SIX, &SEVEN, &SIX, &SEVEN, &SLIDER][random.index(5)]
-}
+/// Arms to draw from: the one of six joints and that of seven twice in five each.
+pub(crate) const ARMS: [&Arm; 5] = [&SIX, &SEVEN, &SIX, &SEVEN, &SLIDER];
 
 /// Draws an arm on which every kind has a joint of its own.
 pub(crate) fn placed(plan: &Plan, memory: f64, random: &mut Random) -> Result<(Scene, Vec<usize>)> {
+    placed_on(&ARMS, plan, memory, random)
+}
+
+/// The same of one of these arms.
+pub(crate) fn placed_on(
+    arms: &[&'static Arm],
+    plan: &Plan,
+    memory: f64,
+    random: &mut Random,
+) -> Result<(Scene, Vec<usize>)> {
     let needs: Vec<Need> = plan.kinds.iter().map(|kind| kind.need).collect();
     for _ in 0..50 {
-        let scene = Scene::draw(arm(random), memory, &needs, random);
+        let scene = Scene::draw(arms[random.index(arms.len())], memory, &needs, random);
         let mut joints = Vec::new();
         for kind in &plan.kinds {
             let mut free = kind.joints(scene.arm, &scene.loads);

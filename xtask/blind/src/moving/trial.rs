@@ -53,8 +53,23 @@ pub(crate) fn with_memory(id: TrialId, random: &mut Random) -> Result<Trial> {
     Ok(make(&plan, memory, id, random)?.trial)
 }
 
-pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -> Result<Moving> {
-    let (scene, joints) = placed(plan, memory, random)?;
+/// An arm that was built with its effects, and what it did on both courses.
+pub(crate) struct Built {
+    pub(crate) scene: Scene,
+    pub(crate) effects: Vec<Drawn>,
+    /// Of the effects, over that of strong ones.
+    pub(crate) size: f64,
+    pub(crate) found: Changes,
+    /// Ticks of both recordings, with the rows that are shown.
+    pub(crate) recorded: [(Ticks, Vec<usize>); 2],
+}
+
+/// Draws the effects of a plan at joints of a scene, as strong as the plan asks.
+pub(crate) fn build(
+    plan: &Plan,
+    (scene, joints): (Scene, Vec<usize>),
+    random: &mut Random,
+) -> Result<Built> {
     let mut size = plan.stratum.size();
     let start = random.clone();
     let (mut effects, mut recorded, mut found) = (Vec::new(), None, Changes::default());
@@ -74,7 +89,24 @@ pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -
             break;
         }
     }
-    let [first, second] = recorded.context("a recording has no size")?;
+    Ok(Built {
+        scene,
+        effects,
+        size,
+        found,
+        recorded: recorded.context("a recording has no size")?,
+    })
+}
+
+pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -> Result<Moving> {
+    let built = build(plan, placed(plan, memory, random)?, random)?;
+    let Built {
+        scene,
+        effects,
+        size,
+        found,
+        recorded: [first, second],
+    } = built;
     let sloppy = (plan.stratum == Stratum::Sloppy).then_some(Sloppy::of(id.index / 20));
     let read = |(ticks, rows): &(Ticks, Vec<usize>), other: &Ticks, random: &mut Random| {
         let mut ticks = ticks.clone();
@@ -103,7 +135,7 @@ pub(crate) fn make(plan: &Plan, memory: f64, id: TrialId, random: &mut Random) -
     })
 }
 
-fn is_strong(found: &Changes, scene: &Scene) -> bool {
+pub(crate) fn is_strong(found: &Changes, scene: &Scene) -> bool {
     let is = |change: &Change| {
         change.of_range >= STRONG_OF_RANGE || change.over_noise >= STRONG_OVER_NOISE
     };
@@ -118,25 +150,8 @@ fn story(
     scene: &Scene,
     sloppy: Option<Sloppy>,
 ) -> Story {
-    let planted = |(kind, effect): (&&'static Kind, &Drawn)| {
-        let mut law = effect.numbers.clone();
-        law.insert("size".to_owned(), size);
-        let sides = [("arm", found.arm), ("controller", found.controller)];
-        let heard = 1 + usize::from(scene.sensors.has_command);
-        for (side, change) in sides.into_iter().take(heard) {
-            law.insert(format!("change_{side}_over_noise"), change.over_noise);
-            law.insert(format!("change_{side}_of_range"), change.of_range);
-        }
-        Planted {
-            name: kind.right.first().copied().unwrap_or(kind.label),
-            joint: effect.joint,
-            right: kind.right.to_vec(),
-            acceptable: kind.twins.to_vec(),
-            size,
-            law,
-            ..Planted::default()
-        }
-    };
+    let planted =
+        |(kind, effect): (&&'static Kind, &Drawn)| planted(kind, effect, size, found, scene);
     let labels: Vec<&str> = plan.kinds.iter().map(|kind| kind.label).collect();
     let label = match (plan.stratum, sloppy) {
         (_, Some(way)) => way.label().to_owned(),
@@ -156,5 +171,32 @@ fn story(
         without: without.collect(),
         depends_on: stems.collect(),
         is_unknown: is_foreign || sloppy.is_some(),
+    }
+}
+
+/// An effect as it was put in.
+pub(crate) fn planted(
+    kind: &'static Kind,
+    effect: &Drawn,
+    size: f64,
+    found: &Changes,
+    scene: &Scene,
+) -> Planted {
+    let mut law = effect.numbers.clone();
+    law.insert("size".to_owned(), size);
+    let sides = [("arm", found.arm), ("controller", found.controller)];
+    let heard = 1 + usize::from(scene.sensors.has_command);
+    for (side, change) in sides.into_iter().take(heard) {
+        law.insert(format!("change_{side}_over_noise"), change.over_noise);
+        law.insert(format!("change_{side}_of_range"), change.of_range);
+    }
+    Planted {
+        name: kind.right.first().copied().unwrap_or(kind.label),
+        joint: effect.joint,
+        right: kind.right.to_vec(),
+        acceptable: kind.twins.to_vec(),
+        size,
+        law,
+        ..Planted::default()
     }
 }

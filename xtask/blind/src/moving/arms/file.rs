@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Arm, GRAVITY_MPS2, of_rpy};
+use super::{Arm, Axis, GRAVITY_MPS2, of_rpy};
 use haptical_model::kinematics::nalgebra::{Rotation3, UnitQuaternion};
 
 /// Counts of an encoder behind a joint, per turn (per metre where it slides).
@@ -10,6 +10,11 @@ pub(crate) const OUTPUT_COUNTS: f64 = 524_288.0;
 
 /// The device file of the arm as described. Rows have no numbers of their own: each stands behind a constant origin.
 pub(crate) fn device_toml(arm: &Arm, has_second_encoders: bool) -> String {
+    device_toml_of(arm, arm.axes, has_second_encoders)
+}
+
+/// The same with other numbers of its joints and bodies.
+pub(crate) fn device_toml_of(arm: &Arm, axes: &[Axis], has_second_encoders: bool) -> String {
     let [x, y, z] = arm.flange_m;
     let row = "a_m = 0.0\nalpha_rad = 0.0\nd_m = 0.0\n";
     let mut text = format!(
@@ -19,7 +24,7 @@ pub(crate) fn device_toml(arm: &Arm, has_second_encoders: bool) -> String {
         arm.count(),
     );
     // writing to a string cannot fail
-    for axis in arm.axes {
+    for axis in axes {
         let turn = Rotation3::from_matrix_unchecked(of_rpy(axis.origin_rpy));
         let turn = UnitQuaternion::from_rotation_matrix(&turn);
         let turn = [turn.w, turn.i, turn.j, turn.k];
@@ -31,7 +36,7 @@ pub(crate) fn device_toml(arm: &Arm, has_second_encoders: bool) -> String {
             axis.origin_m, axis.mass_kg, axis.centre_m
         );
     }
-    for (index, axis) in arm.axes.iter().enumerate() {
+    for (index, axis) in axes.iter().enumerate() {
         let (kind, unit, torque, armature) = match axis.slides {
             true => ("prismatic", "m", "torque_limit_n", "armature_kg"),
             false => ("revolute", "rad", "torque_limit_nm", "armature_kgm2"),

@@ -7,8 +7,8 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::moving::motion::rigid::{Chain, Link};
 
-pub(crate) use file::{OUTPUT_COUNTS, device_toml, urdf};
-pub(crate) use makes::{SEVEN, SIX, SLIDER};
+pub(crate) use file::{OUTPUT_COUNTS, device_toml, device_toml_of, urdf};
+pub(crate) use makes::{OTHER_SEVEN, OTHER_SIX, SEVEN, SIX, SLIDER};
 
 /// Gravity in the frame of a base that stands upright \[m/s^2\].
 pub(crate) const GRAVITY_MPS2: [f64; 3] = [0.0, 0.0, -9.81];
@@ -56,6 +56,11 @@ impl Arm {
     }
 
     pub(crate) fn chain(&self) -> Chain {
+        self.chain_of(self.axes)
+    }
+
+    /// The chain of other bodies on the same flange.
+    pub(crate) fn chain_of(&self, axes: &[Axis]) -> Chain {
         let link = |axis: &Axis| Link {
             slides: axis.slides,
             origin_m: axis.origin_m.into(),
@@ -65,7 +70,7 @@ impl Arm {
             inertia_kgm2: Matrix3::from_diagonal(&Vector3::from(axis.inertia_kgm2)),
         };
         Chain {
-            links: self.axes.iter().map(link).collect(),
+            links: axes.iter().map(link).collect(),
             gravity_mps2: GRAVITY_MPS2.into(),
             flange_m: self.flange_m.into(),
             behind: 0,

@@ -99,3 +99,34 @@ pub(crate) fn dent(draw: &mut Draw<'_>) -> Drawn {
     })
     .with_all(named!(extra, angle, width))
 }
+
+/// Coulomb friction that rises and falls along the way: `level (1 + sin(waves q + phase)) / 2`.
+pub(crate) fn waves(draw: &mut Draw<'_>) -> Drawn {
+    let level = draw.of_range(0.02, 0.05);
+    let wide = draw.angle_at(0.95) - draw.angle_at(0.05);
+    let waves = std::f64::consts::TAU / (wide * draw.random.uniform(0.2, 0.45));
+    let phase_rad = draw.random.phase_rad();
+    levels(draw, move |sliding, levels| {
+        levels.coulomb += 0.5 * level * (1.0 + libm::sin(waves * sliding.angle + phase_rad));
+    })
+    .with_all(named!(level, waves, phase_rad))
+}
+
+/// A bristle that yields over several hundredths of the way, of 2 to 5 % of the range.
+pub(crate) fn slow_bristle(draw: &mut Draw<'_>) -> Drawn {
+    let level = draw.of_range(0.02, 0.05);
+    let length = draw.top_speed() * draw.random.uniform(0.05, 0.12);
+    let joint = draw.joint;
+    let prepare = move |specimen: &mut Specimen| specimen.friction[joint].coulomb = level;
+    let build =
+        move |specimen: &mut Specimen| specimen.friction[joint].sense = Sense::Bristle { length };
+    Drawn::new(|drawn| (drawn.prepare, drawn.build) = (Box::new(prepare), Box::new(build)))
+        .at(joint)
+        .with_all(named!(level, length))
+}
+
+/// A dent of half the depth.
+pub(crate) fn shallow_dent(draw: &mut Draw<'_>) -> Drawn {
+    draw.size *= 0.5;
+    dent(draw)
+}

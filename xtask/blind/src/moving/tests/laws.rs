@@ -3,12 +3,12 @@
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 
 use crate::moving::arms::{Arm, SIX};
-use crate::moving::kinds::{FOREIGN, Kind, NAMED};
+use crate::moving::kinds::{FOREIGN, Kind, NAMED, OWN_FRICTION};
 use crate::moving::laws::{Draw, Drawn, Instant, Levels, Sliding};
 use crate::moving::motion::log::Ticks;
 use crate::moving::motion::plant::Plant;
 use crate::moving::motion::rigid::At;
-use crate::moving::motion::specimen::Specimen;
+use crate::moving::motion::specimen::{Sense, Specimen};
 use crate::random::Random;
 
 const ARM: &Arm = &SIX;
@@ -17,6 +17,7 @@ fn kind(label: &str) -> &'static Kind {
     NAMED
         .iter()
         .chain(&FOREIGN)
+        .chain(&OWN_FRICTION)
         .find(|kind| kind.label == label)
         .unwrap()
 }
@@ -258,6 +259,43 @@ fn friction_changes_with_time_and_angle() {
         drawn("dent", 1, 0.25).numbers["extra"],
         0.25 * dent.numbers["extra"],
     );
+}
+
+/// Friction of an arm's own laws is 2 to 5 % of the range; it rises and falls along the way, yields over a long way, or has dents.
+#[test]
+fn own_friction_has_its_level() {
+    let share = |level: f64| level / ARM.axes[1].range;
+    let waves = drawn("friction-waves", 1, 1.0);
+    let level = waves.numbers["level"];
+    assert!((0.02..=0.05).contains(&share(level)));
+    let along = (0..2000).map(|step| {
+        let angle = 0.001 * f64::from(step) - 1.0;
+        levels(&waves, &Sliding { angle, ..SLIDING }).coulomb - 5.0
+    });
+    let along: Vec<f64> = along.collect();
+    let [least, most] = [
+        along.iter().copied().fold(f64::INFINITY, f64::min),
+        along.iter().copied().fold(0.0, f64::max),
+    ];
+    assert!(least.abs() < 1e-3 * level && (most - level).abs() < 1e-3 * level);
+    let middle = |pair: &&[f64]| (pair[0] > 0.5 * level) != (pair[1] > 0.5 * level);
+    let crossings = along.windows(2).filter(middle).count();
+    assert!((4..=10).contains(&crossings), "{crossings} in all the way");
+
+    let slow = drawn("slow-bristle", 1, 1.0);
+    let (mut plain, mut built) = (nominal(), nominal());
+    (slow.prepare)(&mut plain);
+    (slow.prepare)(&mut built);
+    (slow.build)(&mut built);
+    let length = slow.numbers["length"];
+    assert_eq!(built.friction[1].sense, Sense::Bristle { length });
+    assert_eq!(built.friction[1].coulomb, plain.friction[1].coulomb);
+    assert!((0.02..=0.05).contains(&share(built.friction[1].coulomb)));
+    assert!(length > 2.0 * drawn("presliding", 1, 1.0).numbers["length"]);
+    assert_eq!(built.friction[0], plain.friction[0]);
+
+    let dent = drawn("shallow-dent", 1, 1.0);
+    assert!((0.03..=0.05).contains(&share(dent.numbers["extra"])));
 }
 
 /// Bristles yield over their length: after one of them 1 - 1/e of the level is there.
