@@ -1,5 +1,6 @@
 //! Parts of the blind check, each against something worked out by hand.
 
+mod admission;
 mod arguments;
 mod end_to_end;
 mod moving;

@@ -54,7 +54,7 @@ type Part = fn(&[Case]) -> Vec<Measure>;
 
 /// All figures, in the order of the report.
 pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
-    let parts: [Part; 14] = [
+    let parts: [Part; 15] = [
         answered,
         clean,
         singles,
@@ -67,6 +67,7 @@ pub(crate) fn measures(cases: &[Case]) -> Vec<Measure> {
         near,
         super::measured::measures,
         super::moving::measures,
+        super::admission::measures,
         super::closed::measures,
         others,
     ];

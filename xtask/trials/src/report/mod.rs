@@ -1,5 +1,6 @@
 //! The report of a batch: bars, suites, pictures, the trials that went wrong.
 
+mod admission;
 pub(crate) mod bars;
 pub(crate) mod closed;
 pub(crate) mod figures;
@@ -158,7 +159,7 @@ struct Confusion {
     suites: &'static [&'static str],
 }
 
-const CONFUSIONS: [Confusion; 7] = rows! {
+const CONFUSIONS: [Confusion; 8] = rows! {
     Confusion {file title suites}
     "confusion", "Clean, strong single effects, effects in no catalogue", &["s0", "s1", "s3"];
     "confusion-near", "Effects a tenth as strong", &["s1n"];
@@ -167,6 +168,7 @@ const CONFUSIONS: [Confusion; 7] = rows! {
     "confusion-others", "Noise, impossible magnitudes, force", &["s7", "s10", "sf", "sfw", "sfu", "sp", "spw", "spc"];
     "confusion-measured", "Suites like measured sets", &["se", "sr", "sm", "sc", "sw"];
     "confusion-moving", "Arms that a controller moves", &["moving", "moving-memory"];
+    "confusion-admission", "Moving arms with faults of log, file and laws", &["moving-admission"];
 };
 
 fn confusions(output: &mut Output, cases: &[Case]) -> Result<()> {

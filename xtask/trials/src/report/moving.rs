@@ -13,6 +13,8 @@ use crate::report::bars::{any, confidently_wrong, detected, named, right, scores
 /// The suite, and that of clean arms whose noise has a memory.
 const SUITE: &str = "moving";
 const MEMORY: &str = "moving-memory";
+/// That of faults of log, file and laws.
+pub(super) const ADMISSION: &str = "moving-admission";
 /// Labels of trials whose torques are of something else begin so.
 const SLOPPY: &str = "torques-of-";
 
@@ -150,7 +152,7 @@ fn stated(cases: &[&Case]) -> Value {
 pub(crate) fn table(cases: &[Case]) -> Result<Option<Table>, ReportError> {
     let mut by_label: BTreeMap<&str, Vec<&Case>> = BTreeMap::new();
     let cases = cases.iter();
-    for case in cases.filter(|case| [SUITE, MEMORY].contains(&case.suite)) {
+    for case in cases.filter(|case| [SUITE, MEMORY, ADMISSION].contains(&case.suite)) {
         by_label.entry(&case.truth.name).or_default().push(case);
     }
     if by_label.is_empty() {
