@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 
 use haptical_calibration::CalibrationError;
 
+use crate::answer::TORQUES_NOT_TESTED;
 use crate::answer::{
     CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, Untestable, Verdict,
 };
@@ -41,7 +42,7 @@ fn of_two(first: Result<Diagnosis>, other: View) -> Result<Diagnosis> {
 /// One view's answer, with why the other one has none.
 fn without_other(mut answer: Diagnosis, why: &DiagnosisError) -> Diagnosis {
     let words = match why {
-        DiagnosisError::Torques { why } => format!("the torques were not tested: {why}"),
+        DiagnosisError::Torques { why } => format!("{TORQUES_NOT_TESTED}: {why}"),
         DiagnosisError::Commands { why } => format!("the commands were not tested: {why}"),
         DiagnosisError::Currents { why } => format!("the currents were not tested: {why}"),
         other => format!("the positions were not tested: {other}"),

@@ -36,7 +36,8 @@ pub use answer::{
     CorrectionAnswer, Dependence, Detectable, Diagnosis, FitRows, Gap, HeldOutAnswer, Hint,
     IN_NO_CATALOGUE, Invisible, MovedNumber, NoReduction, NoiseAnswer, Over, OwnModel,
     ParameterAnswer, Place, Prediction, Provenance, Refusal, RefusedCorrection, SECOND_RECORDING,
-    SecondAnswer, SecondChannel, StepAnswer, Trace, Untestable, Verdict, Whiteness,
+    SecondAnswer, SecondChannel, StepAnswer, TORQUES_NOT_TESTED, Trace, Untestable, Verdict,
+    Whiteness,
 };
 pub use diagnose::diagnose;
 pub use error::DiagnosisError;

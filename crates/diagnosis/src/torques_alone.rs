@@ -10,8 +10,8 @@ use haptical_motion::why_not;
 
 use crate::answer::{
     CandidateAnswer, CauseAnswer, ChannelGap, Diagnosis, Gap, HeldOutAnswer, NoReduction, Place,
-    Prediction, Provenance, SECOND_RECORDING, SecondAnswer, Untestable, Verdict, in_torques,
-    not_in_file, of_drives,
+    Prediction, Provenance, SECOND_RECORDING, SecondAnswer, TORQUES_NOT_TESTED, Untestable,
+    Verdict, in_torques, not_in_file, of_drives,
 };
 use crate::force::answer::ForceAnswer;
 use crate::force::{examine, names};
@@ -235,7 +235,7 @@ fn of_slow_torques(gap: &Gap, rows: usize) -> Admission {
 /// What is said of the torques of a log.
 fn warnings_of(force: &ForceAnswer, slow: Option<&str>) -> Vec<String> {
     let not_tested = force.not_tested.iter();
-    let not_tested = not_tested.map(|why| format!("the torques were not tested: {why}"));
+    let not_tested = not_tested.map(|why| format!("{TORQUES_NOT_TESTED}: {why}"));
     let warnings = force.warnings.iter().cloned().chain(not_tested);
     warnings.chain(slow.map(said_of_slow)).collect()
 }

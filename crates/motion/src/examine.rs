@@ -305,7 +305,13 @@ fn examined(
     (selection, scales): (&Selection, &[(usize, Scale)]),
 ) -> Examined {
     let rows = problem.states.rows();
-    let (before, after) = (&selection.bare.solved.rest, &selection.fitted.solved.rest);
+    let (before, mut after) = (
+        &selection.bare.solved.rest,
+        selection.fitted.solved.rest.clone(),
+    );
+    let in_model = dot(&after, &after);
+    selection.put_in_readings(problem, &mut after);
+    let after_nats = selection.fitted.excess + 0.5 * (dot(&after, &after) - in_model);
     let channels = problem
         .channels
         .iter()
@@ -319,7 +325,7 @@ fn examined(
                     .collect()
             };
             let rms = |rest: &[f64]| (dot(rest, rest) / rows as f64).sqrt();
-            let (before, after) = (own(before), own(after));
+            let (before, after) = (own(before), own(&after));
             let mut fit = ChannelFit {
                 joint,
                 rms_before: rms(&before),
@@ -362,7 +368,7 @@ fn examined(
         channels,
         findings: findings(problem, selection),
         before_nats: selection.bare.excess,
-        after_nats: selection.fitted.excess,
+        after_nats,
         freedom: selection.fitted.freedom,
         edge_hz: problem.states.pass.edge_hz,
         numbers: base.columns.len(),

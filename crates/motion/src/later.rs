@@ -117,7 +117,8 @@ impl Predicted<'_> {
         let problem = self.here.problem;
         let of_both = self.of_both(first);
         let is_predicted = self.is_predicted();
-        let rests = [self.before, self.after];
+        let mut rests = [self.before, self.after];
+        self.selection.put_in_readings(problem, &mut rests[1]);
         let mut found = collected(problem, &rests, (&is_predicted, None));
         let rows = problem.states.rows();
         for (channel, unseen) in found.iter_mut().enumerate() {

@@ -176,6 +176,7 @@ pub(crate) fn within(problem: &Problem, base: &Base, selection: &Selection) -> V
             }
         }
     }
+    selection.put_in_readings(problem, &mut rests[1]);
     collected(
         problem,
         &rests,

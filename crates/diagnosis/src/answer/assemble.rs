@@ -401,10 +401,13 @@ fn overruled(findings: &Findings<'_>) -> Vec<String> {
         .collect()
 }
 
+/// What a warning begins with where a log's torques say nothing to the verdict.
+pub const TORQUES_NOT_TESTED: &str = "the torques were not tested";
+
 /// A warning where the torques show a gap that the verdict does not speak of, or were not tested.
 fn on_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<String> {
     if let Some(why) = &findings.force.not_tested {
-        return Some(format!("the torques were not tested: {why}"));
+        return Some(format!("{TORQUES_NOT_TESTED}: {why}"));
     }
     let gap = findings.force.unexplained()?;
     verdict.has_causes().then(|| {

@@ -34,6 +34,7 @@ use crate::Options;
 use crate::noise::NoiseSource;
 
 pub(crate) use self::advice::next_experiment;
+pub use self::assemble::TORQUES_NOT_TESTED;
 pub(crate) use self::assemble::answer;
 pub(crate) use self::causes::{noise_findings, noise_level, position_causes, reported};
 pub use self::corrected::BESIDE_TORQUES;

@@ -7,6 +7,7 @@ use crate::engine::Prepared;
 use crate::noise;
 use crate::noise::{Known, KnownNoise, Noise, Repeats, is_stated, pooled, rounding};
 use crate::thresholds::chance::OUTLIER_SD;
+use crate::thresholds::noise::MEDIAN_REACH;
 
 impl Prepared<'_> {
     /// The noise that residuals show. With causes in the model, fast parts of their gap do not pass for noise.
@@ -102,7 +103,8 @@ impl Prepared<'_> {
                 false => vec![0.0; sd.len()],
             };
             let limit = OUTLIER_SD * ratio;
-            let rows = noise::outliers(&scaled, &context.runs, ordered, limit, &rounded);
+            let reach = ordered.then_some(MEDIAN_REACH);
+            let rows = noise::outliers(&scaled, &context.runs, reach, limit, &rounded);
             found.extend(rows.into_iter().map(|row| (stream.channel, row)));
         }
         found.sort_unstable();

@@ -1,7 +1,7 @@
 //! What admits a verdict on the torques of a moving arm, or on encoders on its links.
 
 use haptical_judge::{Admission, Check};
-use haptical_motion::Change;
+use haptical_motion::{Change, Finding};
 
 use super::warnings::of_doubt;
 use super::words::Words;
@@ -29,6 +29,12 @@ fn belongs(words: &Words<'_>) -> Check {
             next,
         );
     }
+    if let Some(why) = of_another_arm(words) {
+        return Check::no(
+            why,
+            "compare lengths and masses of the device file with those of the arm, and the unit of its torques",
+        );
+    }
     let scales = examined
         .channels
         .iter()
@@ -45,6 +51,24 @@ fn belongs(words: &Words<'_>) -> Check {
         Some((joint, scale)) => Check::yes(explained(words, joint, scale.explained)),
         None => Check::unknown("no torque was compared with what the links ask for"),
     }
+}
+
+/// Effects by which bodies are others than described: what a longer or heavier arm has next to a factor on all of its torques.
+const OF_BODIES: [&str; 4] = ["link-inertia", "gravity-spring", "armature", "torque-gain"];
+
+/// One factor on all torques and other bodies than described, both at once.
+fn of_another_arm(words: &Words<'_>) -> Option<String> {
+    let found = &words.examined.findings;
+    let of_all = |own: &&Finding| own.effect == "torque-gain" && own.joint.is_none();
+    let factor = found.iter().find(of_all)?.numbers.first()?.1;
+    let mut others = found.iter().filter(|own| own.joint.is_some());
+    let body = others.find(|own| OF_BODIES.contains(&own.effect))?;
+    let joint = body.joint.map_or(0, |joint| joint + 1);
+    Some(format!(
+        "log and device may not belong together: all torques are {factor:.2} times what the links ask for, and {} at joint {joint} is added to \
+         that, as with an arm of other lengths or masses",
+        body.effect
+    ))
 }
 
 /// How much of the torque that is clearest above its noise the base model explains.

@@ -5,17 +5,15 @@ use std::ops::Range;
 use haptical_calibration::Channel;
 use haptical_model::Recording;
 
-use crate::thresholds::noise::MEDIAN_REACH;
-
 /// Median of the magnitude of a normal deviate.
 const NORMAL_MEDIAN: f64 = 0.674_489_750_196_081_7;
 
 /// Rows whose value stands alone: further than `limit` and what rounding adds, `rounded` of each row, from the median of
-/// the seven rows around, which follow a motion, a jump or a drift.
+/// so many rows on either side, which follow a motion, a jump or a drift; from zero where there is no order.
 pub(crate) fn outliers(
     scaled: &[f64],
     runs: &[Range<usize>],
-    ordered: bool,
+    reach: Option<usize>,
     limit: f64,
     rounded: &[f64],
 ) -> Vec<usize> {
@@ -23,9 +21,9 @@ pub(crate) fn outliers(
     for run in runs {
         let rows: Vec<usize> = run.clone().filter(|&row| scaled[row].is_finite()).collect();
         for (index, &row) in rows.iter().enumerate() {
-            let centre = if ordered {
-                let first = index.saturating_sub(MEDIAN_REACH);
-                let end = (index + MEDIAN_REACH + 1).min(rows.len());
+            let centre = if let Some(reach) = reach {
+                let first = index.saturating_sub(reach);
+                let end = (index + reach + 1).min(rows.len());
                 let mut around: Vec<f64> = rows[first..end].iter().map(|&r| scaled[r]).collect();
                 around.sort_by(f64::total_cmp);
                 around[around.len() / 2]

@@ -124,12 +124,12 @@ fn single_disturbed_rows_are_outliers_and_a_jump_is_not() {
     values[100] += 12.0;
     values[700] -= 12.0;
     assert_eq!(
-        outliers(&values, &one_run(1000), true, 6.0, &[0.0; 1000]),
+        outliers(&values, &one_run(1000), Some(3), 6.0, &[0.0; 1000]),
         vec![100, 700]
     );
     // what rounding may do is none
     assert_eq!(
-        outliers(&values, &one_run(1000), true, 0.1, &[8.0; 1000]),
+        outliers(&values, &one_run(1000), Some(3), 0.1, &[8.0; 1000]),
         vec![100, 700]
     );
 }

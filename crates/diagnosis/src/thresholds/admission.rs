@@ -18,6 +18,13 @@ pub(crate) const LEAST_MOTION_S: f64 = 4.0;
 /// which a single reading stands alone.
 pub(crate) const DROPOUT_SDS: f64 = 8.0;
 pub(crate) const SPIKE_SDS: f64 = 15.0;
+/// The same of readings among which there are such, and rows on either side whose median they are compared with.
+pub(crate) const WILD_SDS: f64 = 6.0;
+pub(crate) const SPIKE_REACH: usize = 4;
+/// Most times that they are looked for, those found before left out.
+pub(crate) const MOST_WILD_PASSES: usize = 4;
+/// Median distance of what is read around moments at a value from that value, over that of all readings: below, the channel is about it.
+pub(crate) const LEAST_DROPOUT_LEVEL: f64 = 0.3;
 /// The least of the torque's standard deviation that such a reading is off by.
 pub(crate) const SPIKE_OF_TORQUE: f64 = 0.1;
 /// Share of them that lies in the lowest fifth of the joint's speed or load where they are the arm's and no wrong readings: by chance it is 0.2.
@@ -28,6 +35,11 @@ pub(crate) const LEAST_DROPOUT_SHARE: f64 = 0.002;
 /// The same of single wild readings: a knock is one, too.
 pub(crate) const LEAST_SPIKE_SHARE: f64 = 0.005;
 pub(crate) const MOST_DROPOUT_SHARE: f64 = 0.5;
+/// Least share of the rows of a moving joint that repeat a torque beyond what its steps do by chance, times so much, and the largest: beyond it
+/// the torque is written less often than the log has rows.
+pub(crate) const LEAST_HELD_SHARE: f64 = 0.01;
+pub(crate) const HELD_OVER_CHANCE: f64 = 3.0;
+pub(crate) const MOST_HELD_SHARE: f64 = 0.25;
 /// Most rows of a moment that is filled in between its neighbours, in a torque.
 pub(crate) const FILLED_ROWS: usize = 4;
 /// Most rows of one moment: a joint that rests reads one value for longer.

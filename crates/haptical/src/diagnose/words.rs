@@ -2,7 +2,7 @@
 
 use haptical_diagnosis::{
     CauseAnswer, ChannelGap, Diagnosis, HeldOutAnswer, IN_NO_CATALOGUE, MovedNumber, NoReduction,
-    Over, Refusal, Verdict,
+    Over, Refusal, TORQUES_NOT_TESTED, Verdict,
 };
 use haptical_report::Tone;
 
@@ -175,7 +175,11 @@ fn no_gap(diagnosis: &Diagnosis) -> String {
         let names = all.filter(|(over, _)| tested.contains(over) == are_tested);
         names.map(|(_, name)| name.to_owned()).collect()
     };
-    let (tested, untested) = (names(true), names(false));
+    let (tested, mut untested) = (names(true), names(false));
+    let of_torques = |own: &String| own.starts_with(TORQUES_NOT_TESTED);
+    if diagnosis.warnings.iter().any(of_torques) {
+        untested.insert(0, "the torques".to_owned());
+    }
     let beyond = beyond_the_log(diagnosis);
     let of_what = if beyond.is_empty() { "" } else { " of the log" };
     let mut said =

@@ -77,7 +77,7 @@ impl Rows {
             });
         }
         if time_s.len() < LEAST_ROWS {
-            let message = "no piece of the log without a gap is long enough".to_owned();
+            let message = "no piece of the log without a gap is long enough: record at least 4 s of motion, without lost rows".to_owned();
             return Err(MotionError::Sampling(message));
         }
         let speeds = joints.iter().flat_map(|own| &own.speed);

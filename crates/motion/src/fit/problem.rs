@@ -122,7 +122,7 @@ impl Problem {
             }
         }
         let (states, row_sd) = chosen.ok_or_else(|| {
-            MotionError::Sampling("no piece of the log without a gap is long enough".to_owned())
+            MotionError::Sampling("no piece of the log without a gap is long enough: record at least 4 s of motion, without lost rows".to_owned())
         })?;
         let fastest = states
             .motor

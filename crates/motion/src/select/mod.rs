@@ -50,6 +50,28 @@ pub(crate) struct Selection {
     pub(crate) tried: usize,
 }
 
+impl Selection {
+    /// Puts what is left of torques in another scale, which is in the arm's, in that of the readings and their noise.
+    pub(crate) fn put_in_readings(&self, problem: &Problem, rest: &mut [f64]) {
+        let rows = problem.states.rows();
+        for (channel, &joint) in problem.channels.iter().enumerate() {
+            let of_joint = |own: &&Pick| own.joint.is_none_or(|own| own == joint);
+            let scales = self.picks.iter().filter(of_joint);
+            let scales =
+                scales.filter_map(|own| match (own.numbers.first(), own.about.is_empty()) {
+                    // by the nominal bodies, what is left is that of the readings
+                    (_, true) => None,
+                    (Some(("factor", factor, _)), _) => Some(*factor),
+                    (Some(("gain", gain, _)), _) => Some(1.0 / (1.0 - gain)),
+                    _ => None,
+                });
+            let scale: f64 = scales.product();
+            let own = &mut rest[channel * rows..][..rows];
+            own.iter_mut().for_each(|value| *value *= scale);
+        }
+    }
+}
+
 /// An effect that was taken.
 pub(crate) struct Pick {
     pub(crate) effect: &'static str,
