@@ -9,7 +9,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
-use crate::thresholds::examine::{PRODUCT_DEGREE, QUANTITY_DEGREE};
+use crate::thresholds::examine::{FRICTION_KNOTS, PRODUCT_DEGREE, QUANTITY_DEGREE};
 
 /// A quantity that a torque may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +85,35 @@ pub(crate) fn share_of_posture(problem: &Problem, fitted: &Fitted, joint: usize)
         signals.extend(other);
     }
     (explained(problem, fitted, joint, &signals) / excess).clamp(0.0, 1.0)
+}
+
+/// Share of the rest at a joint that friction by its position explains: another level wherever it is, against its motion.
+pub(crate) fn share_of_friction(
+    problem: &Problem,
+    base: &Base,
+    fitted: &Fitted,
+    joint: usize,
+) -> f64 {
+    let Some(excess) = excess(problem, fitted, joint) else {
+        return 0.0;
+    };
+    let sign = base.sign(problem, joint);
+    let hats = hats(&problem.states.link.q[joint], FRICTION_KNOTS);
+    let signals: Vec<Vec<f64>> = hats.iter().map(|own| product(own, &sign)).collect();
+    (explained(problem, fitted, joint, &signals) / excess).clamp(0.0, 1.0)
+}
+
+/// Hat functions over equal intervals of the range of values.
+fn hats(values: &[f64], knots: usize) -> Vec<Vec<f64>> {
+    let low = values.iter().fold(f64::INFINITY, |low, own| low.min(*own));
+    let high = (values.iter()).fold(f64::NEG_INFINITY, |high, own| high.max(*own));
+    let width = ((high - low) / knots as f64).max(1e-12);
+    let hats = (0..=knots).map(|knot| {
+        let centre = low + width * knot as f64;
+        let hat = |own: &f64| (1.0 - ((own - centre) / width).abs()).max(0.0);
+        values.iter().map(hat).collect()
+    });
+    hats.collect()
 }
 
 /// Energy beyond noise that a fit leaves of a joint \[nats\]; none where there is none.

@@ -6,7 +6,7 @@ use haptical_model::{Device, Recording};
 use crate::MotionError;
 use crate::adjusted::{adjusted, as_described, bodies};
 use crate::arm::Arm;
-use crate::dependence::{dependences, share_of_posture};
+use crate::dependence::{dependences, share_of_friction, share_of_posture};
 use crate::effect::delay::ENCODER_LATENCY;
 use crate::effect::{is_calibration, is_exact};
 use crate::examined::{ChannelFit, Examined, Finding, gap, is_beyond_noise};
@@ -20,7 +20,9 @@ use crate::select::{Fitted, Pick, Selection, select};
 use crate::signal::memory::is_even;
 use crate::signal::noise::Noise;
 use crate::survey::usable;
-use crate::thresholds::examine::{MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ};
+use crate::thresholds::examine::{
+    ALL_FRICTION, MOST_OF_MEMORY, MOST_REFUTED, PARTS, SPRING_EDGES_HZ,
+};
 use crate::unseen::{Unseen, within};
 use crate::without_gravity::lacks_gravity;
 use crate::zeros;
@@ -299,11 +301,12 @@ fn shown(problem: &Problem, selection: Selection) -> Selection {
     }
 }
 
-fn examined(
+/// What is left of each torque, and with all effects, and of all of them beyond noise \[nats\].
+fn channels(
     problem: &Problem,
     base: &Base,
     (selection, scales): (&Selection, &[(usize, Scale)]),
-) -> Examined {
+) -> (Vec<ChannelFit>, f64) {
     let rows = problem.states.rows();
     let (before, mut after) = (
         &selection.bare.solved.rest,
@@ -336,16 +339,34 @@ fn examined(
                 after,
                 depends_on: Vec::new(),
                 share_of_posture: 0.0,
+                share_of_friction: [0.0; 2],
             };
             if fit.has_gap() {
                 fit.depends_on = dependences(problem, base, &selection.bare, joint);
             }
+            fit.share_of_friction = [
+                (fit.has_gap(), &selection.bare),
+                (fit.has_rest(), &selection.fitted),
+            ]
+            .map(|(is_any, fitted)| match is_any {
+                true => share_of_friction(problem, base, fitted, joint),
+                false => 0.0,
+            });
             if fit.has_rest() {
                 fit.share_of_posture = share_of_posture(problem, &selection.fitted, joint);
             }
             fit
         });
-    let channels: Vec<ChannelFit> = channels.collect();
+    (channels.collect(), after_nats)
+}
+
+fn examined(
+    problem: &Problem,
+    base: &Base,
+    (selection, scales): (&Selection, &[(usize, Scale)]),
+) -> Examined {
+    let rows = problem.states.rows();
+    let (channels, after_nats) = channels(problem, base, (selection, scales));
     let may_have_memory = may_have_memory(problem, &channels);
     let solution = &selection.fitted.solved.solution;
     let free = base
@@ -428,7 +449,8 @@ fn may_have_memory(problem: &Problem, channels: &[ChannelFit]) -> Vec<(usize, No
             at_rows(&states.motor.q[joint], |q| q),
         ];
         let mut even = quantities.iter().map(|by| is_even(&own.after, by));
-        match even.all(|is_even| is_even) {
+        let is_friction = own.share_of_friction[1] > ALL_FRICTION;
+        match !is_friction && even.all(|is_even| is_even) {
             true => Some((joint, noise_with_memory(problem, joint, &own.after)?)),
             false => None,
         }

@@ -10,7 +10,7 @@ use crate::scale::{Doubt, Scale};
 use crate::signal::line::Line;
 use crate::signal::noise::Noise;
 use crate::thresholds::examine::{
-    ALLOWED_REST, GAP_SDS, LEFT_BY_LAW, LEFT_BY_PART, LEFT_OF_JOINT, LEFT_OF_POSTURE,
+    ALLOWED_REST, FRICTION_OF_SECOND, GAP_SDS, LEFT_BY_LAW, LEFT_OF_JOINT, LEFT_OF_POSTURE,
     LEFT_OF_SECOND, MOST_OF_GAP, NEAR_RIVAL_NATS, OF_SECOND_BESIDE_SPRING, PART_OF_GAP,
     QUIET_NOISES, UNEXPLAINED,
 };
@@ -112,6 +112,8 @@ pub struct ChannelFit {
     pub depends_on: Vec<Dependence>,
     /// Share of what all effects leave beyond noise that functions of the posture explain.
     pub share_of_posture: f64,
+    /// Share of what the base model leaves beyond noise that friction by the joint's position explains, and of what all effects leave.
+    pub share_of_friction: [f64; 2],
 }
 
 /// An effect that was found.
@@ -252,16 +254,6 @@ impl Examined {
         self.is_adequate() || self.is_borne_out() || self.is_partial()
     }
 
-    /// Whether the effects explain a part of the gap, and nothing speaks against them: on rows that no fit saw every torque loses a part
-    /// that counts of its gap, and none gets one; what is left does not follow the posture where their laws are exact.
-    pub fn is_partial(&self) -> bool {
-        !self.is_adequate()
-            && self.refusal().is_none()
-            && self.unexplained_share() <= LEFT_BY_PART
-            && self.unseen.iter().any(Unseen::has_gap)
-            && self.unseen.iter().all(Unseen::loses)
-    }
-
     /// Share of the squares beyond noise that the effects close on rows that no fit saw.
     pub fn closed_unseen_share(&self) -> Option<f64> {
         let sum = |of: fn(&Unseen) -> f64| self.unseen.iter().map(of).sum::<f64>();
@@ -347,7 +339,15 @@ impl Examined {
             true => OF_SECOND_BESIDE_SPRING,
             false => LEFT_OF_SECOND,
         };
-        self.is_push_contradicted || self.left_of_second.is_some_and(|left| left > most)
+        // friction that stays in the first stays in the second
+        let stays = match self.leaves_friction() {
+            true => FRICTION_OF_SECOND * self.unexplained_share(),
+            false => 0.0,
+        };
+        self.is_push_contradicted
+            || self
+                .left_of_second
+                .is_some_and(|left| left > most.max(stays))
     }
 
     /// Whether an effect acts on a channel that shows more than noise, if any does: what it explains elsewhere explains no gap.
@@ -386,7 +386,7 @@ impl Examined {
         // the levers of a spring are not known, and bodies feel a tilt, or move what is put on, which are off themselves
         let is_small = self.unexplained_share() < LEFT_BY_LAW;
         let exact = self.findings.iter().any(|own| is_exact(own.effect));
-        exact && !is_small && self.channels.iter().any(follows)
+        exact && !is_small && self.channels.iter().any(follows) && !self.leaves_friction()
     }
 }
 
@@ -434,6 +434,7 @@ mod tests {
                 after: vec![0.0; 1000],
                 depends_on: Vec::new(),
                 share_of_posture,
+                share_of_friction: [0.0; 2],
             }],
             findings: vec![Finding {
                 effect,

@@ -17,6 +17,7 @@ mod fit;
 mod identify;
 mod later;
 mod loads;
+mod partial;
 mod recorded;
 mod scale;
 mod select;

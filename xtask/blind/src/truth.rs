@@ -96,6 +96,8 @@ pub enum Said {
     Dropouts,
     /// A number of a body that was adjusted.
     Bodies,
+    /// An inertia of the file that no body has.
+    Impossible,
 }
 
 impl Besides {

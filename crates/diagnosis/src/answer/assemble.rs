@@ -9,9 +9,9 @@ use crate::Result;
 use crate::admission;
 use crate::answer::{
     CandidateAnswer, CauseAnswer, Corrected, Correction, Diagnosis, FitRows, Gap, Located,
-    NoiseAnswer, Outcome, Place, Provenance, Verdict, Whiteness, by_dependence, candidates,
-    channels, corrected, correction, hints, locate, next_experiment, noise, noise_findings,
-    not_in_file, of_base_term, position_causes, steps, traces, unseen, untestable,
+    NoiseAnswer, Outcome, Place, Provenance, TORQUES_NOT_TESTED, Verdict, Whiteness, by_dependence,
+    candidates, channels, corrected, correction, hints, locate, next_experiment, noise,
+    noise_findings, not_in_file, of_base_term, position_causes, steps, traces, unseen, untestable,
 };
 use crate::joined::energy;
 use crate::judge::{
@@ -400,9 +400,6 @@ fn overruled(findings: &Findings<'_>) -> Vec<String> {
         })
         .collect()
 }
-
-/// What a warning begins with where a log's torques say nothing to the verdict.
-pub const TORQUES_NOT_TESTED: &str = "the torques were not tested";
 
 /// A warning where the torques show a gap that the verdict does not speak of, or were not tested.
 fn on_torques(findings: &Findings<'_>, verdict: Verdict) -> Option<String> {

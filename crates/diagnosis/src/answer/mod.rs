@@ -34,7 +34,6 @@ use crate::Options;
 use crate::noise::NoiseSource;
 
 pub(crate) use self::advice::next_experiment;
-pub use self::assemble::TORQUES_NOT_TESTED;
 pub(crate) use self::assemble::answer;
 pub(crate) use self::causes::{noise_findings, noise_level, position_causes, reported};
 pub use self::corrected::BESIDE_TORQUES;
@@ -285,6 +284,9 @@ pub struct Whiteness {
 
 /// Among what a cause may be taken for: an effect that is in no catalogue.
 pub const IN_NO_CATALOGUE: &str = "unknown";
+
+/// What a warning begins with where a log's torques say nothing to the verdict.
+pub const TORQUES_NOT_TESTED: &str = "the torques were not tested";
 
 /// A step of an event.
 #[derive(Debug, Clone, PartialEq)]

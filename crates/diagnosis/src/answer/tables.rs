@@ -138,13 +138,12 @@ fn of_further_cables(findings: &Findings<'_>) -> Vec<Untestable> {
     let mut channels = context.streams.iter().map(|stream| stream.channel);
     let has_further = channels.any(|own| matches!(own, Channel::Cable { index } if index > 0));
     let effects = findings.selection.selector.effects;
-    let is_of_first = |effect: &&Box<dyn Effect>| {
-        let of_further = |other: &Box<dyn Effect>| {
-            other.name() == effect.name() && other.further_cable().is_some()
-        };
-        effect.spec().hook == Hook::CableSensor && !effects.iter().any(of_further)
+    let is_of_first = |effect: &&dyn Effect| {
+        let mut same = effects.iter().filter(|other| other.name() == effect.name());
+        effect.spec().hook == Hook::CableSensor && same.all(|own| own.further_cable().is_none())
     };
-    let of_first = effects.iter().filter(|_| has_further).filter(is_of_first);
+    let all = effects.iter().map(AsRef::as_ref);
+    let of_first = all.filter(|_| has_further).filter(is_of_first);
     let why = "looked for in cable_m alone, not in cable2_m and further ones";
     of_first
         .map(|effect| Untestable::new(effect.name(), why))

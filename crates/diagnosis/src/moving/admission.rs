@@ -1,7 +1,7 @@
 //! What admits a verdict on the torques of a moving arm, or on encoders on its links.
 
 use haptical_judge::{Admission, Check};
-use haptical_motion::{Change, Finding};
+use haptical_motion::Change;
 
 use super::warnings::of_doubt;
 use super::words::Words;
@@ -53,16 +53,9 @@ fn belongs(words: &Words<'_>) -> Check {
     }
 }
 
-/// Effects by which bodies are others than described: what a longer or heavier arm has next to a factor on all of its torques.
-const OF_BODIES: [&str; 4] = ["link-inertia", "gravity-spring", "armature", "torque-gain"];
-
-/// One factor on all torques and other bodies than described, both at once.
+/// One factor on all torques and another body than described, both at once.
 fn of_another_arm(words: &Words<'_>) -> Option<String> {
-    let found = &words.examined.findings;
-    let of_all = |own: &&Finding| own.effect == "torque-gain" && own.joint.is_none();
-    let factor = found.iter().find(of_all)?.numbers.first()?.1;
-    let mut others = found.iter().filter(|own| own.joint.is_some());
-    let body = others.find(|own| OF_BODIES.contains(&own.effect))?;
+    let (factor, body) = words.examined.of_another_arm()?;
     let joint = body.joint.map_or(0, |joint| joint + 1);
     Some(format!(
         "log and device may not belong together: all torques are {factor:.2} times what the links ask for, and {} at joint {joint} is added to \

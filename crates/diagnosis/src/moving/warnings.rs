@@ -48,8 +48,14 @@ pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
         .iter()
         .filter(|own| (examined.is_adequate() || examined.is_partial()) && own.has_rest())
     {
+        let why = match examined.leaves_friction() {
+            true => {
+                "friction that depends on the joint's position explains that rest, and no device file holds it"
+            }
+            false => "no effect of the catalogue explains that rest",
+        };
         warnings.push(format!(
-            "torque{} keeps {:.1} times its noise: no effect of the catalogue explains that rest",
+            "torque{} keeps {:.1} times its noise: {why}",
             own.joint + 1,
             own.rms_after / own.noise
         ));

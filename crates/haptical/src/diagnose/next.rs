@@ -12,7 +12,7 @@ use crate::diagnose::words::{listed, main_channel, placed};
 pub(crate) fn next_step(diagnosis: &Diagnosis, repaired: Option<&str>) -> String {
     let step = step_beside_the_log(diagnosis);
     let of_log = faults(diagnosis).into_iter().map(|fault| fault.cause);
-    let names = of_log.map(|cause| placed(cause));
+    let names = of_log.map(placed);
     let names: Vec<String> = names.collect();
     let first = match (repaired, names.as_slice()) {
         (Some(log), _) => {

@@ -31,6 +31,7 @@ pub(super) fn examined(rows: &Rows, chosen: &Chosen) -> Examined {
             after: fitted.rest.clone(),
             depends_on: Vec::new(),
             share_of_posture: 0.0,
+            share_of_friction: [0.0; 2],
         });
         if !chosen.nats[at].is_empty() {
             findings.extend(of_joint(own, fitted, (chosen, at)));

@@ -219,6 +219,21 @@ pub(crate) fn is_constant(name: &str) -> bool {
     name == torque_offset::EFFECT.name
 }
 
+/// Whether an effect is a torque in another scale.
+pub(crate) fn is_scale(name: &str) -> bool {
+    name == torque_gain::EFFECT.name
+}
+
+/// Whether an effect is what an arm of other lengths and masses has at a joint, next to torques in another scale.
+pub(crate) fn is_of_an_arm(name: &str) -> bool {
+    let all = [
+        &armature::EFFECT,
+        &gravity_spring::EFFECT,
+        &link_inertia::EFFECT,
+    ];
+    is_scale(name) || all.iter().any(|own| own.name == name)
+}
+
 /// Whether an effect is a body that is off.
 pub(crate) fn is_of_bodies(name: &str) -> bool {
     [payload::EFFECT.name, link_inertia::EFFECT.name].contains(&name)

@@ -22,6 +22,16 @@ pub(crate) const LEFT_OF_JOINT: f64 = 0.1;
 pub(crate) const QUIET_NOISES: f64 = 2.0;
 /// An effect whose law is exact leaves noise of a torque's dependence on the posture: more than this share of a rest is another law's.
 pub(crate) const LEFT_OF_POSTURE: f64 = 0.5;
+/// Share of a rest that friction by the position explains where it is nothing else, and most that it may explain of the gap where effects are
+/// named next to it. What stays of a second recording is at most so many times what stays of the first.
+pub(crate) const ALL_FRICTION: f64 = 0.9;
+pub(crate) const MOST_FRICTION: f64 = 0.5;
+pub(crate) const FRICTION_OF_SECOND: f64 = 1.5;
+/// Share of the squares that such effects leave of some torque's gap, and most of another one's.
+pub(crate) const MOST_OF_CLOSED: f64 = 0.25;
+pub(crate) const NO_WORSE: f64 = 1.1;
+/// Pieces of a joint's range over which its friction may have levels of their own.
+pub(crate) const FRICTION_KNOTS: usize = 24;
 /// But they may leave this share of the gap, and of a channel's squares: the levers of a spring, and the bodies that carry a load, are off
 /// themselves by some percent. No further effect is seen in it (A318).
 pub(crate) const LEFT_BY_LAW: f64 = 2.5e-3;

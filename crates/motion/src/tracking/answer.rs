@@ -45,6 +45,7 @@ pub(super) fn examined(
             after,
             depends_on: Vec::new(),
             share_of_posture: 0.0,
+            share_of_friction: [0.0; 2],
         });
     }
     let finding = |joint: Option<usize>, at: usize, nats: f64| {

@@ -162,3 +162,62 @@ fn intervals_hold_the_gain_of_a_torque_and_the_place_of_cogging() {
         assert!((order - 30.0).abs() < 3.0 * sd, "{order} +- {sd}");
     }
 }
+
+/// Friction that is another one near an angle is no law of a weight: it is said next to it, and alone it has no name.
+#[test]
+fn a_payload_is_named_next_to_friction_by_position() {
+    for seed in 1..4 {
+        let dent = Truth {
+            dent_nm: 2.0,
+            ..Truth::default()
+        };
+        let loaded = Truth {
+            payload_kg: 1.0,
+            ..dent
+        };
+        let found = examined(loaded, seed, &[]);
+        let names = || -> Vec<&str> { found.findings.iter().map(|own| own.effect).collect() };
+        assert!(
+            found.is_answer(),
+            "{seed}: {:?} {:?}",
+            names(),
+            found.refusal()
+        );
+        assert_eq!(names(), ["payload"], "{seed}");
+        assert!(
+            found.leaves_friction() && found.channels[0].has_rest(),
+            "{seed}"
+        );
+        let (_, mass, sd) = found.findings[0].numbers[0];
+        assert!((mass - 1.0).abs() < 4.0 * sd + 0.03, "{seed}: {mass} {sd}");
+        let alone = examined(dent, seed, &[]);
+        assert!(
+            alone.has_gap() && !alone.is_answer(),
+            "{seed}: {:?}",
+            alone.findings
+        );
+        assert!(alone.channels[0].share_of_friction[0] > 0.9, "{seed}");
+    }
+}
+
+/// The log of a torque in another scale has its noise in that scale, too: what is left is compared with it there.
+#[test]
+fn what_a_scale_leaves_is_in_the_unit_of_the_log() {
+    let truth = Truth::default();
+    let mut recorded = recording(truth, 3);
+    for torque in recorded.torque_nm.iter_mut().flatten() {
+        torque.iter_mut().for_each(|value| *value *= 3.0);
+    }
+    let found = examine(&device(), &recorded, None, &[]).unwrap();
+    assert_eq!(found.findings[0].effect, "torque-gain");
+    assert!((found.findings[0].numbers[0].1 - 3.0).abs() < 0.4);
+    for channel in &found.channels {
+        let ratio = channel.rms_after / channel.noise;
+        assert!((0.7..1.3).contains(&ratio), "{ratio}");
+    }
+    for unseen in &found.unseen {
+        let square = unseen.after.iter().sum::<f64>() / unseen.rows_in_all() as f64;
+        let ratio = square.sqrt() / unseen.noise;
+        assert!((0.7..1.3).contains(&ratio), "{ratio}");
+    }
+}

@@ -85,5 +85,9 @@ fn has_said(answer: &Answer, what: Said) -> bool {
             let mut adjusted = answer.adjusted.iter();
             adjusted.any(|number| !OF_DRIVES.contains(&number.name.as_str()))
         }
+        Said::Impossible => {
+            let mut warnings = answer.warnings.iter();
+            warnings.any(|warning| warning.contains("that no body has"))
+        }
     }
 }

@@ -191,7 +191,7 @@ impl Repair {
     /// With what the diagnosis says of the repaired log.
     pub(super) fn checked(&mut self, again: &Diagnosis, answer: String) {
         let causes = again.causes.iter();
-        let causes = causes.map(|cause| placed(cause));
+        let causes = causes.map(placed);
         self.check = Some(RepairCheck {
             verdict: again.verdict,
             answer,

@@ -86,7 +86,10 @@ pub(super) fn draw(number: usize, id: TrialId, random: &mut Random) -> Result<Tr
             besides: Besides {
                 refusals,
                 unknown: !is_negative,
-                no_gap_with: (!is_negative).then_some(Said::Bodies),
+                no_gap_with: Some(match is_negative {
+                    true => Said::Impossible,
+                    false => Said::Bodies,
+                }),
                 ..Besides::default()
             },
             ..Tale::default()
