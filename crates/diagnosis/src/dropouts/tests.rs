@@ -181,6 +181,10 @@ fn signs_that_flip_for_moments_are_wild_to_the_last() {
             flipped[row] = -flipped[row];
         }
     }
+    // two moments with one reading between them
+    for row in [500, 501, 502, 504, 505, 506] {
+        flipped[row] = -sound[row];
+    }
     let (left, dropouts) = found(&flipped);
     assert_eq!((dropouts.len(), dropouts[0].kind), (1, Kind::Wild));
     let off = left
@@ -216,4 +220,17 @@ fn a_dead_band_is_no_dropout() {
     let sound = torque(3000).into_iter();
     let dead: Vec<f64> = sound.map(|t| if t.abs() < 0.4 { 0.0 } else { t }).collect();
     assert_eq!(found(&dead).1, []);
+}
+
+/// Three knocks after which the arm rings, as a heavy robot's does where its brakes open.
+#[test]
+fn ringing_is_no_wild_reading() {
+    let mut ringing = torque(2500);
+    for first in [686, 1247, 1842] {
+        for row in 0..40 {
+            let time = row as f64;
+            ringing[first + row] += 30.0 * (-0.08 * time).exp() * (0.52 * time).sin();
+        }
+    }
+    assert_eq!(found(&ringing).1, []);
 }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::neighbours::neighbours;
 use crate::noise::{difference_sd, outliers};
 use crate::thresholds::admission::{
-    LEAST_SPIKE_SHARE, MOST_AT_LOW, MOST_WILD_PASSES, SPIKE_OF_TORQUE, SPIKE_REACH, SPIKE_SDS,
-    WILD_SDS,
+    LEAST_SPIKE_SHARE, LEAST_WILD_MOMENTS, MOST_AT_LOW, MOST_WILD_PASSES, MOST_WILD_ROWS,
+    SPIKE_OF_TORQUE, SPIKE_REACH, SPIKE_SDS, WILD_SDS,
 };
 use crate::thresholds::noise::MEDIAN_REACH;
 
@@ -32,14 +32,18 @@ pub(super) fn wild(column: &[f64], speeds: &[f64], runs: &[Range<usize>]) -> Vec
         let loads: Vec<f64> = (0..column.len()).map(load).collect();
         are_low(&rows, speeds) || are_low(&rows, &loads)
     };
-    if rows.is_empty() || !are_some || is_of_arm() {
+    if rows.is_empty() || !are_some || are_ringing(&rows) || is_of_arm() {
         return Vec::new();
     }
     // those behind others show once these are gone
     let mut left = column.to_vec();
     let mut all = Vec::new();
     for _ in 0..MOST_WILD_PASSES {
-        let rows = alone(&left, runs, SPIKE_REACH, (WILD_SDS * sd, 0.0));
+        let mut rows = alone(&left, runs, SPIKE_REACH, (WILD_SDS * sd, 0.0));
+        if rows.is_empty() {
+            // several moments next to each other hide from a median of few rows
+            rows = alone(&left, runs, 2 * SPIKE_REACH, (limit, 0.0));
+        }
         if rows.is_empty() {
             break;
         }
@@ -50,8 +54,16 @@ pub(super) fn wild(column: &[f64], speeds: &[f64], runs: &[Range<usize>]) -> Vec
     all
 }
 
-/// Rows that are further than `limit` from the median of `reach` rows on either side and from what stays before and behind, on the same side, and further than
-/// `of_step` times what these two are apart: a torque that goes on from another level has stepped there, as friction does where a joint turns
+/// Whether rows come at few places, or in long stretches with little between them, as where an arm rings: readings are wild for moments, all
+/// over a log.
+fn are_ringing(rows: &[usize]) -> bool {
+    let moments = rows.chunk_by(|before, row| row - before <= 2 * SPIKE_REACH);
+    let moments = moments.count();
+    moments < LEAST_WILD_MOMENTS || rows.len() > MOST_WILD_ROWS * moments
+}
+
+/// Rows that are further than `limit` from the median of `reach` rows on either side and from what stays before and behind, on the same side,
+/// and further than `of_step` times what these two are apart: a torque that goes on from another level has stepped there, as friction does where a joint turns
 /// round.
 fn alone(
     column: &[f64],

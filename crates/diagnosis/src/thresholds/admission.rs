@@ -21,6 +21,9 @@ pub(crate) const SPIKE_SDS: f64 = 15.0;
 /// The same of readings among which there are such, and rows on either side whose median they are compared with.
 pub(crate) const WILD_SDS: f64 = 6.0;
 pub(crate) const SPIKE_REACH: usize = 4;
+/// Fewest moments with such readings, and most of these in a moment: an arm that rings has them in stretches.
+pub(crate) const LEAST_WILD_MOMENTS: usize = 5;
+pub(crate) const MOST_WILD_ROWS: usize = 6;
 /// Most times that they are looked for, those found before left out.
 pub(crate) const MOST_WILD_PASSES: usize = 4;
 /// Median distance of what is read around moments at a value from that value, over that of all readings: below, the channel is about it.
