@@ -13,6 +13,8 @@ use xtask_blind::{Asked, Prediction, Suite, Trial};
 #[derive(Debug)]
 pub(crate) struct Given {
     pub(crate) device: Device,
+    /// What is said of its file.
+    warnings: Vec<String>,
     /// Why device file or log were not read.
     refused: Option<String>,
     /// The text of its file.
@@ -50,15 +52,17 @@ impl Given {
         let model = model.transpose().context("the model of an ablation")?;
         let mut log2 = trial.log2.clone();
         let read = suite.is_of_admission().then(|| read(trial));
-        let (device, refused) = match read {
-            Some(Err(error)) => (trial.device.clone(), Some(error.to_string())),
-            Some(Ok(device)) => (device, None),
-            None => (trial.device.clone(), None),
+        let own = || (trial.device.clone(), Vec::new());
+        let ((device, warnings), refused) = match read {
+            Some(Err(error)) => (own(), Some(error.to_string())),
+            Some(Ok(read)) => (read, None),
+            None => (own(), None),
         };
         let is_kept = suite.keeps_second_back();
         let fresh = is_kept.then(|| std::mem::take(&mut log2));
         Ok(Self {
             device,
+            warnings,
             refused,
             device_toml: trial.device_toml.clone(),
             log: trial.log.clone(),
@@ -74,6 +78,7 @@ impl Given {
     pub(crate) fn alone(device: Device, log: Recording) -> Self {
         Self {
             device,
+            warnings: Vec::new(),
             refused: None,
             device_toml: String::new(),
             log,
@@ -97,7 +102,8 @@ impl Given {
             bail!("{refused}");
         }
         let start = Instant::now();
-        let diagnosis = diagnosis(&self.device, &self.log, &options)?;
+        let mut diagnosis = diagnosis(&self.device, &self.log, &options)?;
+        diagnosis.warnings.extend(self.warnings.iter().cloned());
         let time_s = start.elapsed().as_secs_f64();
         let gap_json = gap_json(&diagnosis)?;
         let mut predictions: BTreeMap<String, Vec<Prediction>> = BTreeMap::new();
@@ -130,13 +136,13 @@ impl Given {
     }
 }
 
-/// The device as its file has it, read as a user's is, with both logs.
-fn read(trial: &Trial) -> Result<Device> {
+/// The device as its file has it, read as a user's is, with both logs, and what is said of the file.
+fn read(trial: &Trial) -> Result<(Device, Vec<String>)> {
     let device = haptical::Device::from_toml(&trial.device_toml, "device.toml")?;
     for (log, name) in [(&trial.log, "log.csv"), (&trial.log2, "log2.csv")] {
         haptical::Log::from_recording(log.clone(), name, &device)?;
     }
-    Ok(device.model)
+    Ok((device.model, device.warnings))
 }
 
 fn gap_json(diagnosis: &Diagnosis) -> Result<String> {
