@@ -18,7 +18,7 @@ const LEAST_OVER_NOISE: f64 = 10.0;
 /// Digits of a torque.
 const TORQUE_STEPS: f64 = 1e3;
 
-/// What stands in the place of a reading.
+/// What is read in the place of a reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Way {
     Zero,

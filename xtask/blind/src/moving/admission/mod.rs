@@ -1,4 +1,4 @@
-//! Faults of logs, device files and arms at which a verdict may not be what it is on a sound log: friction beside an effect,
+//! Faults of logs, device files and arms at which a verdict may not be what it is on a sound log: friction next to an effect,
 //! readings that are none, a wrong unit, a wrong zero, a wrong description, too short a log, another arm.
 
 mod description;
@@ -74,7 +74,7 @@ pub(crate) fn draw(id: TrialId, random: &mut Random) -> Result<Trial> {
     draw(number, id, random)
 }
 
-/// Strong effects of masses and sensors that a fault stands beside, in turn.
+/// Strong effects of masses and sensors next to which a fault is put, in turn.
 const EFFECTS: [&str; 6] = [
     "payload",
     "torque-gain",

@@ -11,12 +11,12 @@ use crate::planted::Planted;
 use crate::random::Random;
 use crate::trial::{Trial, TrialId};
 
-/// The friction stands at least so far above the filtered noise, root mean square, worst joint.
+/// The friction is at least so far above the filtered noise, root mean square, worst joint.
 pub(crate) const LEAST_OVER_NOISE: f64 = 3.0;
 /// Draws of friction until it does.
 const DRAWS: usize = 20;
 
-/// Friction that was drawn, and how far it stands above the noise.
+/// Friction that was drawn, and how far it is above the noise.
 type Friction = (Vec<Drawn>, f64);
 
 pub(super) fn draw(number: usize, id: TrialId, random: &mut Random) -> Result<Trial> {
