@@ -5,6 +5,8 @@
 
 use std::rc::Rc;
 
+use haptical_linalg::hat_functions;
+
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
@@ -98,22 +100,12 @@ pub(crate) fn share_of_friction(
         return 0.0;
     };
     let sign = base.sign(problem, joint);
-    let hats = hats(&problem.states.link.q[joint], FRICTION_KNOTS);
+    let q = &problem.states.link.q[joint];
+    let [low, high] = range(q);
+    // a joint that rests is in one piece
+    let hats = hat_functions(q, [low, high.max(low + 1e-9)], FRICTION_KNOTS);
     let signals: Vec<Vec<f64>> = hats.iter().map(|own| product(own, &sign)).collect();
     (explained(problem, fitted, joint, &signals) / excess).clamp(0.0, 1.0)
-}
-
-/// Hat functions over equal intervals of the range of values.
-fn hats(values: &[f64], knots: usize) -> Vec<Vec<f64>> {
-    let low = values.iter().fold(f64::INFINITY, |low, own| low.min(*own));
-    let high = (values.iter()).fold(f64::NEG_INFINITY, |high, own| high.max(*own));
-    let width = ((high - low) / knots as f64).max(1e-12);
-    let hats = (0..=knots).map(|knot| {
-        let centre = low + width * knot as f64;
-        let hat = |own: &f64| (1.0 - ((own - centre) / width).abs()).max(0.0);
-        values.iter().map(hat).collect()
-    });
-    hats.collect()
 }
 
 /// Energy beyond noise that a fit leaves of a joint \[nats\]; none where there is none.
@@ -153,10 +145,16 @@ fn signals(problem: &Problem, base: &Base, joint: usize, quantity: Quantity) -> 
     }
 }
 
-/// Chebyshev polynomials of the first kind from degree 1 on, of values put on -1 to 1.
-fn chebyshev(values: &[f64], degree: usize) -> Vec<Vec<f64>> {
+/// Least and most of values.
+fn range(values: &[f64]) -> [f64; 2] {
     let low = values.iter().fold(f64::INFINITY, |low, own| low.min(*own));
     let high = (values.iter()).fold(f64::NEG_INFINITY, |high, own| high.max(*own));
+    [low, high]
+}
+
+/// Chebyshev polynomials of the first kind from degree 1 on, of values put on -1 to 1.
+fn chebyshev(values: &[f64], degree: usize) -> Vec<Vec<f64>> {
+    let [low, high] = range(values);
     let half = (0.5 * (high - low)).max(1e-12);
     let x: Vec<f64> = values.iter().map(|own| (own - low) / half - 1.0).collect();
     let mut all = vec![x.clone()];

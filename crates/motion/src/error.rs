@@ -35,6 +35,15 @@ pub enum MotionError {
     Model(#[from] ModelError),
 }
 
+impl MotionError {
+    /// Of a log whose pieces without a gap are too short.
+    pub(crate) fn too_short() -> Self {
+        Self::Sampling(
+            "no piece of the log without a gap is long enough: record at least 4 s of motion, without lost rows".to_owned(),
+        )
+    }
+}
+
 impl From<haptical_linalg::LinalgError> for MotionError {
     fn from(error: haptical_linalg::LinalgError) -> Self {
         Self::Fit(error.to_string())

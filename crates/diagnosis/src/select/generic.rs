@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Effect, Family, Hook, Signal};
+use haptical_linalg::hat_functions;
 use haptical_model::kinematics::nalgebra::Vector3;
 
 use crate::engine::System;
@@ -168,13 +169,7 @@ pub(crate) fn varying_gain(
 /// Hat functions over `knots` equal intervals of what all but a hundredth of the values lie in.
 pub(crate) fn hats(values: &[f64], knots: usize) -> Option<Vec<Vec<f64>>> {
     let (low, high) = inner_range(values)?;
-    let width = (high - low) / knots as f64;
-    let hats = (0..=knots).map(|knot| {
-        let centre = low + width * knot as f64;
-        let hat = |value: &f64| (1.0 - ((value.clamp(low, high) - centre) / width).abs()).max(0.0);
-        values.iter().map(hat).collect()
-    });
-    Some(hats.collect())
+    Some(hat_functions(values, [low, high], knots))
 }
 
 /// The range that all but a hundredth of the values lie in.

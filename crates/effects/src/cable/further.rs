@@ -4,51 +4,40 @@ use haptical_calibration::Channel;
 
 use crate::laws::{Input, Law};
 use crate::signal::Signal;
-use crate::{Context, Family, Follows, Hook, Need, Parameter, Shape, Spec};
+use crate::{Absorbed, Context, Family, Follows, LawError, Need, Parameter, Shape, Spec};
 
 use super::{scale, stretch, zero_offset};
 
 /// Number of the cable, from 2: `cable2_m`.
 const CABLE: Parameter = Parameter::number("cable", 1000.0);
 
-const FURTHER: Spec = Spec {
-    hook: Hook::CableSensor,
-    needs: &[Need::FurtherCable],
-    shape: Shape::Given,
-    follows: Follows::Length,
-    ..Spec::of(Family::Stated)
-};
+/// What the effect of the first cable is of another one, but for its parameters.
+const fn of_further(first: Spec) -> Spec {
+    Spec {
+        needs: &[Need::FurtherCable],
+        family: Family::Stated,
+        law_error: LawError::of(Family::Stated),
+        shape: Shape::Given,
+        follows: Follows::Length,
+        absorbed_by: Absorbed::Never,
+        ..first
+    }
+}
 
 pub(crate) const ZERO: Spec = Spec {
-    name: zero_offset::SPEC.name,
-    meaning: zero_offset::SPEC.meaning,
-    inspect: zero_offset::SPEC.inspect,
-    adds: zero_offset::SPEC.adds,
-    source: zero_offset::SPEC.source,
     parameters: &[zero_offset::SPEC.parameters[0], CABLE],
-    ..FURTHER
+    ..of_further(zero_offset::SPEC)
 };
 
 /// Among other cables the scale of one is no scale of all lengths.
 pub(crate) const SCALE: Spec = Spec {
-    name: scale::SPEC.name,
-    meaning: scale::SPEC.meaning,
-    inspect: scale::SPEC.inspect,
-    adds: scale::SPEC.adds,
-    source: scale::SPEC.source,
     parameters: &[scale::SPEC.parameters[0], CABLE],
-    ..FURTHER
+    ..of_further(scale::SPEC)
 };
 
 pub(crate) const STRETCH: Spec = Spec {
-    name: stretch::SPEC.name,
-    meaning: stretch::SPEC.meaning,
-    inspect: stretch::SPEC.inspect,
-    adds: stretch::SPEC.adds,
-    source: stretch::SPEC.source,
     parameters: &[stretch::SPEC.parameters[0], CABLE],
-    look_alikes: stretch::SPEC.look_alikes,
-    ..FURTHER
+    ..of_further(stretch::SPEC)
 };
 
 /// An error of one number of a further cable.

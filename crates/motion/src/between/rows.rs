@@ -77,8 +77,7 @@ impl Rows {
             });
         }
         if time_s.len() < LEAST_ROWS {
-            let message = "no piece of the log without a gap is long enough: record at least 4 s of motion, without lost rows".to_owned();
-            return Err(MotionError::Sampling(message));
+            return Err(MotionError::too_short());
         }
         let speeds = joints.iter().flat_map(|own| &own.speed);
         if speeds.fold(0.0_f64, |most, own| most.max(own.abs())) < STILL_RAD_PER_S {

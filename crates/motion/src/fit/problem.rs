@@ -121,9 +121,7 @@ impl Problem {
                 break;
             }
         }
-        let (states, row_sd) = chosen.ok_or_else(|| {
-            MotionError::Sampling("no piece of the log without a gap is long enough: record at least 4 s of motion, without lost rows".to_owned())
-        })?;
+        let (states, row_sd) = chosen.ok_or_else(MotionError::too_short)?;
         let fastest = states
             .motor
             .dq
