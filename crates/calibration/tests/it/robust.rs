@@ -229,8 +229,13 @@ fn a_shift_that_lasts_stays_with_least_squares() {
 /// Largest factor on a standard deviation by which the floor of sizes of their own widens the joint fit of Tukey's loss.
 fn widened(nominal: &Device, recording: &Recording) -> (f64, bool) {
     let options = options(CalibrationMethod::Joint, LossChoice::Fixed(Loss::Tukey));
-    let usual = fit_device(nominal, recording, &options).unwrap();
-    let found = with_ordered_noise(usual.clone(), recording, options.method).unwrap();
+    let fitted = fit_device(nominal, recording, &options).unwrap();
+    let usual = FittedDevice {
+        robust: None,
+        ..fitted.clone()
+    };
+    let [usual, found] =
+        [usual, fitted].map(|fit| with_ordered_noise(fit, recording, options.method).unwrap());
     let [usual, found] = [usual, found].map(|fitted| fitted.whole.unwrap());
     let mut largest: f64 = 0.0;
     for &index in &usual.fitted {

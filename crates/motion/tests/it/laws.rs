@@ -211,6 +211,19 @@ fn what_a_scale_leaves_is_in_the_unit_of_the_log() {
     let found = examine(&device(), &recorded, None, &[]).unwrap();
     assert_eq!(found.findings[0].effect, "torque-gain");
     assert!((found.findings[0].numbers[0].1 - 3.0).abs() < 0.4);
+    let mut second = second_recording(truth, 3);
+    for torque in second.torque_nm.iter_mut().flatten() {
+        torque.iter_mut().for_each(|value| *value *= 3.0);
+    }
+    let predicted = examine(&device(), &recorded, Some(&second), &[]).unwrap();
+    for unseen in &predicted.unseen {
+        let count = unseen.predictions.len() as f64;
+        assert!(count > 0.0);
+        let left = unseen.predictions.iter();
+        let left = left.map(|(_, [measured, _, after])| (measured - after).powi(2));
+        let ratio = (left.sum::<f64>() / count).sqrt() / unseen.noise;
+        assert!((0.7..1.4).contains(&ratio), "{ratio}");
+    }
     for channel in &found.channels {
         let ratio = channel.rms_after / channel.noise;
         assert!((0.7..1.3).contains(&ratio), "{ratio}");
