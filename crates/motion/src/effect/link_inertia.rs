@@ -5,7 +5,7 @@ use std::rc::Rc;
 use haptical_dynamics::Inertia;
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Candidate, Context, Effect, Found};
+use super::{Candidate, Context, Effect, Finer, Found};
 use crate::change::Change;
 use crate::thresholds::effect::{LINK_LAW_SD, MOST_CENTRE_M, MOST_MISSING_MASS, MOST_OF_ROD};
 
@@ -49,45 +49,67 @@ fn candidates(context: Context<'_>) -> Vec<Candidate<'_>> {
         let Some((joint, _)) = arm.bodies.drive(body) else {
             continue;
         };
-        let at = |mass_kg, centre_m: Vector3<f64>, share: f64| {
-            Inertia::about_centre(mass_kg, &centre_m, &(inertia * share)).parameters()
-        };
-        let candidate =
-            |columns, numbers| Candidate::new(EFFECT.name, Some(joint), columns, numbers);
         let share = if mass_kg > 0.0 { 1.0 / mass_kg } else { 0.0 };
-        let mass = context.problem.of_body(body, &at(1.0, centre_m, share));
-        let mut of_mass = candidate(vec![mass], super::first("mass_kg")).about_to(LINK_LAW_SD);
+        let of_one_kg = Inertia::about_centre(1.0, &centre_m, &(inertia * share)).parameters();
+        let columns = vec![context.problem.of_body(body, &of_one_kg)];
+        let of_mass = Candidate::new(EFFECT.name, Some(joint), columns, super::first("mass_kg"));
+        let mut of_mass = of_mass.about_to(LINK_LAW_SD);
         if mass_kg <= 0.0 {
             found.push(of_mass);
             continue;
         }
         of_mass.within = [-mass_kg, MOST_MISSING_MASS * mass_kg];
         found.push(of_mass);
-        let shifts = (0..3).map(|axis| {
-            let mut shift = Vector3::zeros();
-            shift[axis] = 0.01;
-            let (ahead, behind) = (
-                at(mass_kg, centre_m + shift, 1.0),
-                at(mass_kg, centre_m - shift, 1.0),
-            );
-            let slope = std::array::from_fn(|k| (ahead[k] - behind[k]) / 0.02);
-            context.problem.of_body(body, &slope)
-        });
-        let mut of_centre = candidate(
-            shifts.collect(),
-            Rc::new(|own| {
-                vec![
-                    ("centre_x_m", own[0]),
-                    ("centre_y_m", own[1]),
-                    ("centre_z_m", own[2]),
-                ]
-            }),
-        );
-        let most = MOST_CENTRE_M.min(MOST_OF_ROD * rod_m(mass_kg, &inertia));
-        of_centre.within = [-most, most];
-        found.push(of_centre.of_kind(1));
+        found.extend(of_centre(context, body, None));
     }
     found
+}
+
+/// A centre of mass that is off, linear about a shift \[m\] if there is one.
+///
+/// Moments about the joint are quadratic in the shift: their slope halfway to a shift is the secant through it, exact where the
+/// coefficients are that shift.
+fn of_centre<'c>(
+    context: Context<'c>,
+    body: usize,
+    about_m: Option<Vector3<f64>>,
+) -> Option<Candidate<'c>> {
+    let arm = &context.problem.arm;
+    let (mass_kg, centre_m, inertia) = arm.about_centre(body);
+    let (joint, _) = arm.bodies.drive(body)?;
+    let halfway_m = centre_m + 0.5 * about_m.unwrap_or_default();
+    let shifts = (0..3).map(|axis| {
+        let mut step = Vector3::zeros();
+        step[axis] = 0.01;
+        let [ahead, behind] = [halfway_m + step, halfway_m - step]
+            .map(|centre_m| Inertia::about_centre(mass_kg, &centre_m, &inertia).parameters());
+        let slope = std::array::from_fn(|k| (ahead[k] - behind[k]) / 0.02);
+        context.problem.of_body(body, &slope)
+    });
+    let numbers = |shift: &[f64]| {
+        vec![
+            ("centre_x_m", shift[0]),
+            ("centre_y_m", shift[1]),
+            ("centre_z_m", shift[2]),
+        ]
+    };
+    let found = Candidate::new(EFFECT.name, Some(joint), shifts.collect(), Rc::new(numbers));
+    let most = MOST_CENTRE_M.min(MOST_OF_ROD * rod_m(mass_kg, &inertia));
+    Some(Candidate {
+        within: [-most, most],
+        about: about_m
+            .iter()
+            .flat_map(|shift| [shift.x, shift.y, shift.z])
+            .collect(),
+        finer: Finer::About(Rc::new(move |shift| {
+            of_centre(
+                context,
+                body,
+                Some(Vector3::from_column_slice(shift.get(..3)?)),
+            )
+        })),
+        ..found.of_kind(1)
+    })
 }
 
 /// Length of the thin rod that has a body's largest moment of inertia, about its centre of mass, and its mass: `I = m l^2 / 12`.

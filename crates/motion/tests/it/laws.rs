@@ -99,6 +99,39 @@ fn a_payloads_own_inertia_goes_into_the_device() {
 }
 
 #[test]
+fn a_centre_on_the_other_side_of_its_joint_is_named_with_its_shift() {
+    for (body, shift_m) in [(1, 0.4), (2, 0.3)] {
+        let mut device = device();
+        device.bodies[body].as_mut().unwrap().centre_of_mass_m[0] *= -1.0;
+        for seed in [1, 2, 3] {
+            let truth = Truth::default();
+            let [log, second] = [recording, second_recording].map(|log| log(truth, seed));
+            let found = examine(&device, &log, Some(&second), &[]).unwrap();
+            let about = format!("body {body}, seed {seed}: {:?}", found.findings);
+            assert_eq!(found.findings.len(), 1, "{about}");
+            let finding = &found.findings[0];
+            for joint in &found.unseen {
+                // in squares of the noise
+                let left: f64 = joint.after.iter().sum();
+                assert!(left < 2.0, "{left} of joint {}, {about}", joint.joint);
+            }
+            if body == 1 && finding.effect == "gravity-spring" {
+                // about the first joint of two the same torque
+                let rival = finding.rivals.first().unwrap();
+                assert_eq!((rival.effect, rival.joint), ("link-inertia", Some(0)));
+                assert!(rival.behind_nats < 1.0, "{about}");
+                continue;
+            }
+            assert_eq!(finding.effect, "link-inertia", "{about}");
+            assert_eq!(finding.joint, Some(body - 1), "{about}");
+            let (_, along_m, _) = finding.numbers[0];
+            // masses are off by up to 6 %
+            assert!((along_m / shift_m - 1.0).abs() < 0.1, "{about}");
+        }
+    }
+}
+
+#[test]
 fn an_offset_that_is_left_out_is_not_taken_for_a_spring() {
     let truth = Truth {
         offset_nm: 3.0,
