@@ -68,6 +68,16 @@ pub struct Options {
     pub rules: IdentifiabilityRules,
 }
 
+impl Options {
+    /// The same with searches whose ends others are only compared with.
+    pub(crate) fn to_compare(&self) -> Self {
+        Self {
+            search: self.search.to_compare(),
+            ..self.clone()
+        }
+    }
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {

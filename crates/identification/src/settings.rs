@@ -20,7 +20,7 @@ pub enum Method {
 pub struct Settings {
     /// Search method.
     pub method: Method,
-    /// Most accepted steps before giving up.
+    /// Most accepted steps before giving up; a damped search then goes on once more from where it is, with a longer memory.
     pub max_iterations: usize,
     /// Stop when the fall of the cost that the undamped step promises is below this share of it: the
     /// square of Bates & Watts' (1981) relative offset, the cosine between residual and derivatives. The
@@ -30,6 +30,10 @@ pub struct Settings {
     pub step_tolerance: f64,
     /// Relative pivot below which a direction is left out of a step.
     pub rank_tolerance: f64,
+    /// Stop a slow search where a step lowers the cost by less than this share of it, as a minimum that others are only compared with
+    /// needs no more digits; none for a search whose numbers are kept.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_fall: Option<f64>,
     /// First damping of Levenberg-Marquardt, relative to unit-norm columns.
     pub initial_damping: f64,
     /// Stops the search from another thread; no setting of its numbers.
@@ -45,13 +49,26 @@ impl Default for Settings {
             cost_tolerance: 1e-20,
             step_tolerance: 1e-13,
             rank_tolerance: 1e-12,
+            least_fall: None,
             initial_damping: 1e-6,
             interrupt: Interrupt::default(),
         }
     }
 }
 
+/// Share of the cost that a step of a slow search lowers it by at least, where the minimum is only compared.
+const COMPARED: f64 = 1e-4;
+
 impl Settings {
+    /// The same for a minimum that others are only compared with.
+    #[must_use]
+    pub fn to_compare(&self) -> Self {
+        Self {
+            least_fall: Some(self.least_fall.unwrap_or(COMPARED)),
+            ..self.clone()
+        }
+    }
+
     /// Refuses settings outside their range.
     ///
     /// # Errors
@@ -62,6 +79,9 @@ impl Settings {
         Refusal::unless_share("step_tolerance", self.step_tolerance)?;
         Refusal::unless_share("rank_tolerance", self.rank_tolerance)?;
         Refusal::unless(self.max_iterations > 0, "max_iterations", 0.0, "at least 1")?;
+        if let Some(least_fall) = self.least_fall {
+            Refusal::unless_share("least_fall", least_fall)?;
+        }
         let damping = self.initial_damping;
         let is_allowed = damping.is_finite() && damping > 0.0;
         Refusal::unless(is_allowed, "initial_damping", damping, "above 0")

@@ -3,6 +3,7 @@
 use haptical_linalg::{Reduction, Solution};
 
 use crate::problem::check_free;
+use crate::search::curvature::{Curvature, Normal};
 use crate::search::state::Search;
 use crate::{Convergence, IdentificationError, Method, Problem, Settings};
 
@@ -21,6 +22,8 @@ pub struct Fit {
     pub evaluations: usize,
     /// Why the search stopped.
     pub convergence: Convergence,
+    /// Whether it stopped by [`Settings::least_fall`].
+    pub is_coarse: bool,
     /// The linearised problem at the solution, over the free parameters in their order.
     pub reduction: Reduction,
 }
@@ -42,6 +45,12 @@ const WEAKEST_DAMPING: f64 = 1e-30;
 
 /// Keeps a parameter that has lost its effect on the way finite in the damped problem.
 const HEAVIEST_WEIGHT: f64 = 1e100;
+
+/// Steps after which a search is slow: residuals that stay large then have a say in its steps ([`Curvature`]).
+const SLOW: usize = 16;
+
+/// Damped steps with the curvature of large residuals that are tried before one without it.
+const MAX_CURVED: usize = 6;
 
 /// Minimises the problem over the parameters `free`, from `start`.
 ///
@@ -77,11 +86,19 @@ pub fn solve<P: Problem + ?Sized>(
     if settings.method == Method::GaussNewton || !is_stuck {
         return Ok(first);
     }
+    // one that was still on its way goes on
+    let start = match first.convergence {
+        Convergence::IterationLimit => &first.parameters,
+        _ => start,
+    };
     let mut second = attempt(problem, start, free, settings, FORGETTING[1])?;
     if !second.convergence.was_successful() && first.cost <= second.cost {
         return Ok(first);
     }
     second.evaluations += first.evaluations;
+    if first.convergence == Convergence::IterationLimit {
+        second.iterations += first.iterations;
+    }
     Ok(second)
 }
 
@@ -100,6 +117,8 @@ fn attempt<P: Problem + ?Sized>(
         forgetting,
     };
     let mut iterations = 0;
+    let mut curvature: Option<(Curvature, Normal)> = None;
+    let mut is_coarse = false;
     let convergence = loop {
         settings.interrupt.check()?;
         let newton = search.newton()?;
@@ -109,15 +128,36 @@ fn attempt<P: Problem + ?Sized>(
         if iterations == settings.max_iterations {
             break Convergence::IterationLimit;
         }
+        let before = (search.cost, search.parameters.clone());
         let moved = match settings.method {
             Method::GaussNewton if newton.rank < free.len() => break Convergence::RankLost,
             Method::GaussNewton => search.gauss_newton(&newton)?,
-            Method::LevenbergMarquardt => search.levenberg_marquardt(&newton, &mut damping)?,
+            Method::LevenbergMarquardt => {
+                let curved = curvature.as_ref().filter(|own| own.0.is_closer());
+                let is_there = match curved {
+                    Some(curved) => search.curved(&newton, &mut damping, curved)?,
+                    None => false,
+                };
+                is_there || search.levenberg_marquardt(&newton, &mut damping)?
+            }
         };
         if !moved {
             break search.stuck(&newton);
         }
         iterations += 1;
+        if iterations < SLOW {
+            continue;
+        }
+        let fall = before.0 - search.cost;
+        is_coarse = settings
+            .least_fall
+            .is_some_and(|share| fall < share * search.cost);
+        if is_coarse {
+            break search.unless_rank_lost(&newton, Convergence::SmallCostChange);
+        }
+        if settings.method == Method::LevenbergMarquardt {
+            curvature = Some(search.learned(curvature.take(), before)?);
+        }
     };
     let (cost, evaluations) = (search.cost, search.evaluations);
     let (parameters, residuals, reduction) = search.into_parts()?;
@@ -128,6 +168,7 @@ fn attempt<P: Problem + ?Sized>(
         iterations,
         evaluations,
         convergence,
+        is_coarse,
         reduction,
     })
 }
@@ -158,29 +199,13 @@ impl<P: Problem + ?Sized> Search<'_, P> {
         newton: &Solution,
         damping: &mut Damping,
     ) -> Result<bool, IdentificationError> {
-        let norms = self.column_norms();
-        let mut weights = vec![1.0; norms.len()];
-        for ((largest, norm), weight) in damping.norms.iter_mut().zip(norms).zip(&mut weights) {
-            *largest = (damping.forgetting * *largest).max(*norm);
-            if *norm > 0.0 {
-                *weight = (*largest / norm).min(HEAVIEST_WEIGHT);
-            }
-        }
+        let weights = damping.weights(self.column_norms());
         for _ in 0..MAX_HALVINGS {
             let step = self.damped(damping.value, &weights)?;
             let before = self.cost;
             let trial = self.trial(&step.values, 1.0);
             if self.try_move(trial, newton)? {
-                let gain = (before - self.cost) / step.explained_square;
-                // Near the minimum the fall is rounding, and so would the gain be.
-                let gain = if gain.is_finite() {
-                    gain.clamp(0.0, 1.0)
-                } else {
-                    1.0
-                };
-                damping.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
-                damping.value = damping.value.max(WEAKEST_DAMPING);
-                damping.growth = 2.0;
+                damping.relax((before - self.cost) / step.explained_square);
                 return Ok(true);
             }
             // of the promise, a step damped so much keeps at most 2 n / damping: here less than the cost's rounding
@@ -188,9 +213,81 @@ impl<P: Problem + ?Sized> Search<'_, P> {
             if damping.value > HOPELESS_DAMPING && kept <= f64::EPSILON * self.cost {
                 break;
             }
-            damping.value *= damping.growth;
-            damping.growth *= 2.0;
+            damping.tighten();
         }
         Ok(false)
+    }
+
+    /// A damped step with the curvature of large residuals; false where none of a few is an improvement.
+    fn curved(
+        &mut self,
+        newton: &Solution,
+        damping: &mut Damping,
+        (curvature, here): &(Curvature, Normal),
+    ) -> Result<bool, IdentificationError> {
+        let weights = damping.weights(self.column_norms());
+        let first = (damping.value, damping.growth);
+        for _ in 0..MAX_CURVED {
+            let before = self.cost;
+            if let Some((step, promise)) = curvature.step(here, damping.value, &weights) {
+                let trial = self.trial(&step, 1.0);
+                if self.try_move(trial, newton)? {
+                    damping.relax((before - self.cost) / promise);
+                    return Ok(true);
+                }
+            }
+            damping.tighten();
+        }
+        (damping.value, damping.growth) = first;
+        Ok(false)
+    }
+
+    /// What a step from `before` says of the curvature, with the normal equations where it ended.
+    fn learned(
+        &self,
+        known: Option<(Curvature, Normal)>,
+        (cost, parameters): (f64, Vec<f64>),
+    ) -> Result<(Curvature, Normal), IdentificationError> {
+        let here = self.normal()?;
+        let Some((mut curvature, there)) = known else {
+            return Ok((Curvature::new(self.free.len()), here));
+        };
+        let step = self.free.iter();
+        let step: Vec<f64> = step.map(|&k| self.parameters[k] - parameters[k]).collect();
+        curvature.learn(&step, cost - self.cost, [&there, &here]);
+        Ok((curvature, here))
+    }
+}
+
+impl Damping {
+    /// Weights of the columns, from the largest of their norms, which fade.
+    fn weights(&mut self, norms: &[f64]) -> Vec<f64> {
+        let mut weights = vec![1.0; norms.len()];
+        for ((largest, norm), weight) in self.norms.iter_mut().zip(norms).zip(&mut weights) {
+            *largest = (self.forgetting * *largest).max(*norm);
+            if *norm > 0.0 {
+                *weight = (*largest / norm).min(HEAVIEST_WEIGHT);
+            }
+        }
+        weights
+    }
+
+    /// After a step that fell by `gain` times what it promised.
+    fn relax(&mut self, gain: f64) {
+        // Near the minimum the fall is rounding, and so would the gain be.
+        let gain = if gain.is_finite() {
+            gain.clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        self.value *= (1.0 - (2.0 * gain - 1.0).powi(3)).max(1.0 / 3.0);
+        self.value = self.value.max(WEAKEST_DAMPING);
+        self.growth = 2.0;
+    }
+
+    /// After a step that was no improvement.
+    fn tighten(&mut self) {
+        self.value *= self.growth;
+        self.growth *= 2.0;
     }
 }

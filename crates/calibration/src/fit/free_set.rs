@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Identifiability, IdentificationError, Matrix, Problem, Status, Uncertainty,
+    Identifiability, IdentificationError, Matrix, Problem, Reduction, Status, Uncertainty,
 };
 
+use crate::fit::considered::sensitivity;
 use crate::problem::form::Prepared;
 use crate::{CalibrationError, Channel, DeviceProblem};
 
@@ -13,6 +14,45 @@ use crate::{CalibrationError, Channel, DeviceProblem};
 pub(crate) fn hold(values: &mut [f64], free: &[usize], start: &[f64]) {
     for index in (0..values.len()).filter(|index| !free.contains(index)) {
         values[index] = start[index];
+    }
+}
+
+/// The same, the free ones moved by what the linearised problem says makes up for it, where that costs less.
+///
+/// `reduction` is of all parameters at `values`.
+pub(crate) fn hold_linearly(
+    (problem, reduction): (&dyn Problem, &Reduction),
+    values: &mut Vec<f64>,
+    free: &[usize],
+    start: &[f64],
+) {
+    let moved = |index: &usize| !free.contains(index) && values[*index] != start[*index];
+    let dropped: Vec<usize> = (0..values.len()).filter(moved).collect();
+    let before = values.clone();
+    hold(values, free, start);
+    if dropped.is_empty() {
+        return;
+    }
+    let Ok((sensitivity, _)) = sensitivity(reduction, free, &dropped) else {
+        return;
+    };
+    let mut made_up = values.clone();
+    for (row, &index) in free.iter().enumerate() {
+        let each = dropped.iter().enumerate();
+        made_up[index] += each
+            .map(|(column, &k)| sensitivity[(row, column)] * (start[k] - before[k]))
+            .sum::<f64>();
+    }
+    let cost = |values: &[f64]| {
+        let mut residuals = vec![0.0; problem.residual_count()];
+        let evaluated = problem.evaluate(values, &mut residuals, None);
+        let cost: f64 = residuals.iter().map(|residual| residual * residual).sum();
+        evaluated.ok().map(|()| cost)
+    };
+    if let (Some(plain), Some(cost)) = (cost(values), cost(&made_up))
+        && cost < plain
+    {
+        *values = made_up;
     }
 }
 

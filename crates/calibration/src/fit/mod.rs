@@ -11,6 +11,7 @@ pub(crate) mod parameter_fit;
 pub(crate) mod profiled;
 mod put_on;
 pub(crate) mod request;
+mod rounds;
 pub(crate) mod search;
 pub(crate) mod settle;
 pub(crate) mod size;

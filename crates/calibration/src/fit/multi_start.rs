@@ -68,7 +68,7 @@ pub(crate) fn improve(
     let searched = prepared.searched();
     let settings = Settings {
         max_iterations: request.options.search.max_iterations.min(MOST_STEPS),
-        ..request.options.search.clone()
+        ..request.options.search.to_compare()
     };
     let search = |values: &[f64]| solve(searched, values, &first.fitted, &settings);
     let nominal = problem.start();

@@ -45,6 +45,8 @@ pub struct ParameterFit {
     pub identifiability: Identifiability,
     /// Why the search stopped.
     pub convergence: Convergence,
+    /// Whether the search was one that others are only compared with ([`haptical_identification::Settings::to_compare`]) and ended as such.
+    pub is_coarse: bool,
     /// Accepted steps, all rounds.
     pub iterations: usize,
     /// Sum of squared weighted residuals.

@@ -10,8 +10,9 @@ use haptical_model::{Device, ParameterId, Recording};
 
 use crate::error::wrap;
 use crate::fit::considered::Considered;
-use crate::fit::free_set::{enough, hold, parameter_shares, worth_fitting};
+use crate::fit::free_set::{hold, parameter_shares, worth_fitting};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
+use crate::fit::rounds::{Ended, Rounds};
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::loads::Loads;
@@ -20,9 +21,6 @@ use crate::{
     CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
     preference_order,
 };
-
-/// Rounds of pruning at the solution before the set is accepted as it is.
-const MAX_ROUNDS: usize = 6;
 
 /// A fit of chosen parameters to chosen channels of a recording; [`crate::fit_parameters`] answers it.
 #[derive(Debug, Clone, Copy)]
@@ -113,16 +111,10 @@ impl FitRequest<'_> {
         let wrap = |source| wrap(what, source);
         let problem = prepared.problem;
         let start = problem.start();
-        let searched = prepared.searched();
         let parameters = problem.parameters();
         let infos = parameter_infos(problem.device(), parameters);
         let judge = |reduction: &Reduction, first: &[usize]| {
             judge(problem, &infos, reduction, first, &options.rules)
-        };
-        let supported = |judged: &Identifiability| {
-            let mut free = worth_fitting(judged);
-            free.retain(|index| !self.unsupported.contains(index));
-            free
         };
         // of a dependent set the member stays that the samples support
         let preferred: Vec<usize> = match self.unsupported {
@@ -136,35 +128,25 @@ impl FitRequest<'_> {
             let judged = (nominal_identifiability, infos.as_slice());
             return self.nothing_fitted(prepared, first, judged);
         }
-        let mut free = supported(&nominal_identifiability);
+        let free = self.supported(&nominal_identifiability);
         let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
         if let Some(begun) = few.and_then(|few| self.begun(few, &values, &free)) {
             values = begun;
         }
-        let mut iterations = 0;
-        let mut round = 0;
-        let (fit, identifiability, reduction) = loop {
-            round += 1;
-            let is_whole = self.unsupported.is_empty();
-            enough(what, problem, &free, &nominal_identifiability, is_whole)?;
-            let mut fit = solve(searched, &values, &free, &options.search).map_err(wrap)?;
-            let searched_values = fit.parameters.iter_mut().zip(parameters).zip(&start);
-            for ((value, parameter), start) in searched_values {
-                *value = parameter.in_nearest_turn(*value, *start);
-            }
-            iterations += fit.iterations;
-            let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
-            let judged = judge(&reduction, &free).map_err(wrap)?;
-            let wanted = supported(&judged);
-            // where no set is stable, the last one is kept with its statuses at the solution
-            if wanted == free || round == MAX_ROUNDS {
-                break (fit, judged, reduction);
-            }
-            values.clone_from(&fit.parameters);
-            free = wanted;
-            hold(&mut values, &free, &start);
+        let rounds = Rounds {
+            request: self,
+            prepared,
+            infos: &infos,
+            nominal: &nominal_identifiability,
         };
+        let Ended {
+            fit,
+            free,
+            identifiability,
+            reduction,
+            iterations,
+        } = rounds.run(values, free)?;
         let noise = noise_scale(options);
         let columns: Vec<usize> = (0..free.len()).collect();
         let mut spread =
@@ -204,11 +186,19 @@ impl FitRequest<'_> {
             nominal_identifiability,
             identifiability,
             convergence: fit.convergence,
+            is_coarse: fit.is_coarse,
             iterations,
             cost: fit.cost,
             residuals,
             channel_parameters: shares,
         })
+    }
+
+    /// What is worth fitting of what the samples support.
+    pub(super) fn supported(&self, judged: &Identifiability) -> Vec<usize> {
+        let mut free = worth_fitting(judged);
+        free.retain(|index| !self.unsupported.contains(index));
+        free
     }
 
     /// Where a search on some rows of a long recording ends: all of its rows then take a step or two. None where that
@@ -217,7 +207,8 @@ impl FitRequest<'_> {
         if free.is_empty() {
             return None;
         }
-        let fit = solve(few.searched(), values, free, &self.options.search).ok()?;
+        let settings = self.options.search.to_compare();
+        let fit = solve(few.searched(), values, free, &settings).ok()?;
         fit.convergence.was_successful().then_some(fit.parameters)
     }
 
@@ -263,6 +254,7 @@ impl FitRequest<'_> {
             nominal_identifiability: identifiability.clone(),
             identifiability,
             convergence: Convergence::SmallStep,
+            is_coarse: false,
             iterations: 0,
             cost,
             residuals,

@@ -215,10 +215,12 @@ pub(crate) fn fit(
         weighting: Weighting::Stated,
         ..options.clone()
     };
-    let quick = Options {
-        method: CalibrationMethod::TwoStep,
-        ..options.clone()
+    let rounds_of = |method: CalibrationMethod| Options {
+        method,
+        ..options.to_compare()
     };
+    let quick = rounds_of(CalibrationMethod::TwoStep);
+    let whole = rounds_of(options.method);
     let nominal = FittedDevice {
         device: device.clone(),
         transmissions: Vec::new(),
@@ -233,7 +235,7 @@ pub(crate) fn fit(
         stages.push((loss, &quick, ROUNDS));
     }
     if options.method == CalibrationMethod::Joint {
-        stages.push((loss, &options, JOINT_ROUNDS));
+        stages.push((loss, &whole, JOINT_ROUNDS));
     }
     let fit_with = |weights: &Weights, options: &Options, start: Option<&Device>| {
         fit_once(device, recording, &present, weights, options, start)
@@ -244,6 +246,11 @@ pub(crate) fn fit(
     let mut before: Option<Device> = None;
     for (loss, options, limit) in stages {
         for _ in 0..limit {
+            // random places are asked in the first round, and in the last fit
+            let options = &Options {
+                starts: if before.is_none() { options.starts } else { 0 },
+                ..options.clone()
+            };
             let fitted = fit_with(&weights, options, before.as_ref())?;
             rounds += 1;
             let wanted;

@@ -33,20 +33,29 @@ pub(crate) fn fit_squares(
 ) -> Result<FittedDevice, CalibrationError> {
     let channels = channels(device, recording)?;
     let mut weights = Weights::stated(device, &channels);
-    let mut fitted = fit_once(device, recording, &channels, &weights, options, None)?;
-    if options.weighting == Weighting::Estimated {
-        for _ in 0..WEIGHTING_ROUNDS {
-            let estimated = Weights {
-                factor: estimate_noise(&fitted, recording, &channels, &weights)?,
-                ..weights.clone()
-            };
-            if weights.change_to(&estimated) < WEIGHTING_CHANGE {
-                break;
-            }
-            weights = estimated;
-            let before = Some(&fitted.device);
-            fitted = fit_once(device, recording, &channels, &weights, options, before)?;
+    if options.weighting == Weighting::Stated {
+        let mut fitted = fit_once(device, recording, &channels, &weights, options, None)?;
+        fitted.weights = weights;
+        return Ok(fitted);
+    }
+    let coarse = options.to_compare();
+    let mut fitted = fit_once(device, recording, &channels, &weights, &coarse, None)?;
+    for _ in 0..WEIGHTING_ROUNDS {
+        let estimated = Weights {
+            factor: estimate_noise(&fitted, recording, &channels, &weights)?,
+            ..weights.clone()
+        };
+        if weights.change_to(&estimated) < WEIGHTING_CHANGE {
+            break;
         }
+        weights = estimated;
+        let before = Some(&fitted.device);
+        fitted = fit_once(device, recording, &channels, &weights, &coarse, before)?;
+    }
+    // the last one alone has to have its digits
+    if fitted.is_coarse() && options.search.least_fall.is_none() {
+        let before = Some(&fitted.device);
+        fitted = fit_once(device, recording, &channels, &weights, options, before)?;
     }
     fitted.weights = weights;
     Ok(fitted)
@@ -74,13 +83,13 @@ pub(crate) fn fit_once(
         return with_effects(fitted, recording, channels, options);
     };
     // where the joint fit has the last word, step 2 is its start
-    let some = match options.method {
-        CalibrationMethod::Joint => some_of_long(&rows),
-        CalibrationMethod::TwoStep => None,
+    let (some, of_step) = match options.method {
+        CalibrationMethod::Joint => (some_of_long(&rows), &options.to_compare()),
+        CalibrationMethod::TwoStep => (None, options),
     };
     let rows = some.as_ref().unwrap_or(&rows);
     let kinematics =
-        fit_kinematics_from(&fitted.device, rows, &distant, (weights, options), start)?;
+        fit_kinematics_from(&fitted.device, rows, &distant, (weights, of_step), start)?;
     let whole = match options.method {
         CalibrationMethod::TwoStep => kinematics,
         CalibrationMethod::Joint => {

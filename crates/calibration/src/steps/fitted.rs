@@ -74,6 +74,15 @@ fn name<S: serde::Serializer>(channel: &Channel, serializer: S) -> Result<S::Ok,
 pub(crate) const LEAST_FREEDOM: f64 = 4.0;
 
 impl FittedDevice {
+    /// Whether a search of its fits was one that others are only compared with, and ended as such.
+    pub(crate) fn is_coarse(&self) -> bool {
+        let steps = self.transmissions.iter();
+        let mut fits = steps
+            .filter_map(|step| step.fit.as_ref())
+            .chain(&self.whole);
+        fits.any(|fit| fit.is_coarse)
+    }
+
     /// Residuals of every channel of a recording.
     pub(crate) fn residuals(
         &self,

@@ -77,12 +77,43 @@ impl Rows {
 
     /// Weighted least squares with a standard deviation for every row: scaled residuals, and the room 1 - h of each.
     pub(super) fn scaled_residuals(&self, sizes: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let weighted = self.weighted(sizes);
-        let inverse = inverse_factor(weighted.transpose() * &weighted)?;
-        let readings = DVector::from_fn(sizes.len(), |row, _| self.readings[row] / sizes[row]);
-        let spanned = weighted * inverse.transpose();
-        let rest = &readings - &spanned * spanned.tr_mul(&readings);
-        Some((rest.iter().copied().collect(), rooms(&spanned)))
+        let every: Vec<usize> = (0..sizes.len()).collect();
+        let solved = self.products(&every, sizes).solved()?;
+        let rest = solved.scaled_residuals(self, sizes);
+        let way = solved.inverse.transpose();
+        let mut rooms = Vec::with_capacity(sizes.len());
+        for first in (0..sizes.len()).step_by(AT_ONCE) {
+            let sizes = &sizes[first..(first + AT_ONCE).min(sizes.len())];
+            let spanned = self.basis.rows(first, sizes.len()) * &way;
+            let shares = sizes.iter().enumerate();
+            rooms.extend(shares.map(|(row, size)| {
+                let share = spanned.row(row).norm_squared() / (size * size);
+                (1.0 - share).max(LEAST_ROOM)
+            }));
+        }
+        Some((rest, rooms))
+    }
+
+    /// Products of some rows' columns over their sizes with each other and with the readings.
+    pub(super) fn products(&self, rows: &[usize], sizes: &[f64]) -> Products {
+        let count = self.basis.ncols();
+        let mut found = Products {
+            rows: rows.len(),
+            gram: DMatrix::zeros(count, count),
+            along: DVector::zeros(count),
+        };
+        for rows in rows.chunks(AT_ONCE) {
+            let weighted = DMatrix::from_fn(rows.len(), count, |place, column| {
+                self.basis[(rows[place], column)] / sizes[rows[place]]
+            });
+            let readings = DVector::from_fn(rows.len(), |place, _| {
+                self.readings[rows[place]] / sizes[rows[place]]
+            });
+            let across = weighted.transpose();
+            found.gram.gemm(1.0, &across, &weighted, 1.0);
+            found.along.gemv(1.0, &across, &readings, 1.0);
+        }
+        found
     }
 
     /// Expected power of what earlier steps' errors add, by the products of held parameters' parts.
@@ -98,6 +129,62 @@ impl Rows {
             }
         }
         weighted
+    }
+}
+
+/// Rows that are looked at at once: their columns stay in the processor's cache.
+const AT_ONCE: usize = 512;
+
+/// Products of some rows: their normal equations.
+#[derive(Clone)]
+pub(super) struct Products {
+    rows: usize,
+    gram: DMatrix<f64>,
+    along: DVector<f64>,
+}
+
+impl Products {
+    /// The same with further rows, all of whose sizes are `size` times theirs.
+    pub(super) fn add(&mut self, other: &Self, size: f64) {
+        let weight = 1.0 / (size * size);
+        self.rows += other.rows;
+        self.gram
+            .zip_apply(&other.gram, |own, more| *own += weight * more);
+        self.along.axpy(weight, &other.along, 1.0);
+    }
+
+    /// Their solution; none where they are not of full rank.
+    pub(super) fn solved(&self) -> Option<Solved> {
+        let inverse = inverse_factor(self.gram.clone())?;
+        let coordinates = inverse.tr_mul(&(&inverse * &self.along));
+        Some(Solved {
+            inverse,
+            coordinates,
+        })
+    }
+
+    /// Room that a solution leaves these rows, all of whose sizes are `size` times theirs.
+    pub(super) fn room(&self, solved: &Solved, size: f64) -> f64 {
+        let spanned = &solved.inverse * &self.gram * solved.inverse.transpose();
+        let rows = self.rows as f64;
+        (rows - spanned.trace() / (size * size)).max(LEAST_ROOM * rows)
+    }
+}
+
+/// A weighted fit.
+pub(super) struct Solved {
+    /// The inverse of the lower Cholesky factor of its normal matrix.
+    inverse: DMatrix<f64>,
+    coordinates: DVector<f64>,
+}
+
+impl Solved {
+    /// Residuals over sizes.
+    pub(super) fn scaled_residuals(&self, rows: &Rows, sizes: &[f64]) -> Vec<f64> {
+        let mut rest = rows.readings.clone();
+        rest.gemv(-1.0, &rows.basis, &self.coordinates, 1.0);
+        let each = rest.iter().zip(sizes);
+        each.map(|(rest, size)| rest / size).collect()
     }
 }
 

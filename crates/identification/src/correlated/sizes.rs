@@ -2,7 +2,7 @@
 
 use super::partition::{Runs, runs};
 use super::problem::{OrderedProblem, Signal, Uneven};
-use super::rows::Rows;
+use super::rows::{Products, Rows};
 
 /// Standard deviation of every row, with geometric mean 1 over a group.
 pub(super) struct Sizes {
@@ -20,6 +20,8 @@ const LEAST_OF_RUN: f64 = 8.0;
 const PENALTY: f64 = 3.0;
 /// Covariates that the size may depend on at once.
 const MOST: usize = 2;
+/// Largest size over the smallest, of one covariate. Beyond, a few rows that the fit follows ever closer have taken all weight.
+const MOST_RATIO: f64 = 100.0;
 /// Weighted fits in turn with sizes.
 const TURNS: usize = 5;
 /// Largest correlation of successive rows that innovations allow for.
@@ -98,7 +100,8 @@ impl Search<'_> {
             .filter(|&covariate| !is_used(covariate))
             .filter_map(|covariate| {
                 let bins = self.bins(covariate)?;
-                let (num, den) = self.sums(&bins, &innovations, &pieces.1, &|_| 1.0);
+                let num = self.squares(&bins, &innovations, &|_| 1.0);
+                let den = self.rooms(&bins, &pieces.1);
                 Some((covariate, self.runs(&num, &den).gain))
             });
         let best = gains.max_by(|one, other| one.1.total_cmp(&other.1));
@@ -116,13 +119,20 @@ impl Search<'_> {
         let mut factors = vec![1.0; bins.count];
         let mut bounds = Vec::new();
         let mut den = Vec::new();
+        let (others, of_bins) = self.products(&bins, base);
         for _ in 0..TURNS {
-            let (residuals, rooms) = self
-                .rows
-                .scaled_residuals(&self.times(base, &bins, &factors))?;
-            let innovations = self.innovations(&residuals);
-            let num;
-            (num, den) = self.sums(&bins, &innovations, &rooms, &|bin| factors[bin]);
+            let mut all = others.clone();
+            for (own, factor) in of_bins.iter().zip(&factors) {
+                all.add(own, *factor);
+            }
+            let solved = all.solved()?;
+            let sizes = self.times(base, &bins, &factors);
+            let innovations = self.innovations(&solved.scaled_residuals(self.rows, &sizes));
+            let num = self.squares(&bins, &innovations, &|bin| factors[bin]);
+            let rooms = of_bins.iter().zip(&factors);
+            den = rooms
+                .map(|(own, factor)| own.room(&solved, *factor))
+                .collect();
             bounds = self.runs(&num, &den).bounds;
             for pair in bounds.windows(2) {
                 let own = pair[0]..pair[1];
@@ -135,7 +145,9 @@ impl Search<'_> {
                 factors[own].fill(size);
             }
         }
-        if bounds.len() < 3 {
+        let largest = factors.iter().copied().fold(0.0, f64::max);
+        let smallest = factors.iter().copied().fold(f64::INFINITY, f64::min);
+        if bounds.len() < 3 || largest > MOST_RATIO * smallest {
             return None;
         }
         let mut shares = vec![0.0; bins.count];
@@ -148,8 +160,6 @@ impl Search<'_> {
             let freedom: f64 = den[pair[0]..pair[1]].iter().sum();
             4.0 * share * (1.0 - share) / freedom
         };
-        let largest = factors.iter().copied().fold(0.0, f64::max);
-        let smallest = factors.iter().copied().fold(f64::INFINITY, f64::min);
         let mut of_row = self.times(base, &bins, &factors);
         let own = self.signals.iter().flat_map(|signal| &signal.rows);
         let (logs, rows) = own.fold((0.0, 0), |(sum, rows), &row| {
@@ -202,22 +212,46 @@ impl Search<'_> {
         self.signals.iter().map(of_signal).collect()
     }
 
-    /// Sums of squares and of degrees of freedom by bin.
-    fn sums(
+    /// Sums of squares by bin.
+    fn squares(
         &self,
         bins: &Bins,
         innovations: &[Vec<f64>],
-        rooms: &[f64],
         factor: &dyn Fn(usize) -> f64,
-    ) -> (Vec<f64>, Vec<f64>) {
-        let (mut num, mut den) = (vec![0.0; bins.count], vec![0.0; bins.count]);
-        for (signal, innovations) in self.signals.iter().zip(innovations) {
+    ) -> Vec<f64> {
+        let mut sums = vec![0.0; bins.count];
+        for innovations in innovations {
             for (place, &bin) in bins.of_place.iter().enumerate() {
-                num[bin] += (innovations[place] * factor(bin)).powi(2);
-                den[bin] += rooms[signal.rows[place]];
+                sums[bin] += (innovations[place] * factor(bin)).powi(2);
             }
         }
-        (num, den)
+        sums
+    }
+
+    /// Sums of degrees of freedom by bin.
+    fn rooms(&self, bins: &Bins, rooms: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; bins.count];
+        for signal in self.signals {
+            for (row, &bin) in signal.rows.iter().zip(&bins.of_place) {
+                sums[bin] += rooms[*row];
+            }
+        }
+        sums
+    }
+
+    /// Normal equations of the rows of other groups, and of each bin, with sizes `base`.
+    fn products(&self, bins: &Bins, base: &[f64]) -> (Products, Vec<Products>) {
+        let mut of_bins = vec![Vec::new(); bins.count];
+        let mut is_own = vec![false; base.len()];
+        for signal in self.signals {
+            for (&row, &bin) in signal.rows.iter().zip(&bins.of_place) {
+                of_bins[bin].push(row);
+                is_own[row] = true;
+            }
+        }
+        let others: Vec<usize> = (0..base.len()).filter(|&row| !is_own[row]).collect();
+        let of = |rows: &Vec<usize>| self.rows.products(rows, base);
+        (of(&others), of_bins.iter().map(of).collect())
     }
 
     /// Bins of a covariate with equally many rows; none of one that does not move.

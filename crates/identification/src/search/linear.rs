@@ -3,6 +3,7 @@
 use haptical_linalg::{Reduction, Solution};
 
 use crate::IdentificationError;
+use crate::search::curvature::Normal;
 use crate::search::triangle::UnitTriangle;
 
 /// The linearised problem at one point.
@@ -54,6 +55,19 @@ impl Linear {
                 Some(step) => Ok(step),
                 None => solve(&triangle.reduction()?),
             },
+        }
+    }
+
+    /// Normal matrix and gradient, of all columns.
+    pub(crate) fn normal(&self, columns: &[usize]) -> Result<Normal, IdentificationError> {
+        let of = |reduction: &Reduction| -> Result<Normal, IdentificationError> {
+            let factor = reduction.scaled_factor(columns, &vec![1.0; columns.len()])?;
+            let norms = reduction.column_norms();
+            Ok(Normal::new(&factor, reduction.projected(), norms))
+        };
+        match self {
+            Self::Rows(reduction) => of(reduction),
+            Self::Triangle(triangle) => of(&triangle.reduction()?),
         }
     }
 

@@ -3,6 +3,7 @@
 use haptical_linalg::{Matrix, Reduction, Solution};
 
 use crate::problem::{by_parameter, evaluate_jacobian, sum_of_squares};
+use crate::search::curvature::Normal;
 use crate::search::linear::Linear;
 use crate::search::triangle::UnitTriangle;
 use crate::{Convergence, IdentificationError, Problem, Settings};
@@ -92,6 +93,11 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         let tolerance = self.settings.rank_tolerance;
         self.linear
             .damped(&self.columns, (damping, weights), tolerance)
+    }
+
+    /// Normal matrix and gradient here.
+    pub(crate) fn normal(&self) -> Result<Normal, IdentificationError> {
+        self.linear.normal(&self.columns)
     }
 
     /// Parameters, residuals, and the linearised problem, reduced.
