@@ -4,18 +4,20 @@ use haptical_calibration::{Channel, apart, implausible_deviations};
 use haptical_judge::{Admission, Check};
 use haptical_model::Recording;
 
-use crate::answer::{Verdict, channel_rms};
+use crate::answer::{ChannelGap, Gap, Verdict, channel_rms};
 use crate::engine::Engine;
 use crate::judge::Findings;
 use crate::noise::{NoiseSource, is_stated};
-use crate::thresholds::admission::{LEAST_SPREAD, MOST_APART, MOST_MISSED, READINGS_PER_NUMBER};
+use crate::thresholds::admission::{
+    LEAST_SPREAD, MOST_APART, MOST_LEFT, MOST_MISSED, MOST_MISSED_BY_ENCODER, READINGS_PER_NUMBER,
+};
 
 /// The four questions, of a verdict that they may admit.
-pub(crate) fn of_positions(findings: &Findings<'_>, verdict: Verdict) -> Admission {
+pub(crate) fn of_positions(findings: &Findings<'_>, verdict: Verdict, gap: &Gap) -> Admission {
     Admission {
         belongs: belongs(findings),
         credible_base: credible_base(findings),
-        known_noise: known_noise(findings, verdict),
+        known_noise: known_noise(findings, verdict, gap),
         enough: enough(findings.engine()),
     }
 }
@@ -29,7 +31,11 @@ fn belongs(findings: &Findings<'_>) -> Check {
         let left = channel_rms(engine, floor.channel, rest).0;
         Some((floor.channel, left / spread, left, spread))
     });
-    let worst = missed.max_by(|a, b| a.1.total_cmp(&b.1));
+    let most = |channel: Channel| match channel {
+        Channel::Output { .. } => MOST_MISSED_BY_ENCODER,
+        _ => MOST_MISSED,
+    };
+    let worst = missed.max_by(|a, b| (a.1 / most(a.0)).total_cmp(&(b.1 / most(b.0))));
     let Some((channel, share, left, spread)) = worst else {
         return Check::unknown("no channel moves enough to say how much of it the model follows");
     };
@@ -46,7 +52,7 @@ fn belongs(findings: &Findings<'_>) -> Check {
             100.0 * share
         ),
     };
-    match share > MOST_MISSED {
+    match share > most(channel) {
         true => Check::no(
             format!("log and device do not belong together: {figure}"),
             format!(
@@ -140,7 +146,7 @@ fn credible_base(findings: &Findings<'_>) -> Check {
 
 /// Whether something else than what the model leaves says how large the noise is. Without it the size of a gap is not known, so that there
 /// may be one; a cause may have a name, as what it explains is compared with what it leaves.
-fn known_noise(findings: &Findings<'_>, verdict: Verdict) -> Check {
+fn known_noise(findings: &Findings<'_>, verdict: Verdict, gap: &Gap) -> Check {
     let device = findings.engine().context.device;
     let unit = |channel: Channel| channel.unit(device);
     let unknown = findings
@@ -166,15 +172,25 @@ fn known_noise(findings: &Findings<'_>, verdict: Verdict) -> Check {
                 floor.rms,
                 unit(floor.channel)
             );
+            let next = "state the noise in the device file or the rig, or repeat some postures, each from one side";
             match verdict {
+                Verdict::Named | Verdict::Ambiguous if !gap.channels.iter().any(is_closed) => {
+                    Check::no(
+                        format!("{why}, and the causes close too little for that"),
+                        next,
+                    )
+                }
                 Verdict::Named | Verdict::Ambiguous | Verdict::Unknown => Check::unknown(why),
-                Verdict::NoGap => Check::no(
-                    why,
-                    "state the noise in the device file or the rig, or repeat some postures, each from one side",
-                ),
+                Verdict::NoGap => Check::no(why, next),
             }
         }
     }
+}
+
+/// Whether causes close a part of a channel's gap beyond chance, or half of it where its noise is not known.
+fn is_closed(channel: &ChannelGap) -> bool {
+    let is_beyond_chance = channel.reduction_ci95.is_some_and(|ci95| ci95[0] > 0.0);
+    is_beyond_chance || channel.rms_after <= MOST_LEFT * channel.rms_before
 }
 
 /// Whether there are readings enough for the numbers that are fitted.

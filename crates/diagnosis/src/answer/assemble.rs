@@ -137,7 +137,7 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
     };
     said.extend(without_name.map(|own| unexplained_place(&own.answer, &gap)));
     Ok(Diagnosis {
-        admission: admission_of(&findings, verdict),
+        admission: admission_of(&findings, verdict, &gap),
         adjusted: findings.force.adjusted.clone(),
         own_model: findings.force.own_model.clone(),
         bodies: findings.force.bodies.clone(),
@@ -186,8 +186,8 @@ pub(crate) fn answer(findings: Findings<'_>) -> Result<Diagnosis> {
 }
 
 /// What admits the verdict, by positions and by the torques of a moving arm next to them.
-fn admission_of(findings: &Findings<'_>, verdict: Verdict) -> Admission {
-    let of_positions = admission::of_positions(findings, verdict);
+fn admission_of(findings: &Findings<'_>, verdict: Verdict, gap: &Gap) -> Admission {
+    let of_positions = admission::of_positions(findings, verdict, gap);
     match findings.inputs.moving {
         Some(moving) if moving.not_tested.is_none() => {
             of_positions.with(findings.force.admission.clone())

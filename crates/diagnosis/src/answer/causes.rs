@@ -11,7 +11,7 @@ use crate::answer::{CauseAnswer, HeldOutAnswer, NoiseAnswer, ParameterAnswer, Sh
 use crate::engine::Cause;
 use crate::judge::{BaseTerm, Findings, is_reported, warms_with_time};
 use crate::noise::NoiseSource;
-use crate::select::{Rival, Selection, Selector, StepPlace, misfit};
+use crate::select::{Rival, Selection, Selector, StepPlace, is_displacement, misfit};
 use crate::thresholds::chance::CONFUSABLE_NATS;
 use crate::thresholds::earlier_model::{SURE, TOOL_ODDS};
 use crate::thresholds::noise::{DATA_PROBABILITY, GROWS_WITH_SPEED, LEVEL_SD, LOUD, MANY_OUTLIERS};
@@ -280,6 +280,15 @@ fn parameters(selection: &Selection<'_>, index: usize) -> BTreeMap<String, Param
         let normal = ParameterAnswer::normal(value, variance.max(0.0).sqrt());
         let answer = answer.unwrap_or_else(|| normal.off_by_a_factor(relative));
         answers.insert(spec.name.to_owned(), answer);
+    }
+    if is_displacement(effect.spec()) {
+        // which of several it is
+        let value = cause.shape + 1.0;
+        let answer = ParameterAnswer {
+            value,
+            ci95: [value; 2],
+        };
+        answers.insert("from_run".to_owned(), answer);
     }
     answers
 }

@@ -35,8 +35,12 @@ pub(crate) fn corrected(
     let engine = selection.engine();
     let answer_of = |cause: &Cause| {
         let effect = selection.effect(cause);
+        let is_of_run = |answer: &CauseAnswer| {
+            let from_run = answer.parameters.get("from_run");
+            from_run.is_none_or(|run| run.value == cause.shape + 1.0)
+        };
         let mut answers = causes.iter();
-        answers.find(|answer| answer.is_of(effect.name(), effect.joint()))
+        answers.find(|answer| answer.is_of(effect.name(), effect.joint()) && is_of_run(answer))
     };
     let mut reported = selection.refit.model.clone();
     reported.causes.retain(|cause| answer_of(cause).is_some());

@@ -4,7 +4,7 @@ use haptical_effects::{Effect, Shape, under_load};
 
 use super::Selector;
 use crate::engine::{Cause, Model, System};
-use crate::select::{Instants, Score};
+use crate::select::{Instants, Score, is_displacement};
 use crate::thresholds::chance::{IMPLAUSIBLE_NATS, LEAST_RETAINED};
 use crate::thresholds::steps::{COINCIDENT_S, MORE_STEPS_SHARE, WORTH_MORE_STEPS};
 
@@ -44,8 +44,12 @@ impl Selector<'_> {
     fn is_eligible(&self, score: &Score, model: &Model) -> bool {
         let effect = self.effects[score.effect].as_ref();
         let context = &self.engine.context;
+        // what moved before one run may move again before another
+        let is_elsewhere =
+            |cause: &Cause| is_displacement(effect.spec()) && cause.shape != score.shape;
         let used = |cause: &Cause| {
-            cause.effect == score.effect || effect.is_kin_of(self.effects[cause.effect].as_ref())
+            let is_again = cause.effect == score.effect && is_elsewhere(cause);
+            !is_again && effect.is_kin_of(self.effects[cause.effect].as_ref())
         };
         let believable = score.retained >= LEAST_RETAINED || self.is_plausible(effect, score);
         let loaded = !effect.spec().under_load

@@ -3,6 +3,8 @@
 /// Share of what a channel varies by that the model, causes included, may miss. Choice: a device file's lengths are known to a few
 /// percent, and readings of no relation to the joints are missed by all of it.
 pub(crate) const MOST_MISSED: f64 = 0.2;
+/// The same of an encoder on a joint: the cables of a wrist in play leave a third of a small motion.
+pub(crate) const MOST_MISSED_BY_ENCODER: f64 = 0.4;
 /// How far the fitted chain may be from the device file's along the log, as a share of what the handle moves by, where it has numbers that no
 /// device has: less is another description of the same chain.
 pub(crate) const MOST_APART: f64 = 0.05;
@@ -49,3 +51,7 @@ pub(crate) const FILLED_ROWS: usize = 4;
 pub(crate) const LONGEST_DROPOUT_ROWS: usize = 25;
 /// Readings that are needed for each fitted number.
 pub(crate) const READINGS_PER_NUMBER: f64 = 3.0;
+
+/// Most of a channel's residual that causes leave where nothing says how large its noise is. Choice: a displacement under a false name left
+/// two thirds and more.
+pub(crate) const MOST_LEFT: f64 = 0.5;

@@ -48,14 +48,13 @@ fn recorded(
     moved: Isometry3<f64>,
     disturbed: impl Fn(f64) -> Vector3<f64>,
 ) -> Recording {
-    recorded_from(session, session.rows_of_a_run, moved, disturbed)
+    recorded_from(session, &[(session.rows_of_a_run, moved)], disturbed)
 }
 
-/// The same from a row on.
+/// The same with displacements from rows on, one after the other.
 fn recorded_from(
     session: &Session,
-    first: usize,
-    moved: Isometry3<f64>,
+    moves: &[(usize, Isometry3<f64>)],
     disturbed: impl Fn(f64) -> Vector3<f64>,
 ) -> Recording {
     let mut recording = record(session, |_| Errors::default());
@@ -76,7 +75,7 @@ fn recorded_from(
             UnitQuaternion::from_rotation_matrix(&rotation),
         );
         let mut seen = base() * handle * target();
-        if row >= first {
+        for (_, moved) in moves.iter().filter(|(first, _)| row >= *first) {
             seen = moved.inverse() * seen;
         }
         let time_s = recording.time_s.as_ref().unwrap()[row];
@@ -133,6 +132,42 @@ fn a_tracker_that_was_moved_between_runs_is_named_with_shift_and_tilt() {
         let place = diagnosis.place.unwrap();
         assert_eq!(place.depends_on, ["run"], "{}", place.region);
     }
+}
+
+#[test]
+fn a_tracker_that_was_moved_before_each_run_is_named_with_each() {
+    let session = Session {
+        runs: 3,
+        rows_of_a_run: 800,
+        ..Session::default()
+    };
+    let moves = [(800, 2e-3), (1600, -3e-3)].map(|(row, shift_m)| {
+        let shift = shift_m * Vector3::new(0.6, -0.64, 0.48);
+        (row, Isometry3::new(shift, Vector3::zeros()))
+    });
+    let diagnosis = diagnosed(&recorded_from(&session, &moves, still));
+    let summary = summary(&diagnosis);
+    assert_eq!(diagnosis.verdict, Verdict::Named, "{summary}");
+    let causes = diagnosis.causes.iter();
+    let mut found: Vec<(f64, f64)> = causes
+        .map(|cause| {
+            assert_eq!(cause.effect, "tracker-moved", "{summary}");
+            let number = |name: &str| cause.parameters[name].value;
+            (number("from_run"), number("shift_m"))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let runs: Vec<f64> = found.iter().map(|own| own.0).collect();
+    assert_eq!(runs, [2.0, 3.0], "{summary}");
+    for ((_, shift_m), truth_m) in found.iter().zip([2e-3, 3e-3]) {
+        assert!(
+            (shift_m / truth_m - 1.0).abs() < 0.05,
+            "{shift_m} {truth_m}"
+        );
+    }
+    // rows of each run were held back, as a whole run says nothing of what moved before it
+    let closed = diagnosis.gap.channels[0].reduction_ci95.unwrap();
+    assert!(closed[0] > 75.0, "{closed:?}");
 }
 
 #[test]
@@ -232,7 +267,7 @@ fn a_tracker_that_stands_elsewhere_than_in_an_earlier_model_is_named() {
     };
     let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
     let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
-    let recording = recorded_from(&later, 0, Isometry3::new(shift, tilt), still);
+    let recording = recorded_from(&later, &[(0, Isometry3::new(shift, tilt))], still);
     // without the model the place is fitted anew
     assert_eq!(diagnosed(&recording).verdict, Verdict::NoGap);
     let diagnosis = against(&recording, &[]);
@@ -378,7 +413,7 @@ fn a_tracker_that_was_moved_beside_a_changed_link_is_named_with_it() {
     let later = Session { seed: 9, ..one };
     let shift = 2e-3 * Vector3::new(0.6, -0.64, 0.48);
     let tilt = 3e-3 * Vector3::new(-0.48, 0.6, 0.64);
-    let recording = recorded_from(&later, 0, Isometry3::new(shift, tilt), still);
+    let recording = recorded_from(&later, &[(0, Isometry3::new(shift, tilt))], still);
     let changes: [(&str, &str, Number); 2] = [
         ("joint-offset", "theta2", |link| &mut link.theta_rad),
         ("link-geometry", "alpha2", |link| &mut link.alpha_rad),

@@ -10,7 +10,7 @@ use super::Shrink;
 use super::reduction::collect;
 use crate::Result;
 use crate::engine::{Engine, Fit, Predicted};
-use crate::select::Selection;
+use crate::select::{Selection, is_displacement};
 use crate::thresholds::recording::HELD_BACK;
 
 /// Fits base model and causes to part of the recording, and predicts the rest.
@@ -25,7 +25,11 @@ pub(crate) fn on_held_back(
         let description = "every fifth touch of each point or plane".to_owned();
         (every_fifth_touch(recording), description)
     } else {
-        let whole = without_own_places(&engine.base.device, recording);
+        let mut whole = without_own_places(&engine.base.device, recording);
+        if is_of_runs(selection) {
+            // a run that is held back whole says nothing of what is displaced from it on
+            whole.to_mut().run = None;
+        }
         let split = split(&whole, HeldOut::Share(HELD_BACK))?;
         let mut held = vec![false; recording.len()];
         for &row in &split.held_out {
@@ -72,6 +76,12 @@ pub(crate) fn on_held_back(
         description,
         warnings: predicted.warnings,
     })
+}
+
+/// Whether one of the causes is a displacement from a run on.
+fn is_of_runs(selection: &Selection<'_>) -> bool {
+    let mut causes = selection.refit.model.causes.iter();
+    causes.any(|cause| is_displacement(selection.selector.effects[cause.effect].spec()))
 }
 
 /// Whether the rows are single postures at which something is touched: what was touched has no place where
