@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Identifiability, IdentificationError, Matrix, Problem, Reduction, Status, Uncertainty,
+    Identifiability, IdentifiabilityRules, IdentificationError, Matrix, ParameterInfo, Problem,
+    Reduction, Status, Uncertainty, analyse,
 };
 
 use crate::fit::considered::sensitivity;
 use crate::problem::form::Prepared;
-use crate::{CalibrationError, Channel, DeviceProblem};
+use crate::{CalibrationError, Channel, DeviceProblem, preference_order};
 
 /// Gives the parameters that are not free their values of the start.
 pub(crate) fn hold(values: &mut [f64], free: &[usize], start: &[f64]) {
@@ -83,11 +84,13 @@ pub(crate) fn parameter_shares(
         .collect())
 }
 
-/// The identifiable parameters, ascending; weak ones would take the noise for their value.
-pub(crate) fn worth_fitting(judged: &Identifiability) -> Vec<usize> {
-    (0..judged.statuses.len())
-        .filter(|&index| matches!(judged.statuses[index], Status::Identifiable { .. }))
-        .collect()
+/// The identifiable parameters, ascending, without those that the samples do not support; weak ones would take the noise for their value.
+pub(crate) fn supported(judged: &Identifiability, unsupported: &[usize]) -> Vec<usize> {
+    let is_worth_it = |index: &usize| {
+        let is_identifiable = matches!(judged.statuses[*index], Status::Identifiable { .. });
+        is_identifiable && !unsupported.contains(index)
+    };
+    (0..judged.statuses.len()).filter(is_worth_it).collect()
 }
 
 pub(crate) fn enough(
@@ -121,4 +124,23 @@ pub(crate) fn enough(
         });
     }
     Ok(())
+}
+
+/// Judges every candidate of a reduced problem. What is in `first` is preferred to what is not: of a dependent set the
+/// member stays that was chosen at the nominal device, so that the set settles.
+pub(crate) fn judge(
+    problem: &DeviceProblem<'_>,
+    infos: &[ParameterInfo],
+    reduction: &Reduction,
+    first: &[usize],
+    rules: &IdentifiabilityRules,
+) -> Result<Identifiability, IdentificationError> {
+    let mut order = preference_order(problem.parameters());
+    order.sort_by_key(|index| !first.contains(index));
+    let mut judged = analyse(reduction, infos, &order, rules)?;
+    if let Some(index) = &mut judged.observability {
+        // for the readings, not for the rows of triangles; only O1 counts them, as 1/sqrt(m)
+        index.o1 *= (reduction.rows() as f64 / problem.residual_count() as f64).sqrt();
+    }
+    Ok(judged)
 }

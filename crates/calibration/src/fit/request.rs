@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    Convergence, Identifiability, IdentifiabilityRules, IdentificationError, NoiseScale,
-    ParameterInfo, Problem, Reduction, Uncertainty, analyse, estimates, solve, uncertainty,
+    Convergence, Identifiability, IdentifiabilityRules, NoiseScale, ParameterInfo, Problem,
+    Reduction, Uncertainty, estimates, solve, uncertainty,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::error::wrap;
 use crate::fit::considered::Considered;
-use crate::fit::free_set::{hold, parameter_shares, worth_fitting};
+use crate::fit::free_set::{hold, judge, parameter_shares, supported};
 use crate::fit::parameter_fit::{ParameterFit, Profiled, Starts};
 use crate::fit::rounds::{Ended, Rounds};
 use crate::problem::device_problem::values_of;
@@ -19,7 +19,6 @@ use crate::problem::loads::Loads;
 use crate::problem::some_rows::some_of_long;
 use crate::{
     CalibrationError, Channel, DeviceProblem, Options, Weighting, Weights, parameter_infos,
-    preference_order,
 };
 
 /// A fit of chosen parameters to chosen channels of a recording; [`crate::fit_parameters`] answers it.
@@ -128,14 +127,16 @@ impl FitRequest<'_> {
             let judged = (nominal_identifiability, infos.as_slice());
             return self.nothing_fitted(prepared, first, judged);
         }
-        let free = self.supported(&nominal_identifiability);
+        let free = supported(&nominal_identifiability, self.unsupported);
         let mut values = values_of(parameters, self.start.unwrap_or(self.device));
         hold(&mut values, &free, &start);
         if let Some(begun) = few.and_then(|few| self.begun(few, &values, &free)) {
             values = begun;
         }
         let rounds = Rounds {
-            request: self,
+            what,
+            options,
+            unsupported: self.unsupported,
             prepared,
             infos: &infos,
             nominal: &nominal_identifiability,
@@ -192,13 +193,6 @@ impl FitRequest<'_> {
             residuals,
             channel_parameters: shares,
         })
-    }
-
-    /// What is worth fitting of what the samples support.
-    pub(super) fn supported(&self, judged: &Identifiability) -> Vec<usize> {
-        let mut free = worth_fitting(judged);
-        free.retain(|index| !self.unsupported.contains(index));
-        free
     }
 
     /// Where a search on some rows of a long recording ends: all of its rows then take a step or two. None where that
@@ -305,25 +299,6 @@ pub fn identifiability_at(
     let reduction = reduce(searched, &problem.start()).map_err(wrap)?;
     let infos = parameter_infos(device, parameters);
     judge(&problem, &infos, &reduction, &[], rules).map_err(wrap)
-}
-
-/// Judges every candidate of a reduced problem. What is in `first` is preferred to what is not: of a dependent set the
-/// member stays that was chosen at the nominal device, so that the set settles.
-pub(crate) fn judge(
-    problem: &DeviceProblem<'_>,
-    infos: &[ParameterInfo],
-    reduction: &Reduction,
-    first: &[usize],
-    rules: &IdentifiabilityRules,
-) -> Result<Identifiability, IdentificationError> {
-    let mut order = preference_order(problem.parameters());
-    order.sort_by_key(|index| !first.contains(index));
-    let mut judged = analyse(reduction, infos, &order, rules)?;
-    if let Some(index) = &mut judged.observability {
-        // for the readings, not for the rows of triangles; only O1 counts them, as 1/sqrt(m)
-        index.o1 *= (reduction.rows() as f64 / problem.residual_count() as f64).sqrt();
-    }
-    Ok(judged)
 }
 
 /// Turns a covariance for the stated noise into that for noise of the residuals' own size: times

@@ -2,18 +2,21 @@
 
 use haptical_identification::{Fit, Identifiability, ParameterInfo, Reduction, solve};
 
-use crate::CalibrationError;
 use crate::error::wrap;
-use crate::fit::free_set::{enough, hold_linearly};
-use crate::fit::request::{FitRequest, judge};
+use crate::fit::free_set::{enough, hold_linearly, judge, supported};
 use crate::problem::form::{Prepared, reduce};
+use crate::{CalibrationError, Options};
 
 /// Rounds before the set is accepted as it is.
 const MAX_ROUNDS: usize = 6;
 
 /// A fit whose parameters are still to be chosen.
 pub(super) struct Rounds<'r, 'p> {
-    pub(super) request: &'r FitRequest<'r>,
+    /// Name of the fit in errors.
+    pub(super) what: &'r str,
+    pub(super) options: &'r Options,
+    /// Positions of candidates that the samples do not support.
+    pub(super) unsupported: &'r [usize],
     pub(super) prepared: &'r Prepared<'p>,
     pub(super) infos: &'r [ParameterInfo],
     pub(super) nominal: &'r Identifiability,
@@ -39,11 +42,11 @@ impl Rounds<'_, '_> {
         mut values: Vec<f64>,
         mut free: Vec<usize>,
     ) -> Result<Ended, CalibrationError> {
-        let (what, options) = (self.request.what, self.request.options);
+        let (what, options) = (self.what, self.options);
         let wrap = |source| wrap(what, source);
         let problem = self.prepared.problem;
         let (start, searched) = (problem.start(), self.prepared.searched());
-        let is_whole = self.request.unsupported.is_empty();
+        let is_whole = self.unsupported.is_empty();
         let mut iterations = 0;
         let mut met: Vec<Vec<usize>> = Vec::new();
         let (mut is_kept, mut is_last) = (false, false);
@@ -62,7 +65,7 @@ impl Rounds<'_, '_> {
             let reduction = reduce(searched, &fit.parameters).map_err(wrap)?;
             let judged = judge(problem, self.infos, &reduction, &free, &options.rules);
             let identifiability = judged.map_err(wrap)?;
-            let wanted = self.request.supported(&identifiability);
+            let wanted = supported(&identifiability, self.unsupported);
             values.clone_from(&fit.parameters);
             if met.last() != Some(&free) {
                 met.push(free.clone());

@@ -6,7 +6,7 @@ use haptical_identification::{
 use haptical_model::kinematics::nalgebra::Vector3;
 use haptical_model::{Device, Evaluation, Parameter, ParameterId, Recording, SurroundingParameter};
 
-use crate::fit::request::judge;
+use crate::fit::free_set::judge;
 use crate::problem::form::Prepared;
 use crate::problem::gauge::{are_touches_without_length, is_pair};
 use crate::start::points;
