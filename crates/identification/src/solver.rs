@@ -54,7 +54,8 @@ const MAX_CURVED: usize = 6;
 
 /// Minimises the problem over the parameters `free`, from `start`.
 ///
-/// Steps come from a pivoted QR of the scaled derivative matrix, never from normal equations.
+/// Steps come from a pivoted QR of the scaled derivative matrix, not from normal equations; steps of a slow search that count second
+/// derivatives too come from the second derivatives as a whole, and where they end is decided by the QR.
 /// Gauss-Newton halves a step that raises the cost; Levenberg-Marquardt adapts its damping by
 /// Nielsen's rule (Madsen, Nielsen & Tingleff 2004, section 3.2) and scales it by the largest
 /// column norms met lately (Moré 1978, section 6, keeps the largest of all). Both stop where the
@@ -133,7 +134,7 @@ fn attempt<P: Problem + ?Sized>(
             Method::GaussNewton if newton.rank < free.len() => break Convergence::RankLost,
             Method::GaussNewton => search.gauss_newton(&newton)?,
             Method::LevenbergMarquardt => {
-                let curved = curvature.as_ref().filter(|own| own.0.is_closer());
+                let curved = curvature.as_ref().filter(|known| known.0.is_closer());
                 let is_there = match curved {
                     Some(curved) => search.curved(&newton, &mut damping, curved)?,
                     None => false,

@@ -85,8 +85,9 @@ pub(crate) fn is_of_postures(device: &Device, recording: &Recording) -> bool {
     (touches || tracked) && one_run && recording.len() <= MOST_POSTURES
 }
 
-/// A recording as rows of it may be held out: without its runs where each has a tracker place of its own, which nobody
-/// knows of a run that no fit saw. Blocks, postures or folds are held out then, of which each run has some in the fit.
+/// A recording as rows of it may be held out: without its runs where single runs have numbers, such as a tracker place for each or what is
+/// displaced from a run on, which nobody knows of a run that no fit saw. Blocks, postures or folds are held out then, of which each run has
+/// some in the fit.
 ///
 /// ```
 /// use haptical_calibration::without_own_places;
@@ -98,7 +99,7 @@ pub(crate) fn is_of_postures(device: &Device, recording: &Recording) -> bool {
 /// # Ok::<(), haptical_model::DeviceFileError>(())
 /// ```
 pub fn without_own_places<'r>(device: &Device, recording: &'r Recording) -> Cow<'r, Recording> {
-    if !device.has_run_bases() || recording.run.is_none() {
+    if !device.has_numbers_of_runs() || recording.run.is_none() {
         return Cow::Borrowed(recording);
     }
     Cow::Owned(Recording {

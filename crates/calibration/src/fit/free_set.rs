@@ -127,7 +127,7 @@ pub(crate) fn enough(
 }
 
 /// Judges every candidate of a reduced problem. What is in `first` is preferred to what is not: of a dependent set the
-/// member stays that was chosen at the nominal device, so that the set settles.
+/// member stays that was chosen at the nominal device, so that rounds come to an end.
 pub(crate) fn judge(
     problem: &DeviceProblem<'_>,
     infos: &[ParameterInfo],
@@ -143,4 +143,55 @@ pub(crate) fn judge(
         index.o1 *= (reduction.rows() as f64 / problem.residual_count() as f64).sqrt();
     }
     Ok(judged)
+}
+
+#[cfg(test)]
+mod tests {
+    use haptical_identification::{IdentificationError, evaluate_jacobian};
+
+    use super::*;
+
+    /// a + b t - y at t = 0 to 3.
+    struct Line([f64; 4]);
+
+    impl Problem for Line {
+        fn parameter_count(&self) -> usize {
+            2
+        }
+
+        fn residual_count(&self) -> usize {
+            4
+        }
+
+        fn evaluate(
+            &self,
+            parameters: &[f64],
+            residuals: &mut [f64],
+            jacobian: Option<(&[usize], &mut Matrix)>,
+        ) -> Result<(), IdentificationError> {
+            for (row, residual) in residuals.iter_mut().enumerate() {
+                *residual = parameters[0] + parameters[1] * row as f64 - self.0[row];
+            }
+            if let Some((free, matrix)) = jacobian {
+                for (column, &parameter) in free.iter().enumerate() {
+                    for row in 0..4 {
+                        matrix[(row, column)] = if parameter == 0 { 1.0 } else { row as f64 };
+                    }
+                }
+            }
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn what_is_dropped_is_made_up_for_by_what_is_left() {
+        let problem = Line([1.0, 3.0, 5.0, 7.0]);
+        let mut values = vec![1.0, 2.0];
+        let (jacobian, residuals) = evaluate_jacobian(&problem, &values, &[0, 1]).unwrap();
+        let reduction = Reduction::new(&jacobian, &residuals).unwrap();
+        hold_linearly((&problem, &reduction), &mut values, &[0], &[0.0, 0.0]);
+        // without a slope the mean of the readings
+        assert!((values[0] - 4.0).abs() < 1e-12, "{values:?}");
+        assert_eq!(values[1], 0.0);
+    }
 }

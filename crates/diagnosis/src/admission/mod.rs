@@ -19,12 +19,12 @@ pub(crate) fn admitted(found: Diagnosis) -> Diagnosis {
         }
     }
     let mut candidates = found.candidates;
-    for cause in &found.causes {
-        let is_it =
-            |entry: &CandidateAnswer| entry.effect == cause.effect && entry.joint == cause.joint;
-        candidates.retain(|entry| !is_it(entry));
-        candidates.push(CandidateAnswer::of_cause(cause, Some(why.clone())));
-    }
+    candidates.retain(|entry| {
+        let mut causes = found.causes.iter();
+        !causes.any(|cause| entry.effect == cause.effect && entry.joint == cause.joint)
+    });
+    let refused = found.causes.iter();
+    candidates.extend(refused.map(|cause| CandidateAnswer::of_cause(cause, Some(why.clone()))));
     let channels = found.gap.channels.into_iter().map(|gap| match gap.has_gap {
         true => gap.without_causes(),
         false => gap,

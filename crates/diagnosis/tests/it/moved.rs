@@ -157,7 +157,7 @@ fn a_tracker_that_was_moved_before_each_run_is_named_with_each() {
         })
         .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let runs: Vec<f64> = found.iter().map(|own| own.0).collect();
+    let runs: Vec<f64> = found.iter().map(|cause| cause.0).collect();
     assert_eq!(runs, [2.0, 3.0], "{summary}");
     for ((_, shift_m), truth_m) in found.iter().zip([2e-3, 3e-3]) {
         assert!(

@@ -3,8 +3,9 @@
 use haptical_model::{Device, DeviceEffect};
 
 use crate::device::error::{DeviceEffectError, lacks_unit};
+use crate::laws::FROM_RUN;
 use crate::{
-    Context, Effect, Further, Hook, Parameter, Role, Shape, Spec, catalogue, correction,
+    Context, Effect, Follows, Further, Hook, Parameter, Role, Shape, Spec, catalogue, correction,
     drive_catalogue, names, specs,
 };
 
@@ -33,7 +34,8 @@ impl OwnEffect {
                     Shape::Continuous(_) => shapes.len() / 2,
                     _ => 0,
                 };
-                let shape = shapes.get(place).copied().unwrap_or(0.0);
+                let first = shapes.get(place).copied().unwrap_or(0.0);
+                let shape = self.shape_of_run().unwrap_or(first);
                 (vec![0.0; self.effect.spec().amplitudes], shape)
             }
         }
@@ -41,10 +43,20 @@ impl OwnEffect {
 
     /// The temperature at which nothing has grown, where its law has one.
     pub fn reference_degc(&self) -> Option<f64> {
+        self.further("reference_degc")
+    }
+
+    /// Shape of a displacement that is stated to be there from a run on; none where that is the first run, which is not stated.
+    fn shape_of_run(&self) -> Option<f64> {
+        let run = self.further(FROM_RUN.name)?;
+        (self.effect.spec().follows == Follows::Run && run > 1.0).then_some(run - 1.0)
+    }
+
+    fn further(&self, name: &str) -> Option<f64> {
         let names = self.effect.spec().further.iter();
         let mut pairs = names.zip(&self.further);
         pairs
-            .find(|(further, _)| further.name == "reference_degc")
+            .find(|(further, _)| further.name == name)
             .map(|(_, value)| *value)
             .filter(|value| value.is_finite())
     }
@@ -183,7 +195,7 @@ fn resolved(
 }
 
 /// Numbers that say where an effect is, not how large.
-pub const PLACES: [&str; 3] = ["from_joint", "order", "cable"];
+pub const PLACES: [&str; 4] = ["from_joint", "order", "cable", "from_run"];
 
 pub(super) fn is_place(name: &str) -> bool {
     PLACES.contains(&name)

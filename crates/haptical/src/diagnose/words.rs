@@ -22,7 +22,7 @@ pub(crate) fn named_at(effect: &str, joint: Option<usize>) -> String {
 /// A cause with its place: `backlash at joint 2`, `cable-scale of cable 3`, `tracker-moved from run 2`.
 pub(crate) fn placed(cause: &CauseAnswer) -> String {
     let name = named_at(&cause.effect, cause.joint);
-    let number = |name: &str| cause.parameters.get(name).map(|own| own.value);
+    let number = |name: &str| cause.parameters.get(name).map(|number| number.value);
     match (number("cable"), number("from_run")) {
         (Some(cable), _) => format!("{name} of cable {cable:.0}"),
         (None, Some(run)) => format!("{name} from run {run:.0}"),

@@ -2,7 +2,7 @@
 
 use haptical_diagnosis::{BEHIND_A_LOW_PASS, effects_between};
 use haptical_effects::device::{DeviceEffectError, PLACES, effects_of, laws};
-use haptical_effects::{Form, Hook, law};
+use haptical_effects::{Follows, Form, Hook, law, spec};
 use haptical_model::{Device as Model, DeviceEffect, JointCompliance};
 use serde_json::Value;
 
@@ -10,6 +10,8 @@ use crate::error::Error;
 
 /// The parameter that names the other joint.
 const FROM: &str = "from_joint";
+/// The parameter that names the run from which on a displacement is there.
+const FROM_RUN: &str = "from_run";
 /// Another name of the joints' compliance.
 const ALIAS: &str = "link-compliance";
 
@@ -165,10 +167,14 @@ fn yielding(model: &mut Model, joint: Option<usize>) {
     }
 }
 
+/// An effect to be fitted; a displacement that no run is stated of is from the second one on.
 fn one(name: &str, joint: Option<usize>) -> DeviceEffect {
+    let is_of_runs = spec(name).is_some_and(|spec| spec.follows == Follows::Run);
+    let from_run = is_of_runs.then(|| (FROM_RUN.to_owned(), 2.0));
     DeviceEffect {
         name: name.to_owned(),
         joint,
+        numbers: from_run.into_iter().collect(),
         fit: true,
         ..DeviceEffect::default()
     }
@@ -253,5 +259,35 @@ mod tests {
             ("capstan-compliance", 7e5),
         ];
         assert_eq!(found, wanted.map(|(name, value)| (name, Some(value))));
+    }
+
+    #[test]
+    fn each_displacement_is_fitted_from_its_run_on() {
+        let row = "[[link]]\na_m = 0.1\nalpha_rad = 0.0\nd_m = 0.0\n";
+        let text = format!("[[joint]]\n{row}{row}[tracker]\nbase = \"unknown\"\n");
+        let mut model = Model::from_toml(&text, "one.toml").unwrap().device;
+        let cause = |run: u32| {
+            format!(
+                r#"{{"effect": "tracker-moved", "parameters": {{"from_run": {{"value": {run}.0}}}}}}"#
+            )
+        };
+        let gap = format!(r#"{{"causes": [{}, {}]}}"#, cause(3), cause(2));
+        add_causes(&mut model, &gap, "gap.json").unwrap();
+        let runs: Vec<f64> = model
+            .effects
+            .iter()
+            .map(|effect| effect.numbers["from_run"])
+            .collect();
+        assert_eq!(runs, [3.0, 2.0]);
+        assert!(model.has_numbers_of_runs());
+        let recording = haptical_model::Recording {
+            joint: vec![vec![0.0; 6]],
+            run: Some(vec![0, 0, 1, 1, 2, 2]),
+            ..haptical_model::Recording::default()
+        };
+        let context = haptical_effects::Context::new(&model, &recording, &[]).unwrap();
+        let shapes = effects_of(&model).unwrap().into_iter();
+        let shapes: Vec<f64> = shapes.map(|effect| effect.amplitudes(&context).1).collect();
+        assert_eq!(shapes, [2.0, 1.0]);
     }
 }

@@ -149,7 +149,7 @@ impl Products {
         let weight = 1.0 / (size * size);
         self.rows += other.rows;
         self.gram
-            .zip_apply(&other.gram, |own, more| *own += weight * more);
+            .zip_apply(&other.gram, |sum, more| *sum += weight * more);
         self.along.axpy(weight, &other.along, 1.0);
     }
 

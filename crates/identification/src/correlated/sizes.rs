@@ -122,8 +122,8 @@ impl Search<'_> {
         let (others, of_bins) = self.products(&bins, base);
         for _ in 0..TURNS {
             let mut all = others.clone();
-            for (own, factor) in of_bins.iter().zip(&factors) {
-                all.add(own, *factor);
+            for (bin, factor) in of_bins.iter().zip(&factors) {
+                all.add(bin, *factor);
             }
             let solved = all.solved()?;
             let sizes = self.times(base, &bins, &factors);
@@ -131,7 +131,7 @@ impl Search<'_> {
             let num = self.squares(&bins, &innovations, &|bin| factors[bin]);
             let rooms = of_bins.iter().zip(&factors);
             den = rooms
-                .map(|(own, factor)| own.room(&solved, *factor))
+                .map(|(bin, factor)| bin.room(&solved, *factor))
                 .collect();
             bounds = self.runs(&num, &den).bounds;
             for pair in bounds.windows(2) {

@@ -30,7 +30,7 @@ impl Normal {
 
 /// An estimate of S = sum_i r_i H_i, H_i the second derivatives of residual i: the whole second derivatives are J'J + S.
 ///
-/// Where residuals stay large, as beside an effect that the model lacks, J'J alone takes hundreds of short steps to the minimum
+/// Where residuals stay large, as they do if the model lacks an effect, J'J alone takes hundreds of short steps to the minimum
 /// (Dennis, Gay & Welsch 1981, An adaptive nonlinear least-squares algorithm; docs/equations.md, Searches).
 #[derive(Debug)]
 pub(crate) struct Curvature {

@@ -131,6 +131,12 @@ impl Device {
         self.tracker.is_some_and(|tracker| tracker.base_per_run)
     }
 
+    /// Whether it has numbers of single runs: a tracker place for each, or an effect from a run on.
+    pub fn has_numbers_of_runs(&self) -> bool {
+        let mut effects = self.effects.iter();
+        self.has_run_bases() || effects.any(|effect| effect.numbers.contains_key("from_run"))
+    }
+
     /// The id of what is on the hand at a row: the cell of the log's column `tool`, or what the device file says of
     /// that line, or the hand's name where a tracker sees a thing on each hand; empty for the handle itself.
     ///
