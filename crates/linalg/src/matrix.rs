@@ -87,6 +87,34 @@ impl Matrix {
         }
     }
 
+    /// Writes the matrix times another one over `into`, which takes its shape.
+    ///
+    /// ```
+    /// use haptical_linalg::Matrix;
+    /// let matrix = Matrix::from_fn(3, 2, |row, column| (row + column) as f64);
+    /// let mut product = Matrix::zeros(0, 0);
+    /// matrix.product_into(&Matrix::from_fn(2, 1, |row, _| [2.0, -1.0][row]), &mut product)?;
+    /// assert_eq!(product.column(0), [-1.0, 0.0, 1.0]);
+    /// # Ok::<(), haptical_linalg::LinalgError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LinalgError::Shape`] where the other one has not as many rows as this one has columns.
+    pub fn product_into(&self, right: &Self, into: &mut Self) -> Result<(), LinalgError> {
+        check_length("right side of a product", self.columns, right.rows)?;
+        (into.rows, into.columns) = (self.rows, right.columns);
+        into.data.resize(self.rows * right.columns, 0.0);
+        faer::linalg::matmul::matmul(
+            faer::MatMut::from_column_major_slice_mut(&mut into.data, into.rows, into.columns),
+            faer::Accum::Replace,
+            self.as_faer(),
+            right.as_faer(),
+            1.0,
+            faer::Par::Seq,
+        );
+        Ok(())
+    }
+
     /// Refuses empty matrices and entries that are not finite.
     pub(crate) fn check(&self) -> Result<(), LinalgError> {
         if self.rows == 0 || self.columns == 0 {

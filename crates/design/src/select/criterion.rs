@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use crate::select::change::Change;
 use crate::select::state::State;
 use crate::select::whitened::Whitened;
 
@@ -52,11 +53,7 @@ impl Score {
 
     /// The score of the present state.
     pub(crate) fn now(&self, state: &State<'_>) -> f64 {
-        match self {
-            Self::LogDet => state.log_det,
-            Self::PerReading => index(state.log_det, state.parameters(), state.readings),
-            Self::Trace(_) => -state.trace,
-        }
+        self.of(state, state.log_det, state.trace, state.readings)
     }
 
     /// What a change of the score is small or large against: variances have units, logarithms have none.
@@ -67,19 +64,76 @@ impl Score {
         }
     }
 
-    /// The score with one more pose.
-    pub(crate) fn with(&self, state: &State<'_>, pose: usize) -> f64 {
-        match self {
-            Self::LogDet => state.log_det + state.log_det_gain(pose),
-            Self::PerReading => {
-                let readings = state.readings + state.rows.readings(pose);
-                let log_det = state.log_det + state.log_det_gain(pose);
-                index(log_det, state.parameters(), readings)
+    /// The pose that is not chosen and has the best score in the place of one that is `gone`, or as one more, and that score: the first
+    /// of equals, none that is not above `least`.
+    pub(crate) fn best(
+        &self,
+        state: &mut State<'_>,
+        gone: Option<&Change>,
+        least: f64,
+    ) -> Option<(usize, f64)> {
+        state.catch_up();
+        let state = &*state;
+        let (readings, log_det, trace) = gone.map_or((0, 0.0, 0.0), |gone| {
+            (gone.readings(), gone.log_det, gone.trace)
+        });
+        let (readings, log_det, trace) = (
+            state.readings - readings,
+            state.log_det + log_det,
+            state.trace + trace,
+        );
+        let mut changed = state.candidates.changed(gone);
+        let mut best = (None, least);
+        // det(I + G) that the best score asks for, for some readings: logarithms are dearer than all the rest
+        let mut asked = (f64::NAN, 0, 0.0);
+        for pose in (0..state.chosen.len()).filter(|&pose| !state.chosen[pose]) {
+            let readings = readings + state.rows.readings(pose);
+            if asked.0 != best.1 || asked.1 != readings {
+                asked = (
+                    best.1,
+                    readings,
+                    (self.log_det(state, best.1, readings) - log_det).exp(),
+                );
             }
-            Self::Trace(_) => -(state.trace - state.trace_gain(pose)),
+            let (det, fall) = state.candidates.gains_at_most(&changed, pose);
+            let is_hopeless = match self {
+                Self::LogDet | Self::PerReading => det < (1.0 - ROUNDING) * asked.2,
+                Self::Trace(_) => fall - trace < best.1 - ROUNDING * best.1.abs(),
+            };
+            if is_hopeless {
+                continue;
+            }
+            let (det, fall) = state.candidates.gains(&mut changed, pose);
+            let score = self.of(state, log_det + det.ln(), trace - fall, readings);
+            if score > best.1 {
+                best = (Some(pose), score);
+            }
+        }
+        best.0.map(|pose| (pose, best.1))
+    }
+
+    /// ln det M of a score; nothing of a trace.
+    fn log_det(&self, state: &State<'_>, score: f64, readings: usize) -> f64 {
+        match self {
+            Self::LogDet => score,
+            Self::PerReading => {
+                state.parameters().max(1) as f64 * (2.0 * score + (readings.max(1) as f64).ln())
+            }
+            Self::Trace(_) => f64::NEG_INFINITY,
+        }
+    }
+
+    fn of(&self, state: &State<'_>, log_det: f64, trace: f64, readings: usize) -> f64 {
+        match self {
+            Self::LogDet => log_det,
+            Self::PerReading => index(log_det, state.parameters(), readings),
+            Self::Trace(_) => -trace,
         }
     }
 }
+
+/// Share by which rounding may have made a bound too small.
+const ROUNDING: f64 = 1e-9;
 
 /// ln O1.
 fn index(log_det: f64, parameters: usize, readings: usize) -> f64 {

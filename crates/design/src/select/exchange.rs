@@ -83,7 +83,7 @@ fn greedy(rows: &Whitened, score: &Score, count: usize) -> Option<Vec<bool>> {
     let chosen = vec![false; rows.poses()];
     let mut state = State::new(rows, score.weight(), chosen, ridge)?;
     for _ in 0..count {
-        let (best, _) = best(&state, score)?;
+        let (best, _) = score.best(&mut state, None, f64::NEG_INFINITY)?;
         state.add(best);
     }
     Some(state.chosen)
@@ -99,17 +99,9 @@ fn random(rows: &Whitened, count: usize, seed: u64, stream: u64) -> Vec<bool> {
     chosen
 }
 
-/// The candidate that is not chosen yet with the best score, the first of equals.
-fn best(state: &State<'_>, score: &Score) -> Option<(usize, f64)> {
-    let open = (0..state.chosen.len()).filter(|&pose| !state.chosen[pose]);
-    let scores = open.map(|pose| (pose, score.with(state, pose)));
-    scores.reduce(|best, other| if other.1 > best.1 { other } else { best })
-}
-
 fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) -> Option<Found> {
     let mut state = State::new(rows, score.weight(), chosen, 0.0)?;
     let mut history = vec![score.now(&state)];
-    let mut kept_state = state.clone();
     for _ in 0..passes {
         let before = state.clone();
         let mut exchanged = false;
@@ -118,21 +110,15 @@ fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) ->
             .collect();
         for pose in slots {
             let kept = score.now(&state);
-            kept_state.take_from(&state);
-            if !state.remove(pose) {
+            let Some(gone) = state.change(pose, -1.0) else {
                 continue;
-            }
-            let better = best(&state, score).filter(|(into, value)| {
-                *into != pose && value - kept > LEAST_GAIN * score.scale(kept)
-            });
-            match better {
-                Some((into, _)) => {
-                    state.add(into);
-                    exchanged = true;
-                    history.push(score.now(&state));
-                }
-                // cheaper than to work it out again
-                None => state.take_from(&kept_state),
+            };
+            let least = kept + LEAST_GAIN * score.scale(kept);
+            let better = score.best(&mut state, Some(&gone), least);
+            if let Some((into, _)) = better {
+                state.make(pose, gone);
+                exchanged |= state.add(into);
+                history.push(score.now(&state));
             }
         }
         // a covariance that rounding spoilt is no step

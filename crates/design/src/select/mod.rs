@@ -1,5 +1,7 @@
 //! The poses to measure next, and the uncertainty that they will leave.
 
+pub(crate) mod candidates;
+pub(crate) mod change;
 pub(crate) mod criterion;
 pub(crate) mod exchange;
 pub(crate) mod gains;

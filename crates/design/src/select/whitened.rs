@@ -1,6 +1,6 @@
 //! Rows of the identifiable parameters in units in which all candidates together have the unit information.
 
-use haptical_identification::Identifiability;
+use haptical_identification::{Identifiability, Matrix};
 use nalgebra::{DMatrix, DVector};
 
 use crate::{DesignError, Information};
@@ -15,6 +15,8 @@ use crate::{DesignError, Information};
 pub(crate) struct Whitened {
     /// Columns are rows of the design, pose by pose; those that are always there come first.
     pub(crate) rows: DMatrix<f64>,
+    /// The same, rows of the design as rows: what products with all of them are made of.
+    across: Matrix,
     /// First column of each pose, and the end.
     pub(crate) first: Vec<usize>,
     /// The parameters that are free, by their index.
@@ -47,6 +49,7 @@ impl Whitened {
         let lower = factor.qr().r().transpose();
         let mut whitened = Self {
             rows: DMatrix::zeros(0, 0),
+            across: Matrix::zeros(0, 0),
             first: Vec::new(),
             columns,
             norms,
@@ -63,6 +66,7 @@ impl Whitened {
             whitened.first.push(count);
         }
         whitened.rows = whitened.bring(DMatrix::from_vec(whitened.columns.len(), count, raw));
+        whitened.across = across(&whitened.rows);
         Ok(whitened)
     }
 
@@ -91,6 +95,15 @@ impl Whitened {
         weight
     }
 
+    /// Products of all rows with vectors, one vector's after the other's.
+    pub(crate) fn times(&self, vectors: &DMatrix<f64>, into: &mut Matrix) {
+        let (height, count) = vectors.shape();
+        let vectors = Matrix::from_fn(height, count, |row, column| vectors[(row, column)]);
+        // as many entries as there are parameters, whatever the change
+        let made = self.across.product_into(&vectors, into);
+        debug_assert!(made.is_ok(), "{made:?}");
+    }
+
     /// Number of poses.
     pub(crate) fn poses(&self) -> usize {
         self.first.len() - 1
@@ -117,12 +130,19 @@ impl Whitened {
     }
 }
 
+fn across(rows: &DMatrix<f64>) -> Matrix {
+    Matrix::from_fn(rows.ncols(), rows.nrows(), |row, column| {
+        rows[(column, row)]
+    })
+}
+
 #[cfg(test)]
 impl Whitened {
     /// Rows as they are.
     pub(crate) fn of_rows(rows: DMatrix<f64>, first: Vec<usize>) -> Self {
         let count = rows.nrows();
         Self {
+            across: across(&rows),
             rows,
             first,
             columns: (0..count).collect(),
