@@ -4,10 +4,10 @@ use haptical_identification::{Matrix, Status};
 use haptical_model::Recording;
 
 use crate::error::wrap;
-use crate::fit::considered::{Held, sensitivity, set_variance};
+use crate::fit::considered::{Held as HeldFor, sensitivity, set_variance};
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
-use crate::problem::some_rows::spread_rows;
+use crate::problem::some_rows::some_of_each_kind;
 use crate::{CalibrationError, Channel, DeviceProblem, ParameterFit, Weights};
 
 /// Counts the second order of what a fit held: with errors d of the held parameters a fitted one errs by
@@ -35,79 +35,34 @@ pub fn with_curvature(
     if fit.considered.parameters.is_empty() || fit.fitted.is_empty() || columns.is_empty() {
         return Ok(fit);
     }
-    let failed = |source| wrap("second order of what is held", source);
-    let some = recording.len() > MOST_ROWS;
-    let some = some.then(|| recording.select(&spread_rows(recording.len(), MOST_ROWS)));
-    let recording = some.as_ref().unwrap_or(recording);
-    let problem = DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
-    let prepared = Prepared::new(&problem)?;
-    let at = |values: &[f64]| {
-        let reduction = reduce(prepared.searched(), values)?;
-        let (own, _) = sensitivity(&reduction, &fit.fitted, &columns)?;
-        Ok(own)
+    let held = Held {
+        fit: &fit,
+        columns: &columns,
+        deviations: &deviations,
+        scales: moves_by_scale(&fit),
     };
-    let here = values_of(&fit.parameters, &fit.device);
-    let first = at(&here).map_err(failed)?;
-    let count = columns.len();
-    let scales = moves_by_scale(&fit);
-    let whole = count + scales.len();
-    let mut curvature = vec![Matrix::zeros(whole, whole); fit.fitted.len()];
-    for (scale, moves) in scales.iter().enumerate() {
-        let moved_by = |side: f64| {
-            let mut moved = here.clone();
-            for (change, &index) in moves.iter().zip(&fit.fitted) {
-                moved[index] += side * change;
-            }
-            at(&moved)
-        };
-        let (Ok(above), Ok(below)) = (moved_by(1.0), moved_by(-1.0)) else {
-            continue;
-        };
-        for (row, own) in curvature.iter_mut().enumerate() {
-            for (other, size) in deviations.iter().enumerate() {
-                let slope = (above[(row, other)] - below[(row, other)]) / 2.0 * size;
-                own[(count + scale, other)] = slope;
-                own[(other, count + scale)] = slope;
+    let few = LEAST_ROWS.max(5 * fit.fitted.len());
+    let rows = some_of_each_kind(recording, MOST_ROWS);
+    let of_few = some_of_each_kind(recording, few);
+    let all: Vec<usize> = (0..columns.len()).collect();
+    let selected = |rows: &[usize]| (recording.select(rows), channels, weights);
+    let beyond = match of_few.len() < rows.len() {
+        false => held.beyond(&selected(&rows), &all, None)?,
+        true => {
+            // a parameter may show at none of a few rows
+            let found = held.beyond(&selected(&of_few), &all, None).ok();
+            let asked = match &found {
+                Some(found) => found.that_matter(&fit),
+                None => all,
+            };
+            match found {
+                Some(found) if asked.is_empty() => found,
+                found => held.beyond(&selected(&rows), &asked, found)?,
             }
         }
-    }
-    let mut third = vec![0.0; fit.fitted.len()];
-    for (position, (&column, deviation)) in columns.iter().zip(&deviations).enumerate() {
-        // to a side of the held parameter, the fitted ones following to the first order or the second
-        let moved_by = |step: f64, bends: &[f64]| {
-            let mut moved = here.clone();
-            moved[column] += step;
-            for (row, &index) in fit.fitted.iter().enumerate() {
-                let bend = bends.get(row).copied().unwrap_or(0.0);
-                moved[index] += (first[(row, position)] + bend * step / 2.0) * step;
-            }
-            at(&moved)
-        };
-        // a device that has no value there has no second order that could be worked out
-        let (Ok(above), Ok(below)) = (moved_by(*deviation, &[]), moved_by(-deviation, &[])) else {
-            continue;
-        };
-        let slope = |row: usize, other: usize| (above[(row, other)] - below[(row, other)]) / 2.0;
-        for (row, own) in curvature.iter_mut().enumerate() {
-            for (other, size) in deviations.iter().enumerate() {
-                own[(position, other)] = slope(row, other) * size;
-            }
-        }
-        let bends = (0..fit.fitted.len()).map(|row| slope(row, position) / deviation);
-        let bends: Vec<f64> = bends.collect();
-        let (Ok(above), Ok(below)) = (moved_by(*deviation, &bends), moved_by(-deviation, &bends))
-        else {
-            continue;
-        };
-        for (row, third) in third.iter_mut().enumerate() {
-            let here = first[(row, position)];
-            let change = above[(row, position)] - 2.0 * here + below[(row, position)];
-            *third += FIFTEEN_OVER_36 * (change * deviation).powi(2);
-        }
-    }
-    let beyond = curvature.iter().zip(&third);
-    let beyond: Vec<f64> = beyond
-        .map(|(own, third)| second_order(own) + third)
+    };
+    let beyond: Vec<f64> = (0..fit.fitted.len())
+        .map(|row| beyond.square(row))
         .collect();
     let half_widths = fit.uncertainty.half_widths(fit.noise);
     for (position, (square, &index)) in beyond.iter().zip(&fit.fitted).enumerate() {
@@ -124,15 +79,145 @@ pub fn with_curvature(
     Ok(fit)
 }
 
-/// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more, and it is
-/// asked for four times for each held parameter.
+/// Rows of a kind that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more.
 const MOST_ROWS: usize = 5000;
+/// Rows of a kind, five a fitted parameter at least, that say which of the held parameters matter beyond the first order: few do, and G
+/// is asked for four times for each.
+const LEAST_ROWS: usize = 200;
+/// Share of a fitted parameter's variance below which what a held one adds to it does not matter: a hundredth of it is nothing of an
+/// interval that anyone reads.
+const LEAST_SHARE: f64 = 1e-4;
+
+/// What is held, with what fitted it.
+struct Held<'f> {
+    fit: &'f ParameterFit,
+    columns: &'f [usize],
+    deviations: &'f [f64],
+    scales: Vec<Vec<f64>>,
+}
+
+/// Second and third order of each fitted parameter in what is held.
+struct Beyond {
+    /// H in deviations of what is held, the scales last, one matrix for each fitted parameter; not symmetric.
+    curvature: Vec<Matrix>,
+    /// The third order: for each held parameter, of each fitted one.
+    third: Vec<Vec<f64>>,
+}
+
+impl Held<'_> {
+    /// Those of some positions of what is held, on some rows; the others' are taken over.
+    fn beyond(
+        &self,
+        (recording, channels, weights): &(Recording, &[Channel], &Weights),
+        asked: &[usize],
+        known: Option<Beyond>,
+    ) -> Result<Beyond, CalibrationError> {
+        let (fit, columns, deviations) = (self.fit, self.columns, self.deviations);
+        let failed = |source| wrap("second order of what is held", source);
+        let problem =
+            DeviceProblem::new(&fit.device, recording, channels, &fit.parameters, weights)?;
+        let prepared = Prepared::new(&problem)?;
+        let at = |values: &[f64]| {
+            let reduction = reduce(prepared.searched(), values)?;
+            let (own, _) = sensitivity(&reduction, &fit.fitted, columns)?;
+            Ok(own)
+        };
+        let here = values_of(&fit.parameters, &fit.device);
+        let first = at(&here).map_err(failed)?;
+        let count = columns.len();
+        let whole = count + self.scales.len();
+        let Beyond {
+            mut curvature,
+            mut third,
+        } = known.unwrap_or_else(|| Beyond {
+            curvature: vec![Matrix::zeros(whole, whole); fit.fitted.len()],
+            third: vec![vec![0.0; fit.fitted.len()]; count],
+        });
+        for (scale, moves) in self.scales.iter().enumerate() {
+            let moved_by = |side: f64| {
+                let mut moved = here.clone();
+                for (change, &index) in moves.iter().zip(&fit.fitted) {
+                    moved[index] += side * change;
+                }
+                at(&moved)
+            };
+            let (Ok(above), Ok(below)) = (moved_by(1.0), moved_by(-1.0)) else {
+                continue;
+            };
+            for (row, own) in curvature.iter_mut().enumerate() {
+                for (other, size) in deviations.iter().enumerate() {
+                    let slope = (above[(row, other)] - below[(row, other)]) / 2.0 * size;
+                    own[(count + scale, other)] = slope;
+                    own[(other, count + scale)] = slope;
+                }
+            }
+        }
+        for &position in asked {
+            let (column, deviation) = (columns[position], deviations[position]);
+            // to a side of the held parameter, the fitted ones following to the first order or the second
+            let moved_by = |step: f64, bends: &[f64]| {
+                let mut moved = here.clone();
+                moved[column] += step;
+                for (row, &index) in fit.fitted.iter().enumerate() {
+                    let bend = bends.get(row).copied().unwrap_or(0.0);
+                    moved[index] += (first[(row, position)] + bend * step / 2.0) * step;
+                }
+                at(&moved)
+            };
+            // a device that has no value there has no second order that could be worked out
+            let (Ok(above), Ok(below)) = (moved_by(deviation, &[]), moved_by(-deviation, &[]))
+            else {
+                continue;
+            };
+            let slope =
+                |row: usize, other: usize| (above[(row, other)] - below[(row, other)]) / 2.0;
+            for (row, own) in curvature.iter_mut().enumerate() {
+                for (other, size) in deviations.iter().enumerate() {
+                    own[(position, other)] = slope(row, other) * size;
+                }
+            }
+            let bends = (0..fit.fitted.len()).map(|row| slope(row, position) / deviation);
+            let bends: Vec<f64> = bends.collect();
+            let sides = (moved_by(deviation, &bends), moved_by(-deviation, &bends));
+            let (Ok(above), Ok(below)) = sides else {
+                continue;
+            };
+            for (row, third) in third[position].iter_mut().enumerate() {
+                let here = first[(row, position)];
+                let change = above[(row, position)] - 2.0 * here + below[(row, position)];
+                *third = FIFTEEN_OVER_36 * (change * deviation).powi(2);
+            }
+        }
+        Ok(Beyond { curvature, third })
+    }
+}
+
+impl Beyond {
+    /// Mean square of a fitted parameter's error beyond the first order.
+    fn square(&self, row: usize) -> f64 {
+        let third = self.third.iter().map(|own| own[row]).sum::<f64>();
+        second_order(&self.curvature[row]) + third
+    }
+
+    /// Positions of what is held that add something to the variance of a fitted parameter.
+    fn that_matter(&self, fit: &ParameterFit) -> Vec<usize> {
+        let matters = |position: &usize| {
+            fit.fitted.iter().enumerate().any(|(row, &index)| {
+                let sd = fit.estimates[index].standard_deviation;
+                let second = terms_of(&self.curvature[row], *position);
+                let added = second + self.third[*position][row];
+                sd.is_some_and(|sd| added > LEAST_SHARE * sd * sd)
+            })
+        };
+        (0..self.third.len()).filter(matters).collect()
+    }
+}
 
 /// Columns of what is held and of what no reading sees, with their standard deviations.
 fn held_columns(fit: &ParameterFit) -> (Vec<usize>, Vec<f64>) {
     let considered = &fit.considered;
     let held = (0..considered.parameters.len())
-        .filter(|&k| !matches!(considered.held[k], Held::Fitted | Held::Unsupported))
+        .filter(|&k| !matches!(considered.held[k], HeldFor::Fitted | HeldFor::Unsupported))
         .map(|k| {
             (
                 considered.parameters[k],
@@ -155,7 +240,7 @@ fn held_columns(fit: &ParameterFit) -> (Vec<usize>, Vec<f64>) {
 /// How each scale of an instrument, or length that stands for the size, moves the fitted parameters by its standard deviation.
 fn moves_by_scale(fit: &ParameterFit) -> Vec<Vec<f64>> {
     let considered = &fit.considered;
-    let is_scale = |&k: &usize| matches!(considered.held[k], Held::Scale | Held::Size);
+    let is_scale = |&k: &usize| matches!(considered.held[k], HeldFor::Scale | HeldFor::Size);
     let scales = (0..considered.parameters.len()).filter(is_scale);
     let moves = scales.map(|k| {
         let deviation = considered.covariance[(k, k)].sqrt();
@@ -176,4 +261,11 @@ fn second_order(curvature: &Matrix) -> f64 {
     let square = |a: usize, b: usize| ((curvature[(a, b)] + curvature[(b, a)]) / 2.0).powi(2);
     let rows = (0..count).map(|a| (0..count).map(|b| square(a, b)).sum::<f64>());
     (trace * trace + 2.0 * rows.sum::<f64>()) / 4.0
+}
+
+/// The terms of [`second_order`] that have `k` in them; the square of the trace by its own part.
+fn terms_of(curvature: &Matrix, k: usize) -> f64 {
+    let square = |a: usize| ((curvature[(a, k)] + curvature[(k, a)]) / 2.0).powi(2);
+    let row = (0..curvature.rows()).map(square).sum::<f64>();
+    (curvature[(k, k)].powi(2) + 4.0 * row) / 4.0
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use haptical_model::Recording;
 
 /// Rows from which a search begins where that on some of them ended, and how many these are of each kind.
-const LONG: usize = 100_000;
-const SOME: usize = 10_000;
+const LONG: usize = 4000;
+const SOME: usize = 2000;
 
 /// At most so many rows, spread evenly.
 pub(crate) fn spread_rows(rows: usize, most: usize) -> Vec<usize> {
@@ -15,25 +15,31 @@ pub(crate) fn spread_rows(rows: usize, most: usize) -> Vec<usize> {
 }
 
 /// Some rows of a long recording; none for a short one, or one of so many kinds of rows that these are most of it.
-///
-/// Of each kind they are spread evenly: a log of one clock may have every hundredth row read by the tracker, and evenly
-/// spread rows would miss all of these.
 pub(crate) fn some_of_long(recording: &Recording) -> Option<Recording> {
     if recording.len() < LONG {
         return None;
     }
+    let rows = some_of_each_kind(recording, SOME);
+    (2 * rows.len() <= recording.len()).then(|| recording.select(&rows))
+}
+
+/// At most so many rows of each kind, ascending.
+///
+/// Of each kind they are spread evenly: a log of one clock may have every hundredth row read by the tracker, and evenly
+/// spread rows would miss all of these.
+pub(crate) fn some_of_each_kind(recording: &Recording, most: usize) -> Vec<usize> {
     let mut kinds: BTreeMap<Kind<'_>, Vec<usize>> = BTreeMap::new();
     for row in 0..recording.len() {
         let kind = Kind::of(recording, row);
         kinds.entry(kind).or_default().push(row);
     }
     let some = |rows: &Vec<usize>| {
-        let spread = spread_rows(rows.len(), SOME).into_iter();
+        let spread = spread_rows(rows.len(), most).into_iter();
         spread.map(|place| rows[place]).collect::<Vec<usize>>()
     };
     let mut rows: Vec<usize> = kinds.values().flat_map(some).collect();
     rows.sort_unstable();
-    (2 * rows.len() <= recording.len()).then(|| recording.select(&rows))
+    rows
 }
 
 /// What a row is about, and which readings it has.
