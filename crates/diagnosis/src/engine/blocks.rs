@@ -7,7 +7,7 @@ use std::ops::Range;
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Signal};
 
-use crate::noise::{KnownNoise, Noise};
+use crate::noise::{KnownNoise, Noise, rounding};
 use crate::thresholds::engine::SURVIVING;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
@@ -27,6 +27,10 @@ struct Entry {
     /// Row in the middle.
     row: usize,
 }
+
+/// Largest correlation of successive blocks by noise, and by a reading that they share.
+const MOST_COLOUR: f64 = 0.95;
+const ONE_READING: f64 = 0.999;
 
 /// Blocks of one stream.
 #[derive(Debug, Clone)]
@@ -74,8 +78,10 @@ impl Blocks {
                 size,
                 first: count,
             };
+            let counts = Counts::new(context, stream);
             let mut previous_end = usize::MAX;
             let mut before = 0..0;
+            let mut variances = [0.0; 2];
             for (start, end) in ranges.iter() {
                 let first = blocks.rows.len();
                 let rows = (*start..*end).filter(|&row| usable[stream][row]);
@@ -96,13 +102,30 @@ impl Blocks {
                     .sum();
                 let rounding = rounding_variance(context, stream, *start, *end);
                 let inflation = inflation(&noise[stream], members);
-                let variance = factor * (sensor / number * inflation / number + rounding);
+                // what is neither noise of one row after the other is that of its counts
+                let of_rows = (factor * sensor - number * counts.variance).max(0.0);
+                let of_rows = of_rows / number * inflation / number;
+                let of_counts = counts.variance / counts.different(members);
+                let variance = of_rows + of_counts + factor * rounding;
                 let starts_run = context.runs.iter().any(|run| run.start == *start);
                 let follows = !starts_run && previous_end == *start;
                 let colour = match follows {
-                    true => correlation(&noise[stream], &blocks.rows[before], members),
+                    true => {
+                        let before = &blocks.rows[before];
+                        let of_rows_alone = correlation(&noise[stream], before, members);
+                        match counts.variance > 0.0 {
+                            false => of_rows_alone,
+                            true => {
+                                let common = of_rows_alone * (variances[0] * of_rows).sqrt()
+                                    + counts.common(before, members);
+                                let sizes = (variances[1] * variance).sqrt();
+                                (common / sizes.max(1e-300)).clamp(-MOST_COLOUR, ONE_READING)
+                            }
+                        }
+                    }
                     false => 0.0,
                 };
+                variances = [of_rows, variance];
                 blocks.entries.push(Entry {
                     first,
                     end: last,
@@ -236,6 +259,47 @@ fn ranges(context: &Context<'_>, size: usize) -> Vec<(usize, usize)> {
     ranges
 }
 
+/// The counts of a stream's sensor, where the log shows them: readings that do not change share one error.
+struct Counts<'c> {
+    /// Of the rounding of one reading.
+    variance: f64,
+    column: &'c [f64],
+}
+
+impl<'c> Counts<'c> {
+    fn new(context: &Context<'c>, stream: usize) -> Self {
+        let stream = &context.streams[stream];
+        let count = match context.ordered {
+            true => rounding::own_count(context, stream),
+            false => 0.0,
+        };
+        Self {
+            variance: count * count / 12.0,
+            column: rounding::column(context.recording, stream).unwrap_or(&[]),
+        }
+    }
+
+    /// Readings that differ from the one before, and the first.
+    fn different(&self, rows: &[usize]) -> f64 {
+        if self.variance == 0.0 {
+            return 1.0;
+        }
+        let changes = rows.windows(2);
+        let changes = changes.filter(|pair| self.column[pair[0]] != self.column[pair[1]]);
+        (1 + changes.count()) as f64
+    }
+
+    /// Covariance of the means of rows and of those that follow them: that of the reading that they share.
+    fn common(&self, before: &[usize], rows: &[usize]) -> f64 {
+        match (before.last(), rows.first()) {
+            (Some(&last), Some(&first)) if self.column[last] == self.column[first] => {
+                self.variance / (self.different(before) * self.different(rows))
+            }
+            _ => 0.0,
+        }
+    }
+}
+
 /// Variance that the rounding of readings puts into the mean of a block: joint by joint its variance
 /// over the number of different readings, since readings that do not change share one error.
 fn rounding_variance(context: &Context<'_>, stream: usize, start: usize, end: usize) -> f64 {
@@ -278,7 +342,7 @@ fn correlation(noise: &Noise, before: &[usize], rows: &[usize]) -> f64 {
     let sum = |rows: &[usize]| rows.iter().map(reach).sum::<f64>();
     let size = |rows: &[usize]| (rows.len() as f64 * inflation(noise, rows)).sqrt();
     let common = noise.coloured_share * sum(before) * sum(rows);
-    (common / (size(before) * size(rows))).clamp(-0.95, 0.95)
+    (common / (size(before) * size(rows))).clamp(-MOST_COLOUR, MOST_COLOUR)
 }
 
 fn power(colour: f64, rows: usize) -> f64 {
@@ -333,5 +397,19 @@ mod tests {
             assert!((correlation(&noise, &before, &rows) - both).abs() < 1e-12);
         }
         assert!((inflation(&noise, &[7]) - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn rows_of_one_count_are_one_reading() {
+        // two blocks share the reading in the middle
+        let column = [0.1, 0.2, 0.2, 0.2, 0.2, 0.3, 0.4];
+        let counts = Counts {
+            variance: 0.6,
+            column: &column,
+        };
+        let (one, two): (Vec<usize>, Vec<usize>) = ((0..3).collect(), (3..7).collect());
+        assert_eq!((counts.different(&one), counts.different(&two)), (2.0, 3.0));
+        assert!((counts.common(&one, &two) - 0.1).abs() < 1e-15);
+        assert_eq!(counts.common(&two[..3], &two[3..]), 0.0);
     }
 }

@@ -5,7 +5,7 @@ use haptical_effects::Context;
 
 use crate::engine::Prepared;
 use crate::noise;
-use crate::noise::{Known, KnownNoise, Noise, Repeats, is_stated, pooled, rounding};
+use crate::noise::{Known, KnownNoise, Noise, NoiseSource, Repeats, is_stated, pooled, rounding};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::noise::MEDIAN_REACH;
 
@@ -15,8 +15,15 @@ impl Prepared<'_> {
         let context = &self.context;
         let lost = self.base.free.len() as f64 / context.streams.len().max(1) as f64;
         let repeats = Repeats::new(context);
+        let counted: Vec<Option<Counted>> = (0..context.streams.len())
+            .map(|stream| Counted::new(context, stream, self.own[stream]))
+            .collect();
         let scaled: Vec<Scaled> = haptical_parallel::map(0..context.streams.len(), |stream| {
-            Scaled::new(context, stream, self.over_stated(stream, &residual[stream]))
+            let values = self.over_stated(stream, &residual[stream]);
+            let is_rounding = counted[stream]
+                .as_ref()
+                .is_some_and(|counted| counted.is_all_of(&values));
+            Scaled::new(context, stream, values, !is_rounding)
         });
         let of_repeats: Vec<Option<Noise>> = (scaled.iter().enumerate())
             .map(|(stream, scaled)| repeats.noise(&scaled.values, self.rounding_share(stream)))
@@ -39,6 +46,11 @@ impl Prepared<'_> {
                     rounding: self.rounding_share(stream),
                 };
                 let mut found = noise::estimate(&scaled.values, &known);
+                if let Some(counted) = &counted[stream]
+                    && found.source == NoiseSource::Motion
+                {
+                    found = found.with_counts(counted.rounding, counted.readings);
+                }
                 let by_speed = scaled.by_speed;
                 found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
                 (found, by_speed.map(|(scale, _)| scale))
@@ -113,6 +125,9 @@ impl Prepared<'_> {
     }
 }
 
+/// Root mean square of residuals over that of rounding up to which they are rounding.
+const HARDLY_MORE: f64 = 1.5;
+
 /// A stream's residuals over their stated deviation, and over what the speed makes of it.
 struct Scaled {
     values: Vec<f64>,
@@ -120,9 +135,40 @@ struct Scaled {
     by_speed: Option<(Vec<f64>, f64)>,
 }
 
+/// The counts of a stream's sensor in a motion, where the log shows them.
+struct Counted {
+    /// Deviation of their rounding over the stated one.
+    rounding: f64,
+    /// As how many independent readings it scatters.
+    readings: f64,
+}
+
+impl Counted {
+    fn new(context: &Context<'_>, stream: usize, own: f64) -> Option<Self> {
+        let stream = &context.streams[stream];
+        let readings = rounding::column(context.recording, stream).filter(|_| context.ordered)?;
+        let count = rounding::own_count(context, stream);
+        (count > 0.0).then(|| Self {
+            rounding: count / 12.0_f64.sqrt() / own,
+            readings: rounding::independent(readings, &context.runs),
+        })
+    }
+
+    /// Whether residuals over the stated deviation are hardly more than rounding: that they are smaller where a joint rests within a
+    /// count says nothing of speed.
+    fn is_all_of(&self, scaled: &[f64]) -> bool {
+        let known = scaled.iter().filter(|value| value.is_finite());
+        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| {
+            (sum + value * value, count + 1.0)
+        });
+        (sum / f64::max(count, 1.0)).sqrt() < HARDLY_MORE * self.rounding
+    }
+}
+
 impl Scaled {
-    fn new(context: &Context<'_>, stream: usize, mut values: Vec<f64>) -> Self {
+    fn new(context: &Context<'_>, stream: usize, mut values: Vec<f64>, may_grow: bool) -> Self {
         let by_speed = speed_of(context, stream)
+            .filter(|_| may_grow)
             .and_then(|speed| noise::speed_scale(&values, speed, &context.runs));
         if let Some((scale, _)) = &by_speed {
             for (value, scale) in values.iter_mut().zip(scale) {

@@ -7,7 +7,7 @@ use crate::Result;
 use crate::answer::{Asked, Dependence, Located, Over, Whiteness, by_dependence};
 use crate::engine::Engine;
 use crate::judge::dependences;
-use crate::noise::{Peak, surest_peak};
+use crate::noise::{Peak, rounding, surest_peak};
 use crate::select::{Covariate, Selection};
 use crate::thresholds::chance::FAMILY_WISE_P;
 
@@ -27,10 +27,14 @@ impl Tested {
         let context = &engine.context;
         let mut dependence = dependences(context, &engine.system)?;
         let streams = 0..context.streams.len();
+        let mut is_over_frequency = false;
         let peaks: Vec<(usize, Peak)> = streams
             .filter_map(|stream| {
                 let residual = &engine.start.residual[stream];
-                Some((stream, surest_peak(context, residual)?))
+                let peak = surest_peak(context, residual)?;
+                is_over_frequency = true;
+                let saw = rounding::saw(context, &context.streams[stream]);
+                (peak.amplitude > saw).then_some((stream, peak))
             })
             .collect();
         let mut p: Vec<f64> = dependence.iter().map(|found| found.p_value).collect();
@@ -44,7 +48,7 @@ impl Tested {
         }
         let of_peaks = &adjusted[dependence.len()..];
         let mut over: Vec<Over> = dependence.iter().map(|found| over(found.asked)).collect();
-        over.extend(peaks.first().map(|_| Over::Frequency));
+        over.extend(is_over_frequency.then_some(Over::Frequency));
         over.sort_unstable();
         over.dedup();
         let peak = peaks

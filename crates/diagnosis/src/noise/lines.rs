@@ -9,6 +9,7 @@ use haptical_calibration::Channel;
 use haptical_effects::{Context, Line};
 use haptical_metrics::median;
 
+use super::rounding;
 use super::spectrum::Spectrum;
 use crate::thresholds::lines::{
     COHERENT, ENOUGH_SPECTRA, FAR, FASTER_THAN_MOTION, FINENESS, LINE_P, MOST_LINES, NEAR_BINS,
@@ -35,7 +36,14 @@ pub(crate) fn lines(context: &Context<'_>, residual: &[Vec<f64>]) -> Vec<Line> {
     let of_channel = |channel: Channel| {
         let axes: Vec<usize> = context.streams_of(channel).collect();
         let own: Vec<&[Series]> = axes.iter().map(|axis| streams[*axis].as_slice()).collect();
-        let mut found: Vec<Peak> = axes.iter().flat_map(|axis| peaks[*axis].clone()).collect();
+        let beyond_rounding = |axis: &usize| {
+            let saw = rounding::saw(context, &context.streams[*axis]);
+            peaks[*axis]
+                .iter()
+                .filter(move |peak| peak.amplitude > saw)
+                .cloned()
+        };
+        let mut found: Vec<Peak> = axes.iter().flat_map(beyond_rounding).collect();
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         let mut kept: Vec<Peak> = Vec::new();
         for peak in found {

@@ -80,6 +80,17 @@ impl Noise {
         self
     }
 
+    /// A slow motion rests within a count for many rows, which a segment does not show: noise is no smaller than the `rounding` of the
+    /// sensor's counts, given over the stated deviation, and that scatters as so many independent readings.
+    pub(crate) fn with_counts(mut self, rounding: f64, readings: f64) -> Self {
+        let share = (rounding / self.ratio.max(rounding)).powi(2);
+        self.ratio = self.ratio.max(rounding);
+        let scatter = share * (2.0 / readings.max(1.0)).sqrt();
+        self.uncertainty = self.uncertainty.hypot(scatter);
+        self.freedom = 2.0 / (2.0 / self.freedom + scatter * scatter);
+        self
+    }
+
     /// Its level at low frequency, over the stated variance: what blocks average to.
     pub(crate) fn level(&self) -> f64 {
         let coloured = (1.0 + self.colour) / (1.0 - self.colour);

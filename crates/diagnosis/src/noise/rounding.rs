@@ -1,5 +1,7 @@
 //! Counts of sensors, and what a reading may be off by because of them.
 
+use std::ops::Range;
+
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Stream};
 use haptical_model::Recording;
@@ -38,7 +40,27 @@ pub(crate) fn own_count(context: &Context<'_>, stream: &Stream) -> f64 {
         .unwrap_or(0.0)
 }
 
-fn column<'a>(recording: &'a Recording, stream: &Stream) -> Option<&'a [f64]> {
+/// Amplitude of an oscillation up to which it may be rounding: counts that are passed at a steady speed are a saw of half a count,
+/// count / pi in its first oscillation, and the mean power is half as long an amplitude's where that lasts for a quarter of a log.
+pub(crate) fn saw(context: &Context<'_>, stream: &Stream) -> f64 {
+    own_count(context, stream) / (2.0 * std::f64::consts::PI)
+}
+
+/// As how many independent readings those of a slow motion scatter: all that follow each other unchanged are one, and the longest are
+/// most of a mean square.
+pub(crate) fn independent(readings: &[f64], runs: &[Range<usize>]) -> f64 {
+    let (mut rows, mut squares) = (0.0, 0.0);
+    for run in runs {
+        for same in readings[run.clone()].chunk_by(|a, b| a == b) {
+            rows += same.len() as f64;
+            squares += (same.len() as f64).powi(2);
+        }
+    }
+    rows * rows / f64::max(squares, 1.0)
+}
+
+/// The readings of a stream, where one column has them.
+pub(crate) fn column<'a>(recording: &'a Recording, stream: &Stream) -> Option<&'a [f64]> {
     let column = match stream.channel {
         Channel::Output { joint } => recording.output.get(joint)?.as_ref()?,
         Channel::Cable { index } => recording.cable_m.get(index)?.as_ref()?,
@@ -50,7 +72,7 @@ fn column<'a>(recording: &'a Recording, stream: &Stream) -> Option<&'a [f64]> {
 
 #[cfg(test)]
 mod tests {
-    use super::{count_of, smallest_step};
+    use super::{count_of, independent, smallest_step};
 
     #[test]
     fn the_smallest_step_leaves_out_rests_and_arithmetic() {
@@ -58,6 +80,13 @@ mod tests {
         let step = smallest_step(&readings, 1e-9).unwrap();
         assert!((step - 0.1).abs() < 1e-12, "{step}");
         assert_eq!(smallest_step(&[1.0, 1.0], 1e-9), None);
+    }
+
+    #[test]
+    fn a_long_rest_is_one_reading() {
+        let readings = [0.1, 0.1, 0.1, 0.2, 0.3, 0.3];
+        assert_eq!(independent(&readings, &[0..3, 3..6]), 36.0 / 14.0);
+        assert_eq!(independent(&readings, &[0..2, 2..6]), 36.0 / 10.0);
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod errors;
 mod exports;
 mod exports_control;
 mod exports_listed;
+mod fast_counts;
 #[path = "../../examples/fleet.rs"]
 mod fleet;
 mod forward;
