@@ -54,6 +54,15 @@ pub(crate) mod noise {
     pub(crate) const SAME_POSTURE: f64 = 1e-3;
     /// Standard deviations by which one noise is larger than another beyond chance. Chance: one in 700.
     pub(crate) const BEYOND: f64 = 3.0;
+    /// Root mean square of residuals over that of an encoder's rounding up to which they are hardly more. Choice.
+    pub(crate) const HARDLY_MORE: f64 = 1.5;
+    /// Share of the amplitude of a saw of counts, count / pi, up to which an oscillation may be one: at one speed for a quarter of a
+    /// log. Choice.
+    pub(crate) const SAW_OF_A_LOG: f64 = 0.5;
+    /// Largest correlation of successive blocks by noise, and by a reading that they share. Calculated: 100 blocks of one
+    /// reading count for 100 (1 - c) / (1 + c), a twentieth of a reading, more than it.
+    pub(crate) const MOST_OF_BLOCKS: f64 = 0.95;
+    pub(crate) const ONE_READING: f64 = 0.999;
     /// Segments that are enough for an estimate. Choice.
     pub(crate) const ENOUGH_SEGMENTS: usize = 8;
     /// Smallest correlation of successive rows that is looked for. Choice.

@@ -11,6 +11,7 @@ use crate::noise::{KnownNoise, Noise, rounding};
 use crate::thresholds::engine::SURVIVING;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
+use crate::thresholds::noise::{MOST_OF_BLOCKS, ONE_READING};
 
 /// One block of one stream.
 #[derive(Debug, Clone)]
@@ -27,10 +28,6 @@ struct Entry {
     /// Row in the middle.
     row: usize,
 }
-
-/// Largest correlation of successive blocks by noise, and by a reading that they share.
-const MOST_COLOUR: f64 = 0.95;
-const ONE_READING: f64 = 0.999;
 
 /// Blocks of one stream.
 #[derive(Debug, Clone)]
@@ -119,7 +116,7 @@ impl Blocks {
                                 let common = of_rows_alone * (variances[0] * of_rows).sqrt()
                                     + counts.common(before, members);
                                 let sizes = (variances[1] * variance).sqrt();
-                                (common / sizes.max(1e-300)).clamp(-MOST_COLOUR, ONE_READING)
+                                (common / sizes.max(1e-300)).clamp(-MOST_OF_BLOCKS, ONE_READING)
                             }
                         }
                     }
@@ -342,7 +339,7 @@ fn correlation(noise: &Noise, before: &[usize], rows: &[usize]) -> f64 {
     let sum = |rows: &[usize]| rows.iter().map(reach).sum::<f64>();
     let size = |rows: &[usize]| (rows.len() as f64 * inflation(noise, rows)).sqrt();
     let common = noise.coloured_share * sum(before) * sum(rows);
-    (common / (size(before) * size(rows))).clamp(-MOST_COLOUR, MOST_COLOUR)
+    (common / (size(before) * size(rows))).clamp(-MOST_OF_BLOCKS, MOST_OF_BLOCKS)
 }
 
 fn power(colour: f64, rows: usize) -> f64 {

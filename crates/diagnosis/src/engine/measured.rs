@@ -7,7 +7,7 @@ use crate::engine::Prepared;
 use crate::noise;
 use crate::noise::{Known, KnownNoise, Noise, NoiseSource, Repeats, is_stated, pooled, rounding};
 use crate::thresholds::chance::OUTLIER_SD;
-use crate::thresholds::noise::MEDIAN_REACH;
+use crate::thresholds::noise::{HARDLY_MORE, MEDIAN_REACH};
 
 impl Prepared<'_> {
     /// The noise that residuals show. With causes in the model, fast parts of their gap do not pass for noise.
@@ -124,9 +124,6 @@ impl Prepared<'_> {
         found
     }
 }
-
-/// Root mean square of residuals over that of rounding up to which they are rounding.
-const HARDLY_MORE: f64 = 1.5;
 
 /// A stream's residuals over their stated deviation, and over what the speed makes of it.
 struct Scaled {

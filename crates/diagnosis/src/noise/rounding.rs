@@ -6,7 +6,7 @@ use haptical_calibration::Channel;
 use haptical_effects::{Context, Stream};
 use haptical_model::Recording;
 
-use crate::thresholds::noise::{ENOUGH_STEPS, PART_OF_A_COUNT, SMALL_STEPS};
+use crate::thresholds::noise::{ENOUGH_STEPS, PART_OF_A_COUNT, SAW_OF_A_LOG, SMALL_STEPS};
 
 /// The smallest change of successive readings above `least`.
 pub(crate) fn smallest_step(readings: &[f64], least: f64) -> Option<f64> {
@@ -41,9 +41,9 @@ pub(crate) fn own_count(context: &Context<'_>, stream: &Stream) -> f64 {
 }
 
 /// Amplitude of an oscillation up to which it may be rounding: counts that are passed at a steady speed are a saw of half a count,
-/// count / pi in its first oscillation, and the mean power is half as long an amplitude's where that lasts for a quarter of a log.
+/// count / pi in its first oscillation, and half of that where the speed is steady for a quarter of a log.
 pub(crate) fn saw(context: &Context<'_>, stream: &Stream) -> f64 {
-    own_count(context, stream) / (2.0 * std::f64::consts::PI)
+    SAW_OF_A_LOG * own_count(context, stream) / std::f64::consts::PI
 }
 
 /// As how many independent readings those of a slow motion scatter: all that follow each other unchanged are one, and the longest are
