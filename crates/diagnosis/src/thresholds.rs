@@ -59,8 +59,8 @@ pub(crate) mod noise {
     /// Share of the amplitude of a saw of counts, count / pi, up to which an oscillation may be one: at one speed for a quarter of a
     /// log. Choice.
     pub(crate) const SAW_OF_A_LOG: f64 = 0.5;
-    /// Largest correlation of successive blocks by noise, and by a reading that they share. Calculated: 100 blocks of one
-    /// reading count for 100 (1 - c) / (1 + c), a twentieth of a reading, more than it.
+    /// Largest correlation of successive blocks by noise, and by a reading that they share. Calculated: 100
+    /// blocks of one reading count for 1.05 readings.
     pub(crate) const MOST_OF_BLOCKS: f64 = 0.95;
     pub(crate) const ONE_READING: f64 = 0.999;
     /// Segments that are enough for an estimate. Choice.

@@ -42,8 +42,8 @@ pub fn with_curvature(
         scales: moves_by_scale(&fit),
     };
     let few = LEAST_ROWS.max(5 * fit.fitted.len());
-    let rows = some_of_each_kind(recording, MOST_ROWS);
-    let of_few = some_of_each_kind(recording, few);
+    let rows = some_of_each_kind(recording, MOST_ROWS, MOST_ROWS);
+    let of_few = some_of_each_kind(recording, few, MOST_ROWS);
     let all: Vec<usize> = (0..columns.len()).collect();
     let selected = |rows: &[usize]| (recording.select(rows), channels, weights);
     let beyond = match of_few.len() < rows.len() {
@@ -79,7 +79,7 @@ pub fn with_curvature(
     Ok(fit)
 }
 
-/// Rows of a kind that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more.
+/// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more.
 const MOST_ROWS: usize = 5000;
 /// Rows of a kind, five a fitted parameter at least, that say which of the held parameters matter beyond the first order: few do, and G
 /// is asked for four times for each.
@@ -102,6 +102,8 @@ struct Beyond {
     curvature: Vec<Matrix>,
     /// The third order: for each held parameter, of each fitted one.
     third: Vec<Vec<f64>>,
+    /// Positions at which the device had no value on one side or the other.
+    failed: Vec<usize>,
 }
 
 impl Held<'_> {
@@ -129,10 +131,13 @@ impl Held<'_> {
         let Beyond {
             mut curvature,
             mut third,
+            ..
         } = known.unwrap_or_else(|| Beyond {
             curvature: vec![Matrix::zeros(whole, whole); fit.fitted.len()],
             third: vec![vec![0.0; fit.fitted.len()]; count],
+            failed: Vec::new(),
         });
+        let mut failed_at = Vec::new();
         for (scale, moves) in self.scales.iter().enumerate() {
             let moved_by = |side: f64| {
                 let mut moved = here.clone();
@@ -167,6 +172,7 @@ impl Held<'_> {
             // a device that has no value there has no second order that could be worked out
             let (Ok(above), Ok(below)) = (moved_by(deviation, &[]), moved_by(-deviation, &[]))
             else {
+                failed_at.push(position);
                 continue;
             };
             let slope =
@@ -180,6 +186,7 @@ impl Held<'_> {
             let bends: Vec<f64> = bends.collect();
             let sides = (moved_by(deviation, &bends), moved_by(-deviation, &bends));
             let (Ok(above), Ok(below)) = sides else {
+                failed_at.push(position);
                 continue;
             };
             for (row, third) in third[position].iter_mut().enumerate() {
@@ -188,7 +195,11 @@ impl Held<'_> {
                 *third = FIFTEEN_OVER_36 * (change * deviation).powi(2);
             }
         }
-        Ok(Beyond { curvature, third })
+        Ok(Beyond {
+            curvature,
+            third,
+            failed: failed_at,
+        })
     }
 }
 
@@ -206,10 +217,12 @@ impl Beyond {
                 let sd = fit.estimates[index].standard_deviation;
                 let second = terms_of(&self.curvature[row], *position);
                 let added = second + self.third[*position][row];
-                sd.is_some_and(|sd| added > LEAST_SHARE * sd * sd)
+                // what is no number, or could not be worked out on few rows, is asked for
+                sd.is_some_and(|sd| added.is_nan() || added > LEAST_SHARE * sd * sd)
             })
         };
-        (0..self.third.len()).filter(matters).collect()
+        let is_asked = |position: &usize| self.failed.contains(position) || matters(position);
+        (0..self.third.len()).filter(is_asked).collect()
     }
 }
 

@@ -19,20 +19,21 @@ pub(crate) fn some_of_long(recording: &Recording) -> Option<Recording> {
     if recording.len() < LONG {
         return None;
     }
-    let rows = some_of_each_kind(recording, SOME);
+    let rows = some_of_each_kind(recording, SOME, usize::MAX);
     (2 * rows.len() <= recording.len()).then(|| recording.select(&rows))
 }
 
-/// At most so many rows of each kind, ascending.
+/// At most so many rows of each kind and about so many in all, ascending.
 ///
 /// Of each kind they are spread evenly: a log of one clock may have every hundredth row read by the tracker, and evenly
 /// spread rows would miss all of these.
-pub(crate) fn some_of_each_kind(recording: &Recording, most: usize) -> Vec<usize> {
+pub(crate) fn some_of_each_kind(recording: &Recording, most: usize, in_all: usize) -> Vec<usize> {
     let mut kinds: BTreeMap<Kind<'_>, Vec<usize>> = BTreeMap::new();
     for row in 0..recording.len() {
         let kind = Kind::of(recording, row);
         kinds.entry(kind).or_default().push(row);
     }
+    let most = most.min(in_all.div_ceil(kinds.len().max(1)));
     let some = |rows: &Vec<usize>| {
         let spread = spread_rows(rows.len(), most).into_iter();
         spread.map(|place| rows[place]).collect::<Vec<usize>>()

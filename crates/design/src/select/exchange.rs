@@ -104,7 +104,7 @@ fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) ->
     let mut history = vec![score.now(&state)];
     for _ in 0..passes {
         let before = state.clone();
-        let mut exchanged = false;
+        let (mut exchanged, mut is_spoilt) = (false, false);
         let slots: Vec<usize> = (0..rows.poses())
             .filter(|&pose| state.chosen[pose])
             .collect();
@@ -117,12 +117,16 @@ fn exchange(rows: &Whitened, score: &Score, chosen: Vec<bool>, passes: usize) ->
             let better = score.best(&mut state, Some(&gone), least);
             if let Some((into, _)) = better {
                 state.make(pose, gone);
-                exchanged |= state.add(into);
+                if !state.add(into) {
+                    is_spoilt = true;
+                    break;
+                }
+                exchanged = true;
                 history.push(score.now(&state));
             }
         }
         // a covariance that rounding spoilt is no step
-        if !state.refresh() || score.now(&state) < score.now(&before) {
+        if is_spoilt || !state.refresh() || score.now(&state) < score.now(&before) {
             state = before;
             break;
         }

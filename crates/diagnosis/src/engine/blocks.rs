@@ -99,7 +99,7 @@ impl Blocks {
                     .sum();
                 let rounding = rounding_variance(context, stream, *start, *end);
                 let inflation = inflation(&noise[stream], members);
-                // what is neither noise of one row after the other is that of its counts
+                // variance beyond that of the counts is noise of single rows
                 let of_rows = (factor * sensor - number * counts.variance).max(0.0);
                 let of_rows = of_rows / number * inflation / number;
                 let of_counts = counts.variance / counts.different(members);
@@ -261,6 +261,8 @@ struct Counts<'c> {
     /// Of the rounding of one reading.
     variance: f64,
     column: &'c [f64],
+    /// The angle of the motor of the sensor's joint; none of a sensor of the whole chain.
+    motor: Option<&'c [f64]>,
 }
 
 impl<'c> Counts<'c> {
@@ -273,6 +275,10 @@ impl<'c> Counts<'c> {
         Self {
             variance: count * count / 12.0,
             column: rounding::column(context.recording, stream).unwrap_or(&[]),
+            motor: match stream.channel {
+                Channel::Output { joint } => Some(&context.recording.joint[joint]),
+                _ => None,
+            },
         }
     }
 
@@ -286,14 +292,23 @@ impl<'c> Counts<'c> {
         (1 + changes.count()) as f64
     }
 
-    /// Covariance of the means of rows and of those that follow them: that of the reading that they share.
+    /// Covariance of the means of rows and of those that follow them: that of the reading that they share, which falls as the joint
+    /// moves within the count. Errors of a saw of the count q that are x apart have the correlation 1 - 6 u + 6 u^2, u = x / q, of which
+    /// what is below zero is left out.
     fn common(&self, before: &[usize], rows: &[usize]) -> f64 {
-        match (before.last(), rows.first()) {
-            (Some(&last), Some(&first)) if self.column[last] == self.column[first] => {
-                self.variance / (self.different(before) * self.different(rows))
-            }
-            _ => 0.0,
+        let (Some(motor), Some(&last), Some(&first)) = (self.motor, before.last(), rows.first())
+        else {
+            return 0.0;
+        };
+        if self.column[last] != self.column[first] {
+            return 0.0;
         }
+        let mean =
+            |rows: &[usize]| rows.iter().map(|&row| motor[row]).sum::<f64>() / rows.len() as f64;
+        let count = (12.0 * self.variance).sqrt().max(f64::MIN_POSITIVE);
+        let u = ((mean(rows) - mean(before)).abs() / count).min(0.5);
+        let shared = (1.0 - 6.0 * u + 6.0 * u * u).max(0.0);
+        shared * self.variance / (self.different(before) * self.different(rows))
     }
 }
 
@@ -400,13 +415,30 @@ mod tests {
     fn rows_of_one_count_are_one_reading() {
         // two blocks share the reading in the middle
         let column = [0.1, 0.2, 0.2, 0.2, 0.2, 0.3, 0.4];
+        let still = [0.15; 7];
         let counts = Counts {
             variance: 0.6,
             column: &column,
+            motor: Some(&still),
         };
         let (one, two): (Vec<usize>, Vec<usize>) = ((0..3).collect(), (3..7).collect());
         assert_eq!((counts.different(&one), counts.different(&two)), (2.0, 3.0));
         assert!((counts.common(&one, &two) - 0.1).abs() < 1e-15);
         assert_eq!(counts.common(&two[..3], &two[3..]), 0.0);
+        // a joint that moves by a tenth of a count between the means, and one that moves by a half
+        let count = (12.0_f64 * 0.6).sqrt();
+        for (moved, shared) in [(0.1, 0.046), (0.5, 0.0)] {
+            let moving = [0.0, 0.0, 0.0, moved, moved, moved, moved].map(|part| part * count);
+            let counts = Counts {
+                motor: Some(&moving),
+                ..counts
+            };
+            assert!((counts.common(&one, &two) - shared).abs() < 1e-12);
+        }
+        let counts = Counts {
+            motor: None,
+            ..counts
+        };
+        assert_eq!(counts.common(&one, &two), 0.0);
     }
 }

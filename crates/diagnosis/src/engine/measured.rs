@@ -16,7 +16,10 @@ impl Prepared<'_> {
         let lost = self.base.free.len() as f64 / context.streams.len().max(1) as f64;
         let repeats = Repeats::new(context);
         let counted: Vec<Option<Counted>> = (0..context.streams.len())
-            .map(|stream| Counted::new(context, stream, self.own[stream]))
+            .map(|stream| {
+                let (sum, count) = self.stated_squares(stream);
+                Counted::new(context, stream, (sum / count.max(1.0)).sqrt())
+            })
             .collect();
         let scaled: Vec<Scaled> = haptical_parallel::map(0..context.streams.len(), |stream| {
             let values = self.over_stated(stream, &residual[stream]);
@@ -141,12 +144,13 @@ struct Counted {
 }
 
 impl Counted {
-    fn new(context: &Context<'_>, stream: usize, own: f64) -> Option<Self> {
+    /// None too without a stated deviation, the root mean square of the rows'.
+    fn new(context: &Context<'_>, stream: usize, stated: f64) -> Option<Self> {
         let stream = &context.streams[stream];
         let readings = rounding::column(context.recording, stream).filter(|_| context.ordered)?;
         let count = rounding::own_count(context, stream);
-        (count > 0.0).then(|| Self {
-            rounding: count / 12.0_f64.sqrt() / own,
+        (count > 0.0 && stated > 0.0).then(|| Self {
+            rounding: count / 12.0_f64.sqrt() / stated,
             readings: rounding::independent(readings, &context.runs),
         })
     }

@@ -27,14 +27,12 @@ impl Tested {
         let context = &engine.context;
         let mut dependence = dependences(context, &engine.system)?;
         let streams = 0..context.streams.len();
-        let mut is_over_frequency = false;
+        // what a saw of counts may be is no oscillation
+        let saw = |stream: usize| rounding::saw(context, &context.streams[stream]);
         let peaks: Vec<(usize, Peak)> = streams
             .filter_map(|stream| {
                 let residual = &engine.start.residual[stream];
-                let peak = surest_peak(context, residual)?;
-                is_over_frequency = true;
-                let saw = rounding::saw(context, &context.streams[stream]);
-                (peak.amplitude > saw).then_some((stream, peak))
+                Some((stream, surest_peak(context, residual, saw(stream))?))
             })
             .collect();
         let mut p: Vec<f64> = dependence.iter().map(|found| found.p_value).collect();
@@ -48,7 +46,7 @@ impl Tested {
         }
         let of_peaks = &adjusted[dependence.len()..];
         let mut over: Vec<Over> = dependence.iter().map(|found| over(found.asked)).collect();
-        over.extend(is_over_frequency.then_some(Over::Frequency));
+        over.extend(peaks.first().map(|_| Over::Frequency));
         over.sort_unstable();
         over.dedup();
         let peak = peaks

@@ -182,20 +182,25 @@ pub(crate) struct Peak {
 }
 
 /// The peak of a stream's residuals that is least likely in noise of any smooth spectrum, however slow, and whether or not
-/// one oscillation holds it; none without times, or of a few rows.
-pub(crate) fn surest_peak(context: &Context<'_>, values: &[f64]) -> Option<Peak> {
+/// one oscillation holds it, of those above an amplitude; none without times, or of a few rows.
+pub(crate) fn surest_peak(
+    context: &Context<'_>,
+    values: &[f64],
+    least_amplitude: f64,
+) -> Option<Peak> {
     let time_s = context.recording.time_s.as_ref();
     let time_s = time_s.filter(|_| context.ordered)?;
     let runs = series(values, time_s, &context.runs);
-    surest(&spectrum(&runs)?)
+    surest(&spectrum(&runs)?, least_amplitude)
 }
 
-fn surest(spectrum: &Spectrum) -> Option<Peak> {
+fn surest(spectrum: &Spectrum, least_amplitude: f64) -> Option<Peak> {
     if spectrum.segments < ENOUGH_SPECTRA {
         return None;
     }
     let peaks = (SLOW_BINS..spectrum.power.len()).filter_map(|bin| peak(spectrum, bin));
     peaks
+        .filter(|peak| peak.amplitude >= least_amplitude)
         .map(|peak| Peak {
             p_value: (ROUGH_LEVEL * spectrum.power.len() as f64 * peak.p_value).min(1.0),
             ..peak
@@ -365,7 +370,7 @@ mod tests {
 
     fn surest_of(values: Vec<f64>) -> Option<Peak> {
         let time_s = (0..values.len()).map(|row| 0.01 * row as f64).collect();
-        surest(&Spectrum::new(&[(time_s, values)])?)
+        surest(&Spectrum::new(&[(time_s, values)])?, 0.0)
     }
 
     /// Control of false alarms: of noise alone one in a hundred streams may have a probability below one in a hundred.

@@ -47,11 +47,13 @@ pub(crate) fn saw(context: &Context<'_>, stream: &Stream) -> f64 {
 }
 
 /// As how many independent readings those of a slow motion scatter: all that follow each other unchanged are one, and the longest are
-/// most of a mean square.
+/// most of a mean square. Rows without a reading are none.
 pub(crate) fn independent(readings: &[f64], runs: &[Range<usize>]) -> f64 {
     let (mut rows, mut squares) = (0.0, 0.0);
     for run in runs {
-        for same in readings[run.clone()].chunk_by(|a, b| a == b) {
+        let known = readings[run.clone()].iter().copied();
+        let known: Vec<f64> = known.filter(|reading| reading.is_finite()).collect();
+        for same in known.chunk_by(|a, b| a == b) {
             rows += same.len() as f64;
             squares += (same.len() as f64).powi(2);
         }
@@ -84,9 +86,9 @@ mod tests {
 
     #[test]
     fn a_long_rest_is_one_reading() {
-        let readings = [0.1, 0.1, 0.1, 0.2, 0.3, 0.3];
-        assert_eq!(independent(&readings, &[0..3, 3..6]), 36.0 / 14.0);
-        assert_eq!(independent(&readings, &[0..2, 2..6]), 36.0 / 10.0);
+        let readings = [0.1, f64::NAN, 0.1, 0.1, 0.2, 0.3, 0.3];
+        assert_eq!(independent(&readings, &[0..4, 4..7]), 36.0 / 14.0);
+        assert_eq!(independent(&readings, &[0..3, 3..7]), 36.0 / 10.0);
     }
 
     #[test]

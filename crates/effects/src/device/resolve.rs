@@ -46,7 +46,7 @@ impl OwnEffect {
         self.further("reference_degc")
     }
 
-    /// Shape of a displacement that is stated to be there from a run on; none where that is the first run, which is not stated.
+    /// Shape of a displacement that is stated to be there from a run on; none where no run, or the first, is stated.
     fn shape_of_run(&self) -> Option<f64> {
         let run = self.further(FROM_RUN.name)?;
         (self.effect.spec().follows == Follows::Run && run > 1.0).then_some(run - 1.0)

@@ -182,13 +182,19 @@ fn one(name: &str, joint: Option<usize>) -> DeviceEffect {
 
 /// Adds an effect, or lets one that the model has be fitted.
 fn push(model: &mut Model, effect: DeviceEffect) -> Result<(), DeviceEffectError> {
+    let is_of_runs = spec(&effect.name).is_some_and(|spec| spec.follows == Follows::Run);
+    // a displacement of a file that states no run is from the second one on, as one of these is
+    let number = |own: &DeviceEffect, key: &String| match own.numbers.get(key) {
+        None if is_of_runs && key == FROM_RUN => Some(2.0),
+        stated => stated.copied(),
+    };
     let is_same = |own: &&mut DeviceEffect| {
         own.name == effect.name
             && own.joint == effect.joint
             && effect
                 .numbers
                 .iter()
-                .all(|(key, value)| own.numbers.get(key) == Some(value))
+                .all(|(key, value)| number(own, key) == Some(*value))
     };
     if let Some(own) = model.effects.iter_mut().find(is_same) {
         own.fit = true;
