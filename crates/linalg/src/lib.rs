@@ -5,7 +5,6 @@
 mod aligned;
 mod basis;
 mod covariance;
-mod direction;
 mod error;
 mod fold;
 mod golden;
@@ -24,7 +23,6 @@ mod triangle;
 
 pub use aligned::Aligned;
 pub use basis::OrthonormalBasis;
-pub use direction::Direction;
 pub use error::LinalgError;
 pub use golden::golden_section;
 pub use hats::hat_functions;
@@ -35,7 +33,7 @@ pub use normal::{NormalEquations, NormalSolution};
 pub use ordered::{Dependence, OrderedColumns, OrderedRank};
 pub use reduction::Reduction;
 pub use scatter::{jackknife_sd, sum_sd};
-pub use sparse::SparseColumns;
+pub use sparse::{Direction, SparseColumns};
 pub use step::Solution;
 pub use triangle::{TILE_ROWS, Triangle};
 

@@ -4,7 +4,7 @@ use haptical_identification::{Matrix, Status};
 use haptical_model::Recording;
 
 use crate::error::wrap;
-use crate::fit::considered::{Held as HeldFor, sensitivity, set_variance};
+use crate::fit::considered::{Held, sensitivity, set_variance};
 use crate::problem::device_problem::values_of;
 use crate::problem::form::{Prepared, reduce};
 use crate::problem::some_rows::some_of_each_kind;
@@ -35,7 +35,7 @@ pub fn with_curvature(
     if fit.considered.parameters.is_empty() || fit.fitted.is_empty() || columns.is_empty() {
         return Ok(fit);
     }
-    let held = Held {
+    let held = HeldColumns {
         fit: &fit,
         columns: &columns,
         deviations: &deviations,
@@ -46,20 +46,14 @@ pub fn with_curvature(
     let of_few = some_of_each_kind(recording, few, MOST_ROWS);
     let all: Vec<usize> = (0..columns.len()).collect();
     let selected = |rows: &[usize]| (recording.select(rows), channels, weights);
-    let beyond = match of_few.len() < rows.len() {
-        false => held.beyond(&selected(&rows), &all, None)?,
-        true => {
-            // a parameter may show at none of a few rows
-            let found = held.beyond(&selected(&of_few), &all, None).ok();
-            let asked = match &found {
-                Some(found) => found.that_matter(&fit),
-                None => all,
-            };
-            match found {
-                Some(found) if asked.is_empty() => found,
-                found => held.beyond(&selected(&rows), &asked, found)?,
-            }
-        }
+    // on few rows a parameter may not show at all
+    let found = (of_few.len() < rows.len())
+        .then(|| held.beyond(&selected(&of_few), &all, None).ok())
+        .flatten();
+    let asked = found.as_ref().map_or(all, |found| found.that_matter(&fit));
+    let beyond = match found {
+        Some(found) if asked.is_empty() => found,
+        found => held.beyond(&selected(&rows), &asked, found)?,
     };
     let beyond: Vec<f64> = (0..fit.fitted.len())
         .map(|row| beyond.square(row))
@@ -89,7 +83,7 @@ const LEAST_ROWS: usize = 200;
 const LEAST_SHARE: f64 = 1e-4;
 
 /// What is held, with what fitted it.
-struct Held<'f> {
+struct HeldColumns<'f> {
     fit: &'f ParameterFit,
     columns: &'f [usize],
     deviations: &'f [f64],
@@ -106,7 +100,7 @@ struct Beyond {
     failed: Vec<usize>,
 }
 
-impl Held<'_> {
+impl HeldColumns<'_> {
     /// Those of some positions of what is held, on some rows; the others' are taken over.
     fn beyond(
         &self,
@@ -121,8 +115,7 @@ impl Held<'_> {
         let prepared = Prepared::new(&problem)?;
         let at = |values: &[f64]| {
             let reduction = reduce(prepared.searched(), values)?;
-            let (own, _) = sensitivity(&reduction, &fit.fitted, columns)?;
-            Ok(own)
+            sensitivity(&reduction, &fit.fitted, columns).map(|(sensitivity, _)| sensitivity)
         };
         let here = values_of(&fit.parameters, &fit.device);
         let first = at(&here).map_err(failed)?;
@@ -149,11 +142,11 @@ impl Held<'_> {
             let (Ok(above), Ok(below)) = (moved_by(1.0), moved_by(-1.0)) else {
                 continue;
             };
-            for (row, own) in curvature.iter_mut().enumerate() {
+            for (row, curvature) in curvature.iter_mut().enumerate() {
                 for (other, size) in deviations.iter().enumerate() {
                     let slope = (above[(row, other)] - below[(row, other)]) / 2.0 * size;
-                    own[(count + scale, other)] = slope;
-                    own[(other, count + scale)] = slope;
+                    curvature[(count + scale, other)] = slope;
+                    curvature[(other, count + scale)] = slope;
                 }
             }
         }
@@ -177,9 +170,9 @@ impl Held<'_> {
             };
             let slope =
                 |row: usize, other: usize| (above[(row, other)] - below[(row, other)]) / 2.0;
-            for (row, own) in curvature.iter_mut().enumerate() {
+            for (row, curvature) in curvature.iter_mut().enumerate() {
                 for (other, size) in deviations.iter().enumerate() {
-                    own[(position, other)] = slope(row, other) * size;
+                    curvature[(position, other)] = slope(row, other) * size;
                 }
             }
             let bends = (0..fit.fitted.len()).map(|row| slope(row, position) / deviation);
@@ -206,7 +199,7 @@ impl Held<'_> {
 impl Beyond {
     /// Mean square of a fitted parameter's error beyond the first order.
     fn square(&self, row: usize) -> f64 {
-        let third = self.third.iter().map(|own| own[row]).sum::<f64>();
+        let third = self.third.iter().map(|third| third[row]).sum::<f64>();
         second_order(&self.curvature[row]) + third
     }
 
@@ -230,7 +223,7 @@ impl Beyond {
 fn held_columns(fit: &ParameterFit) -> (Vec<usize>, Vec<f64>) {
     let considered = &fit.considered;
     let held = (0..considered.parameters.len())
-        .filter(|&k| !matches!(considered.held[k], HeldFor::Fitted | HeldFor::Unsupported))
+        .filter(|&k| !matches!(considered.held[k], Held::Fitted | Held::Unsupported))
         .map(|k| {
             (
                 considered.parameters[k],
@@ -253,7 +246,7 @@ fn held_columns(fit: &ParameterFit) -> (Vec<usize>, Vec<f64>) {
 /// How each scale of an instrument, or length that stands for the size, moves the fitted parameters by its standard deviation.
 fn moves_by_scale(fit: &ParameterFit) -> Vec<Vec<f64>> {
     let considered = &fit.considered;
-    let is_scale = |&k: &usize| matches!(considered.held[k], HeldFor::Scale | HeldFor::Size);
+    let is_scale = |&k: &usize| matches!(considered.held[k], Held::Scale | Held::Size);
     let scales = (0..considered.parameters.len()).filter(is_scale);
     let moves = scales.map(|k| {
         let deviation = considered.covariance[(k, k)].sqrt();

@@ -129,12 +129,11 @@ impl<'w> Candidates<'w> {
             det *= 1.0 + spread;
             if let Some(gained) = self.gained.get(entry) {
                 trace += gained;
-                let pulled = changed.pulled.iter();
-                for (pulled, column) in
-                    pulled.flat_map(|own| (0..own.columns()).map(move |c| (own, c)))
-                {
-                    trace -=
-                        2.0 * changed.sign * changed.seen[(row, column)] * pulled[(row, column)];
+                if let Some(pulled) = &changed.pulled {
+                    for column in 0..pulled.columns() {
+                        let both = changed.seen[(row, column)] * pulled[(row, column)];
+                        trace -= 2.0 * changed.sign * both;
+                    }
                 }
             }
         }

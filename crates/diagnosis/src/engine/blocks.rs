@@ -7,7 +7,8 @@ use std::ops::Range;
 use haptical_calibration::Channel;
 use haptical_effects::{Context, Signal};
 
-use crate::noise::{KnownNoise, Noise, rounding};
+use crate::noise::rounding::Counts;
+use crate::noise::{KnownNoise, Noise};
 use crate::thresholds::engine::SURVIVING;
 use crate::thresholds::fit::{BLOCKS, LONGEST_REST_ROWS};
 use crate::thresholds::lines::SHARE_OF_A_PERIOD;
@@ -75,7 +76,7 @@ impl Blocks {
                 size,
                 first: count,
             };
-            let counts = Counts::new(context, stream);
+            let counts = Counts::new(context, &context.streams[stream]).filter(|_| context.ordered);
             let mut previous_end = usize::MAX;
             let mut before = 0..0;
             let mut variances = [0.0; 2];
@@ -100,9 +101,13 @@ impl Blocks {
                 let rounding = rounding_variance(context, stream, *start, *end);
                 let inflation = inflation(&noise[stream], members);
                 // variance beyond that of the counts is noise of single rows
-                let of_rows = (factor * sensor - number * counts.variance).max(0.0);
+                let rounded = counts.as_ref().map_or(0.0, Counts::variance);
+                let of_rows = (factor * sensor - number * rounded).max(0.0);
                 let of_rows = of_rows / number * inflation / number;
-                let of_counts = counts.variance / counts.different(members);
+                let different = counts
+                    .as_ref()
+                    .map_or(1.0, |counts| counts.different(members));
+                let of_counts = rounded / different;
                 let variance = of_rows + of_counts + factor * rounding;
                 let starts_run = context.runs.iter().any(|run| run.start == *start);
                 let follows = !starts_run && previous_end == *start;
@@ -110,9 +115,9 @@ impl Blocks {
                     true => {
                         let before = &blocks.rows[before];
                         let of_rows_alone = correlation(&noise[stream], before, members);
-                        match counts.variance > 0.0 {
-                            false => of_rows_alone,
-                            true => {
+                        match &counts {
+                            None => of_rows_alone,
+                            Some(counts) => {
                                 let common = of_rows_alone * (variances[0] * of_rows).sqrt()
                                     + counts.common(before, members);
                                 let sizes = (variances[1] * variance).sqrt();
@@ -256,62 +261,6 @@ fn ranges(context: &Context<'_>, size: usize) -> Vec<(usize, usize)> {
     ranges
 }
 
-/// The counts of a stream's sensor, where the log shows them: readings that do not change share one error.
-struct Counts<'c> {
-    /// Of the rounding of one reading.
-    variance: f64,
-    column: &'c [f64],
-    /// The angle of the motor of the sensor's joint; none of a sensor of the whole chain.
-    motor: Option<&'c [f64]>,
-}
-
-impl<'c> Counts<'c> {
-    fn new(context: &Context<'c>, stream: usize) -> Self {
-        let stream = &context.streams[stream];
-        let count = match context.ordered {
-            true => rounding::own_count(context, stream),
-            false => 0.0,
-        };
-        Self {
-            variance: count * count / 12.0,
-            column: rounding::column(context.recording, stream).unwrap_or(&[]),
-            motor: match stream.channel {
-                Channel::Output { joint } => Some(&context.recording.joint[joint]),
-                _ => None,
-            },
-        }
-    }
-
-    /// Readings that differ from the one before, and the first.
-    fn different(&self, rows: &[usize]) -> f64 {
-        if self.variance == 0.0 {
-            return 1.0;
-        }
-        let changes = rows.windows(2);
-        let changes = changes.filter(|pair| self.column[pair[0]] != self.column[pair[1]]);
-        (1 + changes.count()) as f64
-    }
-
-    /// Covariance of the means of rows and of those that follow them: that of the reading that they share, which falls as the joint
-    /// moves within the count. Errors of a saw of the count q that are x apart have the correlation 1 - 6 u + 6 u^2, u = x / q, of which
-    /// what is below zero is left out.
-    fn common(&self, before: &[usize], rows: &[usize]) -> f64 {
-        let (Some(motor), Some(&last), Some(&first)) = (self.motor, before.last(), rows.first())
-        else {
-            return 0.0;
-        };
-        if self.column[last] != self.column[first] {
-            return 0.0;
-        }
-        let mean =
-            |rows: &[usize]| rows.iter().map(|&row| motor[row]).sum::<f64>() / rows.len() as f64;
-        let count = (12.0 * self.variance).sqrt().max(f64::MIN_POSITIVE);
-        let u = ((mean(rows) - mean(before)).abs() / count).min(0.5);
-        let shared = (1.0 - 6.0 * u + 6.0 * u * u).max(0.0);
-        shared * self.variance / (self.different(before) * self.different(rows))
-    }
-}
-
 /// Variance that the rounding of readings puts into the mean of a block: joint by joint its variance
 /// over the number of different readings, since readings that do not change share one error.
 fn rounding_variance(context: &Context<'_>, stream: usize, start: usize, end: usize) -> f64 {
@@ -409,36 +358,5 @@ mod tests {
             assert!((correlation(&noise, &before, &rows) - both).abs() < 1e-12);
         }
         assert!((inflation(&noise, &[7]) - 1.0).abs() < 1e-15);
-    }
-
-    #[test]
-    fn rows_of_one_count_are_one_reading() {
-        // two blocks share the reading in the middle
-        let column = [0.1, 0.2, 0.2, 0.2, 0.2, 0.3, 0.4];
-        let still = [0.15; 7];
-        let counts = Counts {
-            variance: 0.6,
-            column: &column,
-            motor: Some(&still),
-        };
-        let (one, two): (Vec<usize>, Vec<usize>) = ((0..3).collect(), (3..7).collect());
-        assert_eq!((counts.different(&one), counts.different(&two)), (2.0, 3.0));
-        assert!((counts.common(&one, &two) - 0.1).abs() < 1e-15);
-        assert_eq!(counts.common(&two[..3], &two[3..]), 0.0);
-        // a joint that moves by a tenth of a count between the means, and one that moves by a half
-        let count = (12.0_f64 * 0.6).sqrt();
-        for (moved, shared) in [(0.1, 0.046), (0.5, 0.0)] {
-            let moving = [0.0, 0.0, 0.0, moved, moved, moved, moved].map(|part| part * count);
-            let counts = Counts {
-                motor: Some(&moving),
-                ..counts
-            };
-            assert!((counts.common(&one, &two) - shared).abs() < 1e-12);
-        }
-        let counts = Counts {
-            motor: None,
-            ..counts
-        };
-        assert_eq!(counts.common(&one, &two), 0.0);
     }
 }

@@ -5,7 +5,8 @@ use haptical_effects::Context;
 
 use crate::engine::Prepared;
 use crate::noise;
-use crate::noise::{Known, KnownNoise, Noise, NoiseSource, Repeats, is_stated, pooled, rounding};
+use crate::noise::rounding::Counts;
+use crate::noise::{Known, KnownNoise, Noise, NoiseSource, Repeats, is_stated, pooled};
 use crate::thresholds::chance::OUTLIER_SD;
 use crate::thresholds::noise::{HARDLY_MORE, MEDIAN_REACH};
 
@@ -15,17 +16,19 @@ impl Prepared<'_> {
         let context = &self.context;
         let lost = self.base.free.len() as f64 / context.streams.len().max(1) as f64;
         let repeats = Repeats::new(context);
-        let counted: Vec<Option<Counted>> = (0..context.streams.len())
-            .map(|stream| {
-                let (sum, count) = self.stated_squares(stream);
-                Counted::new(context, stream, (sum / count.max(1.0)).sqrt())
-            })
-            .collect();
+        // rounding over the stated deviation of a motion's rows, and as how many independent readings it scatters
+        let counted = |stream: usize| {
+            let counts = Counts::new(context, &context.streams[stream])?;
+            let (sum, count) = self.stated_squares(stream);
+            let stated = (sum / f64::max(count, 1.0)).sqrt();
+            let rounding = counts.variance().sqrt() / stated;
+            (context.ordered && stated > 0.0).then(|| (rounding, counts.independent(&context.runs)))
+        };
+        let counted: Vec<Option<(f64, f64)>> = (0..context.streams.len()).map(counted).collect();
         let scaled: Vec<Scaled> = haptical_parallel::map(0..context.streams.len(), |stream| {
             let values = self.over_stated(stream, &residual[stream]);
-            let is_rounding = counted[stream]
-                .as_ref()
-                .is_some_and(|counted| counted.is_all_of(&values));
+            let is_rounding =
+                counted[stream].is_some_and(|(rounding, _)| are_rounding(&values, rounding));
             Scaled::new(context, stream, values, !is_rounding)
         });
         let of_repeats: Vec<Option<Noise>> = (scaled.iter().enumerate())
@@ -49,10 +52,10 @@ impl Prepared<'_> {
                     rounding: self.rounding_share(stream),
                 };
                 let mut found = noise::estimate(&scaled.values, &known);
-                if let Some(counted) = &counted[stream]
+                if let Some((rounding, readings)) = counted[stream]
                     && found.source == NoiseSource::Motion
                 {
-                    found = found.with_counts(counted.rounding, counted.readings);
+                    found = found.with_counts(rounding, readings);
                 }
                 let by_speed = scaled.by_speed;
                 found.speed_ratio = by_speed.as_ref().map_or(1.0, |(_, ratio)| *ratio);
@@ -114,7 +117,10 @@ impl Prepared<'_> {
                 continue;
             };
             let rounded = match ordered {
-                true => rounded(sd, self.own[index], rounding::own_count(context, stream)),
+                true => {
+                    let count = Counts::new(context, stream).map_or(0.0, |counts| counts.count);
+                    rounded(sd, self.own[index], count)
+                }
                 false => vec![0.0; sd.len()],
             };
             let limit = OUTLIER_SD * ratio;
@@ -135,35 +141,14 @@ struct Scaled {
     by_speed: Option<(Vec<f64>, f64)>,
 }
 
-/// The counts of a stream's sensor in a motion, where the log shows them.
-struct Counted {
-    /// Deviation of their rounding over the stated one.
-    rounding: f64,
-    /// As how many independent readings it scatters.
-    readings: f64,
-}
-
-impl Counted {
-    /// None too without a stated deviation, the root mean square of the rows'.
-    fn new(context: &Context<'_>, stream: usize, stated: f64) -> Option<Self> {
-        let stream = &context.streams[stream];
-        let readings = rounding::column(context.recording, stream).filter(|_| context.ordered)?;
-        let count = rounding::own_count(context, stream);
-        (count > 0.0 && stated > 0.0).then(|| Self {
-            rounding: count / 12.0_f64.sqrt() / stated,
-            readings: rounding::independent(readings, &context.runs),
-        })
-    }
-
-    /// Whether residuals over the stated deviation are hardly more than rounding: that they are smaller where a joint rests within a
-    /// count says nothing of speed.
-    fn is_all_of(&self, scaled: &[f64]) -> bool {
-        let known = scaled.iter().filter(|value| value.is_finite());
-        let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| {
-            (sum + value * value, count + 1.0)
-        });
-        (sum / f64::max(count, 1.0)).sqrt() < HARDLY_MORE * self.rounding
-    }
+/// Whether residuals over the stated deviation are hardly more than rounding, given in the same way: that they are smaller where a joint
+/// rests within a count says nothing of speed.
+fn are_rounding(scaled: &[f64], rounding: f64) -> bool {
+    let known = scaled.iter().filter(|value| value.is_finite());
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| {
+        (sum + value * value, count + 1.0)
+    });
+    (sum / f64::max(count, 1.0)).sqrt() < HARDLY_MORE * rounding
 }
 
 impl Scaled {

@@ -447,7 +447,8 @@ pub(super) fn positions_show_a_gap(context: &Context<'_>) -> bool {
         let count = usable.clone().count().max(1) as f64;
         let rms = (usable.map(|value| value * value).sum::<f64>() / count).sqrt();
         // the standard deviation of rounding to whole counts
-        let rounding = noise::rounding::own_count(context, stream) / 12.0_f64.sqrt();
+        let counts = noise::rounding::Counts::new(context, stream);
+        let rounding = counts.map_or(0.0, |counts| counts.variance().sqrt());
         let sd = noise::difference_sd(&rest, &context.runs)?;
         Some(rms > POSITION_GAP * sd.hypot(rounding))
     };

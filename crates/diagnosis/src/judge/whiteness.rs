@@ -7,7 +7,7 @@ use crate::Result;
 use crate::answer::{Asked, Dependence, Located, Over, Whiteness, by_dependence};
 use crate::engine::Engine;
 use crate::judge::dependences;
-use crate::noise::{Peak, rounding, surest_peak};
+use crate::noise::{Peak, surest_peak};
 use crate::select::{Covariate, Selection};
 use crate::thresholds::chance::FAMILY_WISE_P;
 
@@ -27,12 +27,10 @@ impl Tested {
         let context = &engine.context;
         let mut dependence = dependences(context, &engine.system)?;
         let streams = 0..context.streams.len();
-        // what a saw of counts may be is no oscillation
-        let saw = |stream: usize| rounding::saw(context, &context.streams[stream]);
         let peaks: Vec<(usize, Peak)> = streams
             .filter_map(|stream| {
                 let residual = &engine.start.residual[stream];
-                Some((stream, surest_peak(context, residual, saw(stream))?))
+                Some((stream, surest_peak(context, stream, residual)?))
             })
             .collect();
         let mut p: Vec<f64> = dependence.iter().map(|found| found.p_value).collect();

@@ -9,7 +9,7 @@ use haptical_calibration::Channel;
 use haptical_effects::{Context, Line};
 use haptical_metrics::median;
 
-use super::rounding;
+use super::rounding::Counts;
 use super::spectrum::Spectrum;
 use crate::thresholds::lines::{
     COHERENT, ENOUGH_SPECTRA, FAR, FASTER_THAN_MOTION, FINENESS, LINE_P, MOST_LINES, NEAR_BINS,
@@ -37,7 +37,7 @@ pub(crate) fn lines(context: &Context<'_>, residual: &[Vec<f64>]) -> Vec<Line> {
         let axes: Vec<usize> = context.streams_of(channel).collect();
         let own: Vec<&[Series]> = axes.iter().map(|axis| streams[*axis].as_slice()).collect();
         let beyond_rounding = |axis: &usize| {
-            let saw = rounding::saw(context, &context.streams[*axis]);
+            let saw = saw(context, *axis);
             peaks[*axis]
                 .iter()
                 .filter(move |peak| peak.amplitude > saw)
@@ -56,6 +56,12 @@ pub(crate) fn lines(context: &Context<'_>, residual: &[Vec<f64>]) -> Vec<Line> {
         lines.collect::<Vec<Line>>()
     };
     channels.into_iter().flat_map(of_channel).collect()
+}
+
+/// Amplitude up to which an oscillation of a stream may be rounding.
+fn saw(context: &Context<'_>, stream: usize) -> f64 {
+    let counts = Counts::new(context, &context.streams[stream]);
+    counts.map_or(0.0, |counts| counts.saw())
 }
 
 /// A stream's values without its channel's lines, each as large as they are in each run.
@@ -182,16 +188,12 @@ pub(crate) struct Peak {
 }
 
 /// The peak of a stream's residuals that is least likely in noise of any smooth spectrum, however slow, and whether or not
-/// one oscillation holds it, of those above an amplitude; none without times, or of a few rows.
-pub(crate) fn surest_peak(
-    context: &Context<'_>,
-    values: &[f64],
-    least_amplitude: f64,
-) -> Option<Peak> {
+/// one oscillation holds it, of those that are more than rounding; none without times, or of a few rows.
+pub(crate) fn surest_peak(context: &Context<'_>, stream: usize, values: &[f64]) -> Option<Peak> {
     let time_s = context.recording.time_s.as_ref();
     let time_s = time_s.filter(|_| context.ordered)?;
     let runs = series(values, time_s, &context.runs);
-    surest(&spectrum(&runs)?, least_amplitude)
+    surest(&spectrum(&runs)?, saw(context, stream))
 }
 
 fn surest(spectrum: &Spectrum, least_amplitude: f64) -> Option<Peak> {

@@ -1,7 +1,11 @@
 //! Columns of which each is zero but for a range of its rows.
 
+mod direction;
+
+use crate::LinalgError;
 use crate::error::check_length;
-use crate::{Direction, LinalgError};
+
+pub use self::direction::Direction;
 
 /// A tall matrix whose columns have few rows in common, as those of parts of a device that do not know of each other:
 /// of each column only the range is kept in which it may differ from zero.
