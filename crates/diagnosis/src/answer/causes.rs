@@ -174,7 +174,7 @@ pub(crate) fn noise_findings(noise: &[NoiseAnswer], joints: &[Option<usize>]) ->
     let mut found = Vec::new();
     let mut told: Vec<&str> = Vec::new();
     for (channel, &joint) in noise.iter().zip(joints) {
-        if channel.source == NoiseSource::Motion
+        if matches!(channel.source, NoiseSource::Motion | NoiseSource::Counts)
             && (channel.ratio > LOUD || channel.speed_ratio > GROWS_WITH_SPEED)
         {
             let sd = LEVEL_SD * channel.ratio;

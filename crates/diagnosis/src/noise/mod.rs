@@ -84,7 +84,10 @@ impl Noise {
     /// sensor's counts, given over the stated deviation, and that scatters as so many independent readings.
     pub(crate) fn with_counts(mut self, rounding: f64, readings: f64) -> Self {
         let share = (rounding / self.ratio.max(rounding)).powi(2);
-        self.ratio = self.ratio.max(rounding);
+        if rounding > self.ratio {
+            self.ratio = rounding;
+            self.source = NoiseSource::Counts;
+        }
         let scatter = share * (2.0 / readings.max(1.0)).sqrt();
         self.uncertainty = self.uncertainty.hypot(scatter);
         self.freedom = 2.0 / (2.0 / self.freedom + scatter * scatter);
@@ -128,6 +131,8 @@ pub enum NoiseSource {
     Repeats,
     /// Successive rows of a motion.
     Motion,
+    /// The counts of the encoder, which are more than successive rows of a slow motion show.
+    Counts,
     /// The device file.
     Stated,
     /// All that the model leaves, gap and all: there is no other source.
@@ -145,6 +150,7 @@ impl NoiseSource {
         match self {
             Self::Repeats => "repeats of postures",
             Self::Motion => "differences of successive rows",
+            Self::Counts => "the counts of the encoder",
             Self::Stated => "the device file",
             Self::Rest => "all that the model leaves",
         }

@@ -189,3 +189,16 @@ fn noise_of_other_size_is_above_beyond_chance_alone() {
     // eight repeats know a deviation to a quarter
     assert!(!Noise::of_postures(2.0, 8.0, NoiseSource::Repeats).is_above(1.0, 1000.0));
 }
+
+#[test]
+fn noise_is_no_smaller_than_the_rounding_of_counts() {
+    let seen = Noise::of_postures(0.5, 1000.0, NoiseSource::Motion);
+    // the counts are all of it, and as uncertain as 32 readings
+    let raised = seen.clone().with_counts(0.8, 32.0);
+    assert_eq!((raised.ratio, raised.source), (0.8, NoiseSource::Counts));
+    assert!((raised.freedom - 1.0 / (1.0 / 32.0 + 1.0 / 1000.0)).abs() < 1e-9);
+    // a quarter of it, and hardly more uncertain than it was
+    let kept = seen.with_counts(0.25, 32.0);
+    assert_eq!((kept.ratio, kept.source), (0.5, NoiseSource::Motion));
+    assert!((kept.freedom - 1.0 / (1.0 / 512.0 + 1.0 / 1000.0)).abs() < 1e-9);
+}
