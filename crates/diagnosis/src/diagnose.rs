@@ -11,7 +11,8 @@ use crate::admission::admitted;
 use crate::answer::{Diagnosis, Verdict, answer, changed, judged, not_in_file};
 use crate::current::without_currents;
 use crate::engine::{
-    Base, Prepared, Unfinished, onto_touches, own_sizes, placed, root_mean_square, with_causes,
+    Base, Cause, Fitting, Prepared, Unfinished, onto_touches, own_sizes, placed, root_mean_square,
+    with_causes,
 };
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
@@ -23,7 +24,7 @@ use crate::noise::{KnownNoise, is_stated, without_readings};
 use crate::own_effects::within_laws;
 use crate::select::{Selection, Selector, is_displacement};
 use crate::servo_loop::has_commands;
-use crate::thresholds::fit::{MOVED_FAR, NO_WORSE, NOISE_FELL, STILL_NOISES};
+use crate::thresholds::fit::{MOVED_FAR, NEARER_ROUNDS, NO_WORSE, NOISE_FELL, STILL_NOISES};
 use crate::{DiagnosisError, Options, Result, current, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
@@ -429,10 +430,7 @@ fn by_noise(
         return judged(selection, &readings);
     };
     let model = &selection.refit.model;
-    let nearer = Base {
-        device: engine.problem.device_with(&model.values),
-        ..base.clone()
-    };
+    let nearer = nearer(&selection, base, (&readings.recording, &readings.postures))?;
     let cleaned = clean(match again.noise {
         Some(_) => {
             Prepared::new(base, recording, postures)?.outlying_beside(case.effects, model)?
@@ -465,24 +463,64 @@ impl Again {
         let noise = engine.noise_of(&selection.refit.residual);
         let mut pairs = engine.noise.iter().zip(&noise.noise);
         let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
-        let is_far = engine.moved(&selection.refit.model.bare) >= MOVED_FAR;
-        Ok((fell || is_far || has_moved(selection)?).then(|| Self {
+        let model = &selection.refit.model;
+        let is_far = engine.moved(&model.bare) >= MOVED_FAR;
+        let device = engine.problem.device_with(&model.values);
+        let has_moved = has_moved(selection, &engine.context, &device, &model.causes)?;
+        Ok((fell || is_far || has_moved).then(|| Self {
             noise: fell.then_some(noise),
         }))
     }
 }
 
+/// The base model that causes leave, with what they add worked out where it is: refitted in turn until that moves no more.
+fn nearer(
+    selection: &Selection<'_>,
+    base: &Base,
+    (recording, postures): (&Recording, &Recording),
+) -> Result<Base> {
+    let engine = selection.engine();
+    let mut model = selection.refit.model.clone();
+    let mut nearer = Base {
+        device: engine.problem.device_with(&model.values),
+        ..base.clone()
+    };
+    for _ in 0..NEARER_ROUNDS {
+        let mut prepared = Prepared::new(&nearer, recording, postures)?;
+        prepared.context.lines.clone_from(&engine.context.lines);
+        let fitting = Fitting {
+            data: &prepared,
+            effects: selection.selector.effects,
+            part: &engine.whole,
+        };
+        let fitted = fitting.descend(&model)?;
+        if !fitted.has_converged() {
+            break;
+        }
+        model = fitted.model;
+        let device = prepared.problem.device_with(&model.values);
+        let is_still = !has_moved(selection, &prepared.context, &device, &model.causes)?;
+        nearer.device = device;
+        if is_still {
+            break;
+        }
+    }
+    Ok(nearer)
+}
+
 /// Whether what the causes add is more than a tenth of a stream's noise away from what they add to the base model that they leave: a
 /// device file of both would not leave what the fit does.
-fn has_moved(selection: &Selection<'_>) -> Result<bool> {
+fn has_moved(
+    selection: &Selection<'_>,
+    here: &Context<'_>,
+    device: &Device,
+    causes: &[Cause],
+) -> Result<bool> {
     let (engine, effects) = (selection.engine(), selection.selector.effects);
-    let device = engine.problem.device_with(&selection.refit.model.values);
-    let here = &engine.context;
-    let mut there = Context::new(&device, here.recording, &here.streams)?;
+    let mut there = Context::new(device, here.recording, &here.streams)?;
     there.lines.clone_from(&here.lines);
     let nothing = vec![vec![0.0; here.recording.len()]; here.streams.len()];
-    let [here, there] =
-        [here, &there].map(|at| with_causes(nothing.clone(), at, effects, selection.causes()));
+    let [here, there] = [here, &there].map(|at| with_causes(nothing.clone(), at, effects, causes));
     let differ = |stream: usize| {
         let changes = here[stream].iter().zip(&there[stream]);
         let used = changes

@@ -72,6 +72,7 @@ proptest! {
             channels: channels.clone(),
             free: (0..3).collect(),
             parameters,
+            described: Vec::new(),
             anchor: None,
             unfinished: None,
             interrupt: Interrupt::default(),

@@ -216,17 +216,18 @@ pub(crate) mod fit {
     /// Fall of the cost that the linearised problem promises, in variances of the noise or of what is left, below which a fit has
     /// converged: its numbers are within a tenth of their standard deviations of the minimum. Choice.
     pub(crate) const LEAST_FALL: f64 = 0.01;
-    /// Change of the predictions over the noise since the derivatives were taken, from which on these are taken anew before a fit
-    /// has converged. Choice.
-    pub(crate) const FRESH_WITHIN: f64 = 1.0;
     /// Standard deviations that a step may move a cause's number by where the cost no longer falls. Choice, as `LEAST_FALL`.
     pub(crate) const STILL_SD: f64 = 0.1;
+    /// Noise deviations that a model with causes leaves from which on its search begins elsewhere. Cost: both ends are minima.
+    pub(crate) const FAR_SD: f64 = 10.0;
+    /// Time between rows at which a search works out the base model \[s\]. Cost: the end is found with all rows.
+    pub(crate) const SAMPLED_S: f64 = 0.02;
+    /// Searches from one end to the next until the residuals of all rows ask for no step. Cost.
+    pub(crate) const ROUNDS: usize = 4;
     /// Steps of a refit after which it has not converged. Cost.
     pub(crate) const PASSES: usize = 40;
-    /// Steps that are tried where a step does not lower the cost. Cost.
-    pub(crate) const SHORTENED_STEPS: usize = 8;
-    /// Length of each of them over that of the one before. Choice.
-    pub(crate) const SHORTER: f64 = 0.4;
+    /// Fits in turn with what the causes add, until the latter moves no more. Cost.
+    pub(crate) const NEARER_ROUNDS: usize = 4;
     /// Ratio of two squared residuals of one model that are of one minimum. Choice.
     pub(crate) const NO_WORSE: f64 = 1.02;
     /// Noise that falls below this share of itself with the causes in the model was partly gap.

@@ -26,6 +26,9 @@ pub struct Settings {
     /// square of Bates & Watts' (1981) relative offset, the cosine between residual and derivatives. The
     /// default 1e-20 leaves ten digits of the parameters where the data have them (docs/evidence/solver.md).
     pub cost_tolerance: f64,
+    /// Stop when that promise is below this many squared residuals, whatever their sum; none where no fall is too small.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_promise: Option<f64>,
     /// Stop when each parameter's undamped step is below this share of its size (plus 1e-3 in its unit).
     pub step_tolerance: f64,
     /// Relative pivot below which a direction is left out of a step.
@@ -47,6 +50,7 @@ impl Default for Settings {
             method: Method::LevenbergMarquardt,
             max_iterations: 1000,
             cost_tolerance: 1e-20,
+            least_promise: None,
             step_tolerance: 1e-13,
             rank_tolerance: 1e-12,
             least_fall: None,
@@ -79,6 +83,10 @@ impl Settings {
         Refusal::unless_share("step_tolerance", self.step_tolerance)?;
         Refusal::unless_share("rank_tolerance", self.rank_tolerance)?;
         Refusal::unless(self.max_iterations > 0, "max_iterations", 0.0, "at least 1")?;
+        if let Some(least) = self.least_promise {
+            let is_allowed = least.is_finite() && least >= 0.0;
+            Refusal::unless(is_allowed, "least_promise", least, "at least 0")?;
+        }
         if let Some(least_fall) = self.least_fall {
             Refusal::unless_share("least_fall", least_fall)?;
         }

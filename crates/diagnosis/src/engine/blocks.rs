@@ -179,12 +179,28 @@ impl Blocks {
 
     /// Means over blocks, over their standard deviations, whitened.
     pub(crate) fn compress(&self, stream: usize, value: impl Fn(usize) -> f64) -> Vec<f64> {
+        let mean =
+            |rows: &[usize]| rows.iter().map(|&row| value(row)).sum::<f64>() / rows.len() as f64;
+        let blocks = &self.streams[stream];
+        let of_entry = |entry: &Entry| mean(&blocks.rows[entry.first..entry.end]);
+        self.whitened(stream, blocks.entries.iter().map(of_entry))
+    }
+
+    /// Rows of a stream's blocks; of a rest they are alike.
+    pub(super) fn rows_of(&self, stream: usize) -> impl Iterator<Item = (&[usize], bool)> {
+        let blocks = &self.streams[stream];
+        blocks.entries.iter().map(|entry| {
+            let rows = &blocks.rows[entry.first..entry.end];
+            (rows, rows.len() >= 2 * blocks.size)
+        })
+    }
+
+    /// A stream's means by block, over their standard deviations, whitened.
+    pub(super) fn whitened(&self, stream: usize, means: impl Iterator<Item = f64>) -> Vec<f64> {
         let blocks = &self.streams[stream];
         let mut out = Vec::with_capacity(blocks.entries.len());
         let mut before = 0.0;
-        for entry in &blocks.entries {
-            let rows = &blocks.rows[entry.first..entry.end];
-            let mean = rows.iter().map(|&row| value(row)).sum::<f64>() / rows.len() as f64;
+        for (entry, mean) in blocks.entries.iter().zip(means) {
             let scaled = mean * entry.scale;
             let fresh = (1.0 - entry.colour * entry.colour).sqrt();
             out.push((scaled - entry.colour * before) / fresh);

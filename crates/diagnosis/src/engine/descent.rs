@@ -1,18 +1,20 @@
 //! Base model, alone or with causes, as one least-squares problem, and the search for its minimum.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
-use haptical_effects::{Context, Effect, Shape, Signal};
-use haptical_identification::Convergence;
+use haptical_calibration::Weights;
+use haptical_effects::{Effect, Signal};
+use haptical_identification::{Convergence, Fit, Matrix, Settings, solve};
+use haptical_linalg::RANK_TOLERANCE;
 
 use super::prepared::BaseFit;
+use super::sampled::Samples;
+use super::whitened::Whitened;
 use crate::Result;
-use crate::engine::{Base, Blocks, Cause, Model, Part, Prepared, Refit, Step, square, with_causes};
+use crate::engine::{Base, BaseProblem, Blocks, Model, Part, Prepared, Refit, square, with_causes};
 use crate::noise::KnownNoise;
-use crate::thresholds::engine::WIDTH_STEP;
 use crate::thresholds::fit::{
-    BASE_PASSES, FRESH_WITHIN, LEAST_FALL, PASSES, SHORTENED_STEPS, SHORTER, STILL_SD,
+    BASE_PASSES, FAR_SD, LEAST_FALL, PASSES, ROUNDS, SAMPLED_S, STILL_SD,
 };
 
 /// What a fit of base model and causes is made of.
@@ -24,117 +26,173 @@ pub(crate) struct Fitting<'r> {
     pub(crate) part: &'r Part,
 }
 
-/// A model with its residuals and their square.
-struct Here {
-    model: Model,
-    residual: Vec<Vec<f64>>,
-    cost: f64,
-}
-
 impl Fitting<'_> {
-    /// Searches the minimum from `model` by Gauss-Newton, with shorter steps where a whole one overshoots, until the linearised
-    /// problem promises next to nothing. The base model's derivatives are those of the part until a step calls for new ones. The
-    /// causes' columns are projected across the base model's directions, which gives their steps and covariance; what they leave
-    /// gives the base model's step.
+    /// The minimum from `model` on. A base model that has made up for a cause lies far away from the one with the cause, at the end of a
+    /// bent valley: where a model with causes leaves much, its search begins with the links of the device file.
     pub(crate) fn descend(&self, model: &Model) -> Result<Refit> {
-        let mut here = self.evaluated(self.part, model.clone());
-        let mut part = Cow::Borrowed(self.part);
-        let owners = owners(self.effects, &model.causes);
-        let rows = self.part.blocks.count();
-        let freedom = rows
-            .saturating_sub(self.data.base.free.len() + owners.len())
-            .max(1) as f64;
-        let (mut covariance, mut promised, mut last_step) = (None, f64::INFINITY, f64::INFINITY);
-        let mut convergence = Convergence::IterationLimit;
-        // how far the predictions moved since the derivatives were taken, in noise deviations; new ones at once are none of the part
-        let (mut moved, mut is_fresh) = (0.0, false);
-        for _ in 0..PASSES {
-            self.data.base.interrupt.check()?;
-            let columns = by_cause(self, &here.model);
-            let pull = self.data.base.pull(&here.model.values);
-            let step = part.step(&columns, &here.residual, &pull)?;
-            let are_causes_still = self.are_causes_still(&step, here.cost / freedom);
-            covariance = step.covariance.or(covariance);
-            (promised, last_step) = (step.explained, step.size);
-            let is_at_minimum = has_settled(promised, here.cost, freedom);
-            if is_at_minimum && (is_fresh || moved < FRESH_WITHIN) {
-                convergence = Convergence::SmallCostChange;
-                break;
-            }
-            let taken = match is_at_minimum {
-                true => None,
-                false => self.shortened(&part, &here, &owners, &step.values),
-            };
-            let gain = taken.as_ref().map_or(0.0, |next| here.cost - next.cost);
-            let has_moved = taken.is_some();
-            here = taken.unwrap_or(here);
-            moved += if has_moved { step.size } else { 0.0 };
-            // at a minimum, rounding may promise less than nothing
-            let is_slow = is_at_minimum || gain < 0.5 * promised;
-            // a promise that the way does not keep: a valley of the base model, along which no cause changes
-            let is_flat = is_fresh && is_slow && has_settled(gain, here.cost, freedom);
-            if is_flat && (are_causes_still || !has_moved) {
-                convergence = match are_causes_still {
-                    true => Convergence::SmallCostChange,
-                    false => Convergence::NoFurtherDescent,
-                };
-                break;
-            }
-            is_fresh = is_slow;
-            if is_slow {
-                let there = self.data.problem.evaluate(&here.model.values, true)?;
-                let blocks = part.blocks.clone();
-                part = Cow::Owned(self.data.part_of(blocks, there.derivatives.as_ref())?);
-                moved = 0.0;
-            }
-        }
-        Ok(Refit {
-            model: here.model,
-            residual: here.residual,
-            covariance,
-            promised,
-            convergence,
-            last_step,
-        })
-    }
-
-    /// Whether a step moves no number of the causes by more than a tenth of its standard deviation, by the variance of what is left.
-    fn are_causes_still(&self, step: &Step, variance: f64) -> bool {
-        let changes = step.values.iter().skip(self.data.base.free.len());
-        let mut changes = changes.enumerate();
-        let sd = |index: usize| {
-            let own = step.covariance.as_ref()?[(index, index)];
-            Some((own * variance.max(1.0)).sqrt())
+        let Some(described) = self.described(model)? else {
+            return self.search(model);
         };
-        changes.all(|(index, change)| sd(index).is_some_and(|sd| change.abs() <= STILL_SD * sd))
+        let found = self.search(&described)?;
+        if found.has_converged() {
+            return Ok(found);
+        }
+        let other = self.search(model)?;
+        Ok(if self.cost(&other) < self.cost(&found) {
+            other
+        } else {
+            found
+        })
     }
 
-    /// A model whose residuals without causes are known.
-    fn evaluated(&self, part: &Part, model: Model) -> Here {
-        let bare = model.bare.to_vec();
-        let residual = with_causes(bare, &self.data.context, self.effects, &model.causes);
-        let cost = square(part, &residual, &self.data.base.pull(&model.values));
-        Here {
-            model,
-            residual,
-            cost,
+    /// A model far away, with the links of the device file.
+    fn described(&self, model: &Model) -> Result<Option<Model>> {
+        let base = self.data.base;
+        if model.causes.is_empty() || base.described.is_empty() {
+            return Ok(None);
+        }
+        let left = with_causes(
+            model.bare.to_vec(),
+            &self.data.context,
+            self.effects,
+            &model.causes,
+        );
+        let cost = square(self.part, &left, &base.pull(&model.values));
+        let numbers = base.free.len() + model.causes.len();
+        let is_far = cost > FAR_SD * FAR_SD * self.freedom(numbers);
+        if !is_far {
+            return Ok(None);
+        }
+        let mut described = model.clone();
+        for &(place, value) in &base.described {
+            described.values[place] = value;
+        }
+        self.bared(described).map(Some)
+    }
+
+    fn cost(&self, refit: &Refit) -> f64 {
+        square(
+            self.part,
+            &refit.residual,
+            &self.data.base.pull(&refit.model.values),
+        )
+    }
+
+    /// The search of every fit ([`solve`]), until the linearised problem promises next to nothing.
+    fn search(&self, model: &Model) -> Result<Refit> {
+        let data = self.data;
+        let context = &data.context;
+        let (streams, rows) = (context.streams.len(), context.rows());
+        let samples = Samples::new(&self.part.blocks, streams, rows, data.sampled_rows());
+        let selected = samples.rows.as_ref().map(|rows| data.problem.select(rows));
+        let at_samples = match &selected {
+            None => None,
+            Some((readings, postures)) => {
+                let postures = postures.as_ref().unwrap_or(readings);
+                let weights = Weights::stated(&data.base.device, &data.base.channels);
+                let (base, streams) = (data.base, &context.streams);
+                Some(BaseProblem::new(
+                    base, readings, postures, streams, &weights,
+                )?)
+            }
+        };
+        let problem = at_samples.as_ref().unwrap_or(&data.problem);
+        let mut here = model.clone();
+        let mut round = 0;
+        loop {
+            let whitened = Whitened::new(self, &here, (&samples, problem))?;
+            let Some(fit) = self.solved(&whitened)? else {
+                return Ok(self.refit(here));
+            };
+            let is_through = samples.rows.is_none() || fit.is_coarse || fit.iterations == 0;
+            round += 1;
+            let next = self.bared(whitened.model(&fit.parameters))?;
+            if is_through || round == ROUNDS {
+                return self.found(next, &fit);
+            }
+            here = next;
         }
     }
 
-    /// The model after the longest share of a step that lowers the cost; none where none does.
-    fn shortened(&self, part: &Part, here: &Here, owners: &[Owner], step: &[f64]) -> Option<Here> {
-        let shares = std::iter::successors(Some(1.0), |share| Some(SHORTER * share));
-        shares.take(SHORTENED_STEPS).find_map(|share| {
-            let mut next = here.model.clone();
-            self.data.base.step(&mut next.values, step, share);
-            for (owner, change) in owners.iter().zip(&step[self.data.base.free.len()..]) {
-                apply(&mut next.causes, *owner, share * change);
-            }
-            let bare = self.data.problem.evaluate(&next.values, false).ok()?;
-            next.bare = Arc::new(bare.residual);
-            let next = self.evaluated(part, next);
-            (next.cost < here.cost).then_some(next)
+    /// The minimum of a problem; none where it has no number.
+    fn solved(&self, problem: &Whitened<'_>) -> Result<Option<Fit>> {
+        let start = problem.start();
+        let free: Vec<usize> = (0..start.len()).collect();
+        if free.is_empty() {
+            return Ok(None);
+        }
+        let settings = Settings {
+            max_iterations: PASSES,
+            cost_tolerance: LEAST_FALL / self.freedom(free.len()),
+            least_promise: Some(LEAST_FALL),
+            rank_tolerance: RANK_TOLERANCE,
+            interrupt: self.data.base.interrupt.clone(),
+            ..Settings::default()
+        };
+        // without causes it is only compared
+        let settings = match start.len() == self.data.base.free.len() {
+            true => settings.to_compare(),
+            false => settings,
+        };
+        Ok(Some(solve(problem, &start, &free, &settings)?))
+    }
+
+    /// The end of a search, with what its linearised problem says of the causes.
+    fn found(&self, model: Model, fit: &Fit) -> Result<Refit> {
+        let free: Vec<usize> = (0..fit.reduction.columns()).collect();
+        let causes = self.data.base.free.len();
+        let last = fit.reduction.solve(&free, 0.0, RANK_TOLERANCE)?;
+        let covariance = fit.reduction.covariance(&free, RANK_TOLERANCE).ok();
+        let of_causes = covariance.filter(|_| causes < free.len()).map(|all| {
+            let count = free.len() - causes;
+            Matrix::from_fn(count, count, |row, column| {
+                all[(causes + row, causes + column)]
+            })
+        });
+        let variance = (fit.cost / self.freedom(free.len())).max(1.0);
+        let sd = |index: usize| Some((of_causes.as_ref()?[(index, index)] * variance).sqrt());
+        let mut changes = last.values[causes..].iter().enumerate();
+        let are_causes_still = of_causes.is_some()
+            && changes
+                .all(|(index, change)| sd(index).is_some_and(|sd| change.abs() <= STILL_SD * sd));
+        let convergence = match fit.convergence {
+            // what is left along a direction that no row fixes
+            Convergence::RankLost => Convergence::SmallCostChange,
+            // a valley of the base model, along which no cause changes
+            reason if !reason.was_successful() && are_causes_still => Convergence::SmallCostChange,
+            reason => reason,
+        };
+        Ok(Refit {
+            promised: last.explained_square,
+            last_step: (last.explained_square / self.part.blocks.count().max(1) as f64).sqrt(),
+            covariance: of_causes,
+            convergence,
+            ..self.refit(model)
         })
+    }
+
+    /// A model of which the residuals without causes are known, as the end of a search.
+    fn refit(&self, model: Model) -> Refit {
+        let bare = model.bare.to_vec();
+        Refit {
+            residual: with_causes(bare, &self.data.context, self.effects, &model.causes),
+            model,
+            covariance: None,
+            promised: 0.0,
+            convergence: Convergence::SmallCostChange,
+            last_step: 0.0,
+        }
+    }
+
+    /// A model with its residuals without causes.
+    fn bared(&self, mut model: Model) -> Result<Model> {
+        let bare = self.data.problem.evaluate(&model.values, false)?;
+        model.bare = Arc::new(bare.residual);
+        Ok(model)
+    }
+
+    fn freedom(&self, numbers: usize) -> f64 {
+        self.part.blocks.count().saturating_sub(numbers).max(1) as f64
     }
 }
 
@@ -142,79 +200,6 @@ impl Fitting<'_> {
 /// the noise where that is more: every number is then within a tenth of its standard deviation of the minimum.
 pub(crate) fn has_settled(promised: f64, cost: f64, freedom: f64) -> bool {
     promised <= LEAST_FALL * (cost / freedom).max(1.0)
-}
-
-/// Whose number a column of a refit is.
-#[derive(Debug, Clone, Copy)]
-enum Owner {
-    Amplitude(usize, usize),
-    /// Logarithm of a shape.
-    LogShape(usize),
-}
-
-/// Whose the numbers of causes are, in their order.
-fn owners(effects: &[Box<dyn Effect>], causes: &[Cause]) -> Vec<Owner> {
-    let of_cause = |(index, cause): (usize, &Cause)| {
-        let amplitudes = 0..cause.amplitudes.len();
-        let shape = effects[cause.effect].spec().shape;
-        amplitudes
-            .map(move |amplitude| Owner::Amplitude(index, amplitude))
-            .chain(shape.is_continuous().then_some(Owner::LogShape(index)))
-    };
-    causes.iter().enumerate().flat_map(of_cause).collect()
-}
-
-fn apply(causes: &mut [Cause], owner: Owner, change: f64) {
-    match owner {
-        Owner::Amplitude(cause, amplitude) => causes[cause].amplitudes[amplitude] += change,
-        // a law may be another one farther away
-        Owner::LogShape(cause) => causes[cause].shape *= change.clamp(-0.7, 0.7).exp(),
-    }
-}
-
-/// Whitened derivatives of all causes' numbers, in the order of their owners.
-fn by_cause(fitting: &Fitting<'_>, model: &Model) -> Vec<Vec<f64>> {
-    let (context, effects) = (&fitting.data.context, fitting.effects);
-    let of_cause = |cause: &Cause| {
-        let effect = &effects[cause.effect];
-        let mut signals = match effect.spec().shape {
-            Shape::Sides if cause.amplitudes.iter().any(|own| *own != 0.0) => {
-                by_differences(cause, effects, context)
-            }
-            _ => cause.derivative(effects, context),
-        };
-        if effect.spec().shape.is_continuous() {
-            let step = effect.shape_step(context, cause.shape);
-            let at = |shape: f64| effect.signal(context, &cause.amplitudes, shape);
-            let higher = at(cause.shape * (1.0 + step));
-            signals.push(difference(
-                &higher,
-                &at(cause.shape * (1.0 - step)),
-                2.0 * step,
-            ));
-        }
-        signals
-    };
-    let signals = model.causes.iter().flat_map(of_cause);
-    signals.map(|own| fitting.part.blocks.dense(&own)).collect()
-}
-
-/// Change of a play per change of its width: its column, the output per width, is another one while the play is crossed.
-fn by_differences(
-    cause: &Cause,
-    effects: &[Box<dyn Effect>],
-    context: &Context<'_>,
-) -> Vec<Signal> {
-    let of_amplitude = |index: usize| {
-        let step = WIDTH_STEP * cause.amplitudes[index].abs().max(f64::MIN_POSITIVE);
-        let moved = |change: f64| {
-            let mut moved = cause.clone();
-            moved.amplitudes[index] += change;
-            moved.contribution(effects, context)
-        };
-        difference(&moved(step), &moved(-step), 2.0 * step)
-    };
-    (0..cause.amplitudes.len()).map(of_amplitude).collect()
 }
 
 /// Change of a signal per step of a number.
@@ -226,6 +211,15 @@ pub(crate) fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
 }
 
 impl Prepared<'_> {
+    /// Rows of which a search works out the base model at one.
+    fn sampled_rows(&self) -> usize {
+        let row_s = self.context.moving_s() / self.context.rows().max(1) as f64;
+        match self.context.ordered && row_s > 0.0 {
+            true => ((SAMPLED_S / row_s) as usize).max(1),
+            false => 1,
+        }
+    }
+
     /// Fits the base model; the noise is estimated anew where the start was far from it.
     pub(super) fn base_fit(
         &self,

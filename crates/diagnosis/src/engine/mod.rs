@@ -11,8 +11,10 @@ mod onto_touches;
 mod part;
 mod prepared;
 mod regression;
+mod sampled;
 mod segments;
 mod system;
+mod whitened;
 
 use std::ops::Deref;
 
@@ -31,7 +33,7 @@ pub(crate) use self::determined::{Fit, Predicted};
 pub(crate) use self::earlier_model::{own_sizes, placed, places};
 pub(crate) use self::model::{Cause, Model, Refit};
 pub(crate) use self::onto_touches::onto_touches;
-pub(crate) use self::part::{Part, Step, root_mean_square, square};
+pub(crate) use self::part::{Part, root_mean_square, square};
 pub(crate) use self::prepared::Prepared;
 pub(crate) use self::regression::{Columns, Regression};
 pub(crate) use self::segments::{Segments, Unseen};

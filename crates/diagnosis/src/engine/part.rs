@@ -1,11 +1,10 @@
 //! Rows that a fit sees, and one Gauss-Newton step on them.
 
 use haptical_effects::Context;
-use haptical_identification::{Matrix, Reduction};
 use haptical_linalg::{Direction, OrthonormalBasis, RANK_TOLERANCE, SparseColumns};
 
 use crate::Result;
-use crate::engine::{Blocks, System, dot, oscillations, take_off_all, windows};
+use crate::engine::{Blocks, System, dot, oscillations, windows};
 
 /// Rows that a fit sees: their blocks, and the base model's derivatives on them.
 #[derive(Debug, Clone)]
@@ -17,18 +16,6 @@ pub(crate) struct Part {
     basis: Option<OrthonormalBasis>,
     /// One over the standard deviations of the anchored parameters; empty where none is anchored.
     stiffness: Vec<f64>,
-}
-
-/// A Gauss-Newton step of base model and causes.
-pub(crate) struct Step {
-    /// Free parameters, then the causes' numbers.
-    pub(crate) values: Vec<f64>,
-    /// Root mean square change of the predictions, in noise deviations.
-    pub(crate) size: f64,
-    /// Squared residual that the linear model loses.
-    pub(crate) explained: f64,
-    /// Of the causes' numbers.
-    pub(crate) covariance: Option<Matrix>,
 }
 
 impl Part {
@@ -115,67 +102,6 @@ impl Part {
             .map(|direction| direction.dot(&target).powi(2));
         let promised = along.sum();
         Ok(Some((basis.solve(&target)?, promised)))
-    }
-
-    /// A step with the pull of the anchors, empty where there are none.
-    pub(crate) fn step(
-        &self,
-        columns: &[Vec<f64>],
-        residual: &[Vec<f64>],
-        pull: &[f64],
-    ) -> Result<Step> {
-        let mut target = self.blocks.compress_rows(residual);
-        target.extend_from_slice(pull);
-        let target = target.as_slice();
-        let lengthened = |column: &Vec<f64>| {
-            let mut column = column.clone();
-            column.resize(target.len(), 0.0);
-            column
-        };
-        let columns: Vec<Vec<f64>> = columns.iter().map(lengthened).collect();
-        let columns = columns.as_slice();
-        let mut left = target.to_vec();
-        let mut numbers = Vec::new();
-        let mut covariance = None;
-        if !columns.is_empty() {
-            let mut projected = columns.to_vec();
-            for column in &mut projected {
-                let directions = || self.basis.iter().flat_map(OrthonormalBasis::directions);
-                take_off_all(column, directions);
-            }
-            let matrix = Matrix::from_fn(target.len(), columns.len(), |row, column| {
-                projected[column][row]
-            });
-            let reduction = Reduction::new(&matrix, target)?;
-            let all: Vec<usize> = (0..columns.len()).collect();
-            numbers = reduction.solve(&all, 0.0, RANK_TOLERANCE)?.values;
-            covariance = reduction.covariance(&all, RANK_TOLERANCE).ok();
-            for (column, number) in columns.iter().zip(&numbers) {
-                for (entry, value) in left.iter_mut().zip(column) {
-                    *entry -= number * value;
-                }
-            }
-        }
-        let mut values = match &self.basis {
-            Some(basis) => basis.solve(&left)?,
-            None => Vec::new(),
-        };
-        if !values.is_empty() {
-            let mut moved = self.free.times(&values)?;
-            let anchored = self.stiffness.iter().zip(&values);
-            moved.extend(anchored.map(|(stiffness, value)| stiffness * value));
-            for (entry, value) in left.iter_mut().zip(&moved) {
-                *entry -= value;
-            }
-        }
-        let moved: Vec<f64> = target.iter().zip(&left).map(|(a, b)| a - b).collect();
-        values.extend(&numbers);
-        Ok(Step {
-            values,
-            size: root_mean_square(&moved),
-            explained: dot(target, target) - dot(&left, &left),
-            covariance,
-        })
     }
 }
 

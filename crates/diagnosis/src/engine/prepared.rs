@@ -2,7 +2,7 @@
 
 use haptical_calibration::{Channel, Weights};
 use haptical_effects::{Context, Effect, Stream, streams};
-use haptical_linalg::{Direction, SparseColumns};
+use haptical_linalg::SparseColumns;
 use haptical_model::Recording;
 
 use super::{Engine, with_causes};
@@ -105,25 +105,10 @@ impl<'a> Prepared<'a> {
         derivatives: &Derivatives,
         chosen: &[usize],
     ) -> SparseColumns {
-        let of_parameter = |&parameter: &usize| {
-            // from the first stream that depends on it to the last
-            let mut first = 0;
-            let mut column: Vec<f64> = Vec::new();
-            for stream in 0..self.context.streams.len() {
-                let range = blocks.range(stream);
-                let derivative = self.problem.derivative(derivatives, stream, parameter);
-                if let Some(derivative) = derivative {
-                    if column.is_empty() {
-                        first = range.start;
-                    }
-                    column.resize(range.start - first, 0.0);
-                    column.extend(blocks.compress(stream, derivative));
-                }
-            }
-            Direction::from_part(first, column)
-        };
-        let columns: Vec<Direction> = haptical_parallel::map(chosen, of_parameter);
-        SparseColumns::new(blocks.count(), columns)
+        self.problem
+            .columns(derivatives, chosen, blocks, &|stream, derivative| {
+                blocks.compress(stream, derivative)
+            })
     }
 
     /// Rows that a fit sees, with the base model's derivatives on them.

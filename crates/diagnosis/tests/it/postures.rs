@@ -351,19 +351,17 @@ fn three_wild_readings_do_not_bend_the_base_model() {
         };
         diagnose(&device, &recording, &options)
     };
-    let robust = answer(LossChoice::Auto).unwrap();
-    assert_eq!(robust.verdict, Verdict::NoGap, "{:?}", robust.gap);
-    let left = robust.gap.channels[0].rms_before;
-    assert!(left < 1.3 * POSITION_SD_M, "{left}");
-    let is_implausible = |found: &Diagnosis| {
+    // least squares are bent by them, and find back once they are out
+    for loss in [LossChoice::Auto, LossChoice::Fixed(Loss::Squares)] {
+        let found = answer(loss).unwrap();
+        assert_eq!(found.verdict, Verdict::NoGap, "{loss:?}: {:?}", found.gap);
+        let left = found.gap.channels[0].rms_before;
+        assert!(left < 1.3 * POSITION_SD_M, "{loss:?}: {left}");
         let mut warnings = found.warnings.iter();
-        warnings.any(|own| own.starts_with("implausible deviations"))
-    };
-    assert!(!is_implausible(&robust), "{:?}", robust.warnings);
-    // least squares are bent by them, or end in another device's lengths
-    let bent = answer(LossChoice::Fixed(Loss::Squares));
-    let is_bent = |bent: &Diagnosis| {
-        bent.gap.channels[0].rms_before > 10.0 * POSITION_SD_M || is_implausible(bent)
-    };
-    assert!(bent.is_err() || bent.as_ref().is_ok_and(is_bent));
+        assert!(
+            !warnings.any(|own| own.starts_with("implausible deviations")),
+            "{loss:?}: {:?}",
+            found.warnings
+        );
+    }
 }

@@ -112,7 +112,7 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
         let rounding = self.rounding();
         let reason = if self.cost <= rounding {
             Convergence::ExactFit
-        } else if newton.explained_square <= self.settings.cost_tolerance * self.cost {
+        } else if newton.explained_square <= self.least_promise() {
             Convergence::SmallCostChange
         } else if newton.explained_square <= rounding
             || self.is_small(newton, self.settings.step_tolerance)
@@ -122,6 +122,14 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             return None;
         };
         Some(self.unless_rank_lost(newton, reason))
+    }
+
+    /// Promised fall that is none.
+    fn least_promise(&self) -> f64 {
+        let share = self.settings.cost_tolerance * self.cost;
+        self.settings
+            .least_promise
+            .map_or(share, |least| share.max(least))
     }
 
     /// No trial lowered the cost: at a minimum the promise itself is only rounding.

@@ -24,6 +24,8 @@ pub(crate) struct Base {
     pub(crate) parameters: Vec<ParameterId>,
     /// Positions (within `parameters`) of those that the recording fixes.
     pub(crate) free: Vec<usize>,
+    /// Numbers of links as the device file has them, by position within `parameters`: from where a search begins anew.
+    pub(crate) described: Vec<(usize, f64)>,
     /// Where they are known to be from elsewhere than the recording; none where it fixes all of them well.
     pub(crate) anchor: Option<Anchor>,
     /// Where the search ended, and why, if that was no minimum.
@@ -47,6 +49,7 @@ impl Base {
             channels,
             parameters: Vec::new(),
             free: Vec::new(),
+            described: Vec::new(),
             anchor: None,
             unfinished: None,
             interrupt: Interrupt::default(),
@@ -108,6 +111,7 @@ impl Base {
                 }
             }
         }
+        let described = links_of(device, &parameters);
         if let (Some(whole), true) = (&fitted.whole, is_needed(&channels)) {
             // where a search ended that found no minimum can be anywhere
             let from = match unfinished {
@@ -120,6 +124,7 @@ impl Base {
                 return Ok(Self {
                     parameters,
                     free: found.free,
+                    described,
                     anchor: Some(found.anchor),
                     interrupt: interrupt.clone(),
                     ..Self::held(found.device, channels)
@@ -142,6 +147,7 @@ impl Base {
         Ok(Self {
             parameters,
             free,
+            described,
             unfinished,
             interrupt: interrupt.clone(),
             ..Self::held(device, channels)
@@ -166,6 +172,15 @@ impl Base {
     pub(crate) fn stiffness(&self) -> &[f64] {
         self.anchor.as_ref().map_or(&[], Anchor::stiffness)
     }
+}
+
+/// Numbers of links as a device has them, by position.
+fn links_of(device: &Device, parameters: &[ParameterId]) -> Vec<(usize, f64)> {
+    let all = parameters.iter().enumerate();
+    let links = all.filter(|(_, parameter)| matches!(parameter, ParameterId::Link { .. }));
+    links
+        .map(|(place, parameter)| (place, parameter.value(device)))
+        .collect()
 }
 
 /// The noise that the device file states; where it states none of its touches, that of their residuals, as no number

@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use haptical_calibration::{Channel, DeviceProblem, Weights};
 use haptical_effects::Stream;
 use haptical_identification::{Matrix, Problem};
+use haptical_linalg::{Direction, SparseColumns};
 use haptical_model::{Device, Recording};
 
 use crate::Result;
-use crate::engine::Base;
+use crate::engine::{Base, Blocks};
 
 /// Residuals (measured minus model) and derivatives of the base model on one recording.
 ///
@@ -16,6 +17,8 @@ use crate::engine::Base;
 #[derive(Debug)]
 pub(crate) struct BaseProblem<'a> {
     base: &'a Base,
+    /// Where residuals and where derivatives are taken.
+    recordings: [&'a Recording; 2],
     groups: Vec<Group<'a>>,
     /// Per stream: its group; none without a reading.
     group: Vec<Option<usize>>,
@@ -110,11 +113,20 @@ impl<'a> BaseProblem<'a> {
         }
         Ok(Self {
             base,
+            recordings: [recording, postures],
             groups,
             group,
             place,
             sd,
         })
+    }
+
+    /// Some rows of its recordings; those of the second are the first's where they are of one recording.
+    pub(crate) fn select(&self, rows: &[usize]) -> (Recording, Option<Recording>) {
+        let [readings, postures] = self.recordings;
+        let is_one = std::ptr::eq(readings, postures);
+        let postures = (!is_one).then(|| postures.select(rows));
+        (readings.select(rows), postures)
     }
 
     pub(crate) fn start(&self) -> Vec<f64> {
@@ -183,6 +195,39 @@ impl<'a> BaseProblem<'a> {
         Some(move |row: usize| column.get(place[row]).map_or(0.0, |entry| entry * sd[row]))
     }
 }
+
+impl BaseProblem<'_> {
+    /// Derivatives of `chosen` parameters on blocks, to which `compress` brings those of a stream's rows.
+    pub(crate) fn columns(
+        &self,
+        derivatives: &Derivatives,
+        chosen: &[usize],
+        blocks: &Blocks,
+        compress: &Compress<'_>,
+    ) -> SparseColumns {
+        let of_parameter = |&parameter: &usize| {
+            // from the first stream that depends on it to the last
+            let mut first = 0;
+            let mut column: Vec<f64> = Vec::new();
+            for stream in 0..self.group.len() {
+                let range = blocks.range(stream);
+                if let Some(derivative) = self.derivative(derivatives, stream, parameter) {
+                    if column.is_empty() {
+                        first = range.start;
+                    }
+                    column.resize(range.start - first, 0.0);
+                    column.extend(compress(stream, &derivative));
+                }
+            }
+            Direction::from_part(first, column)
+        };
+        let columns: Vec<Direction> = haptical_parallel::map(chosen, of_parameter);
+        SparseColumns::new(blocks.count(), columns)
+    }
+}
+
+/// Whitened blocks of a stream's rows.
+type Compress<'c> = dyn Fn(usize, &dyn Fn(usize) -> f64) -> Vec<f64> + Sync + 'c;
 
 /// Outcome of [`BaseProblem::evaluate`].
 #[derive(Debug)]
