@@ -218,7 +218,7 @@ pub(crate) mod fit {
     pub(crate) const LEAST_FALL: f64 = 0.01;
     /// Standard deviations that a step may move a cause's number by where the cost no longer falls. Choice, as `LEAST_FALL`.
     pub(crate) const STILL_SD: f64 = 0.1;
-    /// Noise deviations that a model with causes leaves from which on its search begins elsewhere. Cost: both ends are minima.
+    /// Noise deviations that a model with scanned causes leaves from which on its search begins elsewhere. Cost: both ends are minima.
     pub(crate) const FAR_SD: f64 = 10.0;
     /// Time between rows at which a search works out the base model \[s\]. Cost: the end is found with all rows.
     pub(crate) const SAMPLED_S: f64 = 0.02;

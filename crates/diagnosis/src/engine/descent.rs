@@ -28,7 +28,8 @@ pub(crate) struct Fitting<'r> {
 
 impl Fitting<'_> {
     /// The minimum from `model` on. A base model that has made up for a cause lies far away from the one with the cause, at the end of a
-    /// bent valley: where a model with causes leaves much, its search begins with the links of the device file.
+    /// bent valley: where the causes as they were scanned raise what the base model leaves, and that is much, the search begins with the
+    /// links of the device file.
     pub(crate) fn descend(&self, model: &Model) -> Result<Refit> {
         let Some(described) = self.described(model)? else {
             return self.search(model);
@@ -57,9 +58,11 @@ impl Fitting<'_> {
             self.effects,
             &model.causes,
         );
-        let cost = square(self.part, &left, &base.pull(&model.values));
+        let pull = base.pull(&model.values);
+        let cost = square(self.part, &left, &pull);
         let numbers = base.free.len() + model.causes.len();
-        let is_far = cost > FAR_SD * FAR_SD * self.freedom(numbers);
+        let is_far = cost > FAR_SD * FAR_SD * self.freedom(numbers)
+            && cost > square(self.part, &model.bare, &pull);
         if !is_far {
             return Ok(None);
         }
