@@ -3,28 +3,18 @@
 use std::sync::Arc;
 
 use haptical_calibration::Weights;
-use haptical_effects::{Effect, Signal};
 use haptical_identification::{Convergence, Fit, Matrix, Settings, solve};
 use haptical_linalg::RANK_TOLERANCE;
 
 use super::prepared::BaseFit;
 use super::sampled::Samples;
-use super::whitened::Whitened;
+use super::whitened::{Fitting, Whitened};
 use crate::Result;
 use crate::engine::{Base, BaseProblem, Blocks, Model, Part, Prepared, Refit, square, with_causes};
 use crate::noise::KnownNoise;
 use crate::thresholds::fit::{
     BASE_PASSES, FAR_SD, LEAST_FALL, PASSES, ROUNDS, SAMPLED_S, STILL_SD,
 };
-
-/// What a fit of base model and causes is made of.
-#[derive(Clone, Copy)]
-pub(crate) struct Fitting<'r> {
-    pub(crate) data: &'r Prepared<'r>,
-    pub(crate) effects: &'r [Box<dyn Effect>],
-    /// The rows that it sees.
-    pub(crate) part: &'r Part,
-}
 
 impl Fitting<'_> {
     /// The minimum from `model` on. A base model that has made up for a cause lies far away from the one with the cause, at the end of a
@@ -203,14 +193,6 @@ impl Fitting<'_> {
 /// the noise where that is more: every number is then within a tenth of its standard deviation of the minimum.
 pub(crate) fn has_settled(promised: f64, cost: f64, freedom: f64) -> bool {
     promised <= LEAST_FALL * (cost / freedom).max(1.0)
-}
-
-/// Change of a signal per step of a number.
-pub(crate) fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
-    let mut slope = Signal::default();
-    slope.add(higher, 1.0 / step);
-    slope.add(lower, -1.0 / step);
-    slope
 }
 
 impl Prepared<'_> {

@@ -28,7 +28,7 @@ use crate::thresholds::noise::OTHER_LEVEL;
 pub(crate) use self::base::problem::{BaseProblem, Derivatives};
 pub(crate) use self::base::{Base, Unfinished};
 pub(crate) use self::blocks::{Blocks, Layout};
-pub(crate) use self::descent::{Fitting, difference, nearby};
+pub(crate) use self::descent::nearby;
 pub(crate) use self::determined::{Fit, Predicted};
 pub(crate) use self::earlier_model::{own_sizes, placed, places};
 pub(crate) use self::model::{Cause, Model, Refit};
@@ -41,6 +41,7 @@ pub(crate) use self::system::{
     ALWAYS, Column, SlowEnergy, System, across, dot, mask, oscillations, take_off, take_off_all,
     windows,
 };
+pub(crate) use self::whitened::{Fitting, difference};
 
 /// One recording with its base model.
 #[derive(Debug)]

@@ -6,12 +6,20 @@ use haptical_effects::{Context, Effect, Shape, Signal};
 use haptical_identification::{IdentificationError, TriangleProblem};
 use haptical_linalg::{Direction, SparseColumns, Triangle};
 
-use super::descent::{Fitting, difference};
 use super::sampled::Samples;
 use crate::DiagnosisError;
 use crate::Result;
-use crate::engine::{BaseProblem, Cause, Derivatives, Model};
+use crate::engine::{BaseProblem, Cause, Derivatives, Model, Part, Prepared};
 use crate::thresholds::engine::WIDTH_STEP;
+
+/// What a fit of base model and causes is made of.
+#[derive(Clone, Copy)]
+pub(crate) struct Fitting<'r> {
+    pub(crate) data: &'r Prepared<'r>,
+    pub(crate) effects: &'r [Box<dyn Effect>],
+    /// The rows that it sees.
+    pub(crate) part: &'r Part,
+}
 
 /// Whitened residuals over the base model's free numbers, then the causes' numbers; of a continuous shape the logarithm is one.
 ///
@@ -302,4 +310,12 @@ fn by_differences(
         difference(&moved(step), &moved(-step), 2.0 * step)
     };
     (0..cause.amplitudes.len()).map(of_amplitude).collect()
+}
+
+/// Change of a signal per step of a number.
+pub(crate) fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
+    let mut slope = Signal::default();
+    slope.add(higher, 1.0 / step);
+    slope.add(lower, -1.0 / step);
+    slope
 }
