@@ -186,13 +186,10 @@ impl Blocks {
         self.whitened(stream, blocks.entries.iter().map(of_entry))
     }
 
-    /// Rows of a stream's blocks; of a rest they are alike.
-    pub(super) fn rows_of(&self, stream: usize) -> impl Iterator<Item = (&[usize], bool)> {
-        let blocks = &self.streams[stream];
-        blocks.entries.iter().map(|entry| {
-            let rows = &blocks.rows[entry.first..entry.end];
-            (rows, rows.len() >= 2 * blocks.size)
-        })
+    /// Rows of each block of a stream.
+    pub(super) fn rows_of(&self, stream: usize) -> impl Iterator<Item = &[usize]> {
+        let StreamBlocks { rows, entries, .. } = &self.streams[stream];
+        entries.iter().map(|entry| &rows[entry.first..entry.end])
     }
 
     /// A stream's means by block, over their standard deviations, whitened.

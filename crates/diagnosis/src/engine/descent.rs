@@ -21,26 +21,27 @@ impl Fitting<'_> {
     /// bent valley: where the causes as they were scanned raise what the base model leaves, and that is much, the search begins with the
     /// links of the device file.
     pub(crate) fn descend(&self, model: &Model) -> Result<Refit> {
-        let Some(described) = self.described(model)? else {
+        let Some(described) = self.described(model) else {
             return self.search(model);
         };
-        let found = self.search(&described)?;
-        if found.has_converged() {
-            return Ok(found);
-        }
+        // where the device of the file has no value there is no search from there
+        let found = self.bared(described).and_then(|from| self.search(&from));
+        let found = match found {
+            Ok(found) if found.has_converged() => return Ok(found),
+            other => other,
+        };
         let other = self.search(model)?;
-        Ok(if self.cost(&other) < self.cost(&found) {
-            other
-        } else {
-            found
+        Ok(match found {
+            Ok(found) if self.cost(&found) <= self.cost(&other) => found,
+            _ => other,
         })
     }
 
     /// A model far away, with the links of the device file.
-    fn described(&self, model: &Model) -> Result<Option<Model>> {
+    fn described(&self, model: &Model) -> Option<Model> {
         let base = self.data.base;
         if model.causes.is_empty() || base.described.is_empty() {
-            return Ok(None);
+            return None;
         }
         let left = with_causes(
             model.bare.to_vec(),
@@ -53,14 +54,14 @@ impl Fitting<'_> {
         let numbers = base.free.len() + model.causes.len();
         let is_far = cost > FAR_SD * FAR_SD * self.freedom(numbers)
             && cost > square(self.part, &model.bare, &pull);
-        if !is_far {
-            return Ok(None);
-        }
-        let mut described = model.clone();
-        for &(place, value) in &base.described {
-            described.values[place] = value;
-        }
-        self.bared(described).map(Some)
+        is_far.then(|| {
+            let mut described = model.clone();
+            let free = |(place, _): &&(usize, f64)| base.free.contains(place);
+            for &(place, value) in base.described.iter().filter(free) {
+                described.values[place] = value;
+            }
+            described
+        })
     }
 
     fn cost(&self, refit: &Refit) -> f64 {

@@ -21,16 +21,16 @@ struct StreamSamples {
 }
 
 impl Samples {
-    /// One sample for so many rows, and one of a rest.
+    /// One sample for at most so many rows.
     pub(super) fn new(blocks: &Blocks, streams: usize, rows: usize, every: usize) -> Self {
         let of_stream = |stream: usize| {
             let (mut samples, mut ends) = (Vec::new(), Vec::new());
-            for (rows, is_rest) in blocks.rows_of(stream) {
-                let every = if is_rest { rows.len() } else { every };
+            for rows in blocks.rows_of(stream) {
                 let pieces = rows.len().div_ceil(every);
-                for piece in 0..pieces {
-                    let own = &rows[piece * rows.len() / pieces..(piece + 1) * rows.len() / pieces];
-                    samples.push((own[own.len() / 2], own.len() as f64 / rows.len() as f64));
+                let bound = |piece: usize| piece * rows.len() / pieces;
+                for piece in (0..pieces).map(|piece| &rows[bound(piece)..bound(piece + 1)]) {
+                    let share = piece.len() as f64 / rows.len() as f64;
+                    samples.push((piece[piece.len() / 2], share));
                 }
                 ends.push(samples.len());
             }
@@ -71,12 +71,15 @@ impl Samples {
         if self.rows.is_none() {
             return blocks.compress(stream, value);
         }
-        let own = &self.streams[stream];
+        let StreamSamples { samples, ends } = &self.streams[stream];
         let mut first = 0;
-        let means = own.ends.iter().map(|&end| {
-            let samples = &own.samples[first..end];
+        let means = ends.iter().map(|&end| {
+            let of_block = &samples[first..end];
             first = end;
-            samples.iter().map(|&(row, share)| share * value(row)).sum()
+            of_block
+                .iter()
+                .map(|&(row, share)| share * value(row))
+                .sum()
         });
         blocks.whitened(stream, means)
     }

@@ -42,25 +42,22 @@ impl<'f> Whitened<'f> {
         model: &'f Model,
         (samples, problem): (&'f Samples, &'f BaseProblem<'f>),
     ) -> Result<Self> {
-        let mut own = Self {
+        let mut made = Self {
             owners: owners(fitting.effects, &model.causes),
             fitting,
             model,
             samples,
             problem,
-            offset: Vec::new(),
+            offset: vec![0.0; fitting.part.blocks.count()],
         };
-        own.offset = fitting.part.blocks.compress_rows(&model.bare);
         if samples.rows.is_some() {
             let there = problem.evaluate(&model.values, false)?.residual;
-            let sampled = own.compressed(&there);
-            for (entry, value) in own.offset.iter_mut().zip(sampled) {
-                *entry -= value;
-            }
-        } else {
-            own.offset.fill(0.0);
+            let sampled = made.compressed(&there);
+            let all = fitting.part.blocks.compress_rows(&model.bare);
+            let pairs = all.iter().zip(sampled);
+            made.offset = pairs.map(|(all, sampled)| all - sampled).collect();
         }
-        Ok(own)
+        Ok(made)
     }
 
     /// Whitened blocks of the base model's residuals at samples.
@@ -75,12 +72,10 @@ impl<'f> Whitened<'f> {
     /// The numbers of the model that it was made with.
     pub(super) fn start(&self) -> Vec<f64> {
         let base = self.fitting.data.base.free.iter();
-        let own = self
-            .owners
-            .iter()
-            .map(|owner| owner.number(&self.model.causes));
+        let owners = self.owners.iter();
+        let of_causes = owners.map(|owner| owner.number(&self.model.causes));
         base.map(|&place| self.model.values[place])
-            .chain(own)
+            .chain(of_causes)
             .collect()
     }
 
@@ -162,7 +157,7 @@ impl Whitened<'_> {
         let compress = |stream: usize, derivative: &dyn Fn(usize) -> f64| {
             self.samples.compress(blocks, stream, derivative)
         };
-        let of_base = of_base.map(|own| self.problem.columns(own, base, blocks, &compress));
+        let of_base = of_base.map(|known| self.problem.columns(known, base, blocks, &compress));
         let of_causes = by_cause(self.fitting, model);
         let column = |&number: &usize| match number.checked_sub(base.len()) {
             Some(cause) => Direction::new(of_causes[cause].clone()),
@@ -182,7 +177,7 @@ impl Whitened<'_> {
         into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
         let base = self.fitting.data.base;
-        let pull: Vec<f64> = base.pull(&model.values).iter().map(|own| -own).collect();
+        let pull: Vec<f64> = base.pull(&model.values).iter().map(|pull| -pull).collect();
         let column = |number: &usize| {
             let mut column = vec![0.0; pull.len()];
             if let (Some(entry), Some(stiffness)) =
@@ -217,8 +212,8 @@ fn fold_parts(
             continue;
         }
         let mut few = Triangle::new(known.len());
-        let own: Vec<&[f64]> = known.iter().map(|&column| of_rows[column]).collect();
-        few.fold_rows(&own, &residual[rows])?;
+        let of_known: Vec<&[f64]> = known.iter().map(|&column| of_rows[column]).collect();
+        few.fold_rows(&of_known, &residual[rows])?;
         let few = few.as_rows();
         let nothing = vec![0.0; few.rows()];
         let mut reduced = vec![nothing.as_slice(); dense.len()];
@@ -318,4 +313,121 @@ pub(crate) fn difference(higher: &Signal, lower: &Signal, step: f64) -> Signal {
     slope.add(higher, 1.0 / step);
     slope.add(lower, -1.0 / step);
     slope
+}
+
+#[cfg(test)]
+mod tests {
+    use haptical_calibration::{LossChoice, Weights};
+    use haptical_identification::{Interrupt, Loss};
+    use haptical_model::{Device, Recording};
+
+    use super::*;
+    use crate::engine::{Base, square};
+
+    /// Three drives with encoders on their joints, at 1000 rows a second; one joint stands for a while.
+    fn drives() -> (Device, Recording) {
+        let joint = "[[joint]]\ntransmission = \"capstan\"\ntransmission_ratio = 8.0\ndrum_distance_m = 0.0675\n\
+                     external_encoder_sd_rad = 1e-4\n";
+        let text = "[[link]]\na_m = 0.2\nalpha_rad = 0.5\nd_m = 0.1\n".repeat(4) + &joint.repeat(3);
+        let device = Device::from_toml(&text, "drives.toml").unwrap().device;
+        let time_s: Vec<f64> = (0..4000).map(|row| 1e-3 * f64::from(row)).collect();
+        let angle = |joint: f64| {
+            let moving = time_s.iter().map(|time_s| match *time_s {
+                time_s if joint == 0.0 && time_s > 3.0 => 1.0_f64,
+                time_s => 1.7 * (1.0 + joint) * time_s,
+            });
+            moving.map(f64::sin).collect::<Vec<f64>>()
+        };
+        let joint = [0.0, 1.0, 2.0].map(angle);
+        let read = |angles: &Vec<f64>| {
+            let rows = angles.iter().enumerate();
+            let noise = |row: usize| 1e-4 * (1e3 * (row * row) as f64).sin();
+            Some(
+                rows.map(|(row, angle)| 1.02 * angle + 3e-3 + noise(row))
+                    .collect(),
+            )
+        };
+        let recording = Recording {
+            line: (2..).take(time_s.len()).collect(),
+            output: joint.iter().map(read).collect(),
+            joint: joint.to_vec(),
+            torque_nm: vec![None; 3],
+            time_s: Some(time_s),
+            ..Recording::default()
+        };
+        (device, recording)
+    }
+
+    /// Squared residuals and half their gradient.
+    fn reduced(problem: &Whitened<'_>, at: &[f64]) -> (f64, Vec<f64>) {
+        let all: Vec<usize> = (0..at.len()).collect();
+        let mut triangle = Triangle::new(at.len());
+        problem.reduce_into(at, &all, &mut triangle).unwrap();
+        let gradient = |column: usize| {
+            let entries = triangle.column(column).iter();
+            entries.zip(triangle.projected()).map(|(a, b)| a * b).sum()
+        };
+        (
+            triangle.cost(),
+            all.iter().map(|&column| gradient(column)).collect(),
+        )
+    }
+
+    #[test]
+    fn samples_of_the_rows_stand_for_all_of_them() {
+        let (device, recording) = drives();
+        let loss = LossChoice::Fixed(Loss::Squares);
+        let base = Base::fit(&device, &recording, loss, &Interrupt::default()).unwrap();
+        let engine = Prepared::new(&base, &recording, &recording)
+            .unwrap()
+            .fit(None)
+            .unwrap();
+        let fitting = Fitting {
+            data: &engine,
+            effects: &[],
+            part: &engine.whole,
+        };
+        let samples = |every: usize| Samples::new(&engine.whole.blocks, 3, recording.len(), every);
+        let (some, all) = (samples(20), samples(1));
+        let (readings, _) = engine.problem.select(some.rows.as_ref().unwrap());
+        assert!(readings.len() <= recording.len() / 2 && all.rows.is_none());
+        let weights = Weights::stated(&base.device, &base.channels);
+        let streams = &engine.context.streams;
+        let problem = BaseProblem::new(&base, &readings, &readings, streams, &weights).unwrap();
+        let model = &engine.start.model;
+        let some = Whitened::new(&fitting, model, (&some, &problem)).unwrap();
+        let all = Whitened::new(&fitting, model, (&all, &engine.problem)).unwrap();
+        let start = some.start();
+        assert!(start.len() > 6, "{start:?}");
+        let here = square(&engine.whole, &engine.start.residual, &[]);
+        for problem in [&some, &all] {
+            let found = reduced(problem, &start).0;
+            assert!((found - here).abs() < 1e-9 * here, "{found} for {here}");
+        }
+        // the encoders of three joints read another angle each
+        let moved: Vec<f64> = (start.iter().zip(0..))
+            .map(|(value, k)| value + 1e-5 * f64::from(k + 1))
+            .collect();
+        let (cost, gradient) = reduced(&some, &moved);
+        let exact = reduced(&all, &moved).0;
+        assert!(
+            exact > 2.0 * here && (cost - exact).abs() < 1e-3 * (exact - here),
+            "{cost} for {exact}"
+        );
+        let largest = gradient
+            .iter()
+            .fold(0.0_f64, |most, entry| most.max(entry.abs()));
+        for (column, analytic) in gradient.iter().enumerate() {
+            let at = |step: f64| {
+                let mut there = moved.clone();
+                there[column] += step;
+                reduced(&some, &there).0
+            };
+            let numeric = (at(1e-7) - at(-1e-7)) / 4e-7;
+            assert!(
+                (numeric - analytic).abs() < 1e-4 * largest,
+                "{column}: {analytic} for {numeric}"
+            );
+        }
+    }
 }
