@@ -7,6 +7,7 @@
 )]
 
 mod absent_effects;
+mod bent_base;
 mod budget;
 #[path = "../../examples/capstan.rs"]
 mod capstan;
