@@ -68,7 +68,18 @@ pub struct Options {
     pub rules: IdentifiabilityRules,
 }
 
+/// Share of the cost that a step of a slow search lowers it by at least, where its weights are not known yet: a valley that bends
+/// for many steps belongs to parameters that the right weights hold.
+const ROUGH: f64 = 0.01;
+
 impl Options {
+    /// The same with searches of a first round, from which weights follow.
+    pub(crate) fn to_weigh(&self) -> Self {
+        let mut rough = self.to_compare();
+        rough.search.least_fall = rough.search.least_fall.map(|share| share.max(ROUGH));
+        rough
+    }
+
     /// The same with searches whose ends others are only compared with.
     pub(crate) fn to_compare(&self) -> Self {
         Self {

@@ -21,8 +21,7 @@ mod solver;
 
 pub use component::{Component, pooled};
 pub use correlated::{
-    CorrelatedNoise, FEWEST_ROWS, HeldEffect, HeldParameters, OrderedProblem, Signal, Uneven,
-    correlated_noise,
+    CorrelatedNoise, FEWEST_ROWS, HeldEffect, OrderedProblem, Signal, Uneven, correlated_noise,
 };
 pub use derivative_check::{DerivativeMismatch, worst_derivative};
 pub use error::IdentificationError;

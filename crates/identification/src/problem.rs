@@ -42,6 +42,9 @@ pub trait TriangleProblem {
     /// Number of parameters, free or not.
     fn columns(&self) -> usize;
 
+    /// Number of residuals that the triangle stands for.
+    fn rows(&self) -> usize;
+
     /// Reduces the derivatives with respect to `free`, column k for parameter `free[k]`, and the residuals. Without free
     /// parameters the triangle holds the cost alone.
     ///

@@ -33,8 +33,9 @@ pub struct Settings {
     pub step_tolerance: f64,
     /// Relative pivot below which a direction is left out of a step.
     pub rank_tolerance: f64,
-    /// Stop a slow search where a step lowers the cost by less than this share of it, as a minimum that others are only compared with
-    /// needs no more digits; none for a search whose numbers are kept.
+    /// A minimum that others are only compared with needs few digits: stop where the undamped step is a tenth of a standard deviation
+    /// (a fall of a hundredth of the residuals' mean square), and a slow search where a step lowers the cost by less than this share
+    /// of it. None for a search whose numbers are kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_fall: Option<f64>,
     /// First damping of Levenberg-Marquardt, relative to unit-norm columns.

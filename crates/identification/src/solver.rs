@@ -22,7 +22,7 @@ pub struct Fit {
     pub evaluations: usize,
     /// Why the search stopped.
     pub convergence: Convergence,
-    /// Whether it stopped by [`Settings::least_fall`].
+    /// Whether it stopped as one that is only compared ([`Settings::to_compare`]).
     pub is_coarse: bool,
     /// The linearised problem at the solution, over the free parameters in their order.
     pub reduction: Reduction,
@@ -39,6 +39,11 @@ const FORGETTING: [f64; 2] = [0.8, 1.0];
 
 /// Damping beyond which a step is too short to halve the promise of the undamped one.
 const HOPELESS_DAMPING: f64 = 1e3;
+
+/// Promised fall, as a share of the cost, below which a search begins close to a minimum, and its first damping there. That of
+/// [`Settings::initial_damping`] would hold back a weak direction until it has fallen far enough, which takes six steps.
+const CLOSE: f64 = 0.01;
+const WEAK_DAMPING: f64 = 1e-12;
 
 /// Above zero, so that the damping can grow again.
 const WEAKEST_DAMPING: f64 = 1e-30;
@@ -114,6 +119,7 @@ fn attempt<P: Problem + ?Sized>(
     let mut damping = Damping {
         value: settings.initial_damping,
         growth: 2.0,
+        least_tightened: 0.0,
         norms: vec![0.0; free.len()],
         forgetting,
     };
@@ -125,6 +131,14 @@ fn attempt<P: Problem + ?Sized>(
         let newton = search.newton()?;
         if let Some(reason) = search.converged(&newton) {
             break reason;
+        }
+        is_coarse = settings.least_fall.is_some() && search.is_near(&newton);
+        if is_coarse {
+            break search.unless_rank_lost(&newton, Convergence::SmallCostChange);
+        }
+        if iterations == 0 && newton.explained_square < CLOSE * search.cost {
+            damping.least_tightened = damping.value;
+            damping.value = damping.value.min(WEAK_DAMPING);
         }
         if iterations == settings.max_iterations {
             break Convergence::IterationLimit;
@@ -177,6 +191,8 @@ fn attempt<P: Problem + ?Sized>(
 struct Damping {
     value: f64,
     growth: f64,
+    /// Least damping after a step that was no improvement, of a search that began with a weak one.
+    least_tightened: f64,
     /// Largest norm of each column, fading.
     norms: Vec<f64>,
     forgetting: f64,
@@ -288,7 +304,7 @@ impl Damping {
 
     /// After a step that was no improvement.
     fn tighten(&mut self) {
-        self.value *= self.growth;
+        self.value = (self.value * self.growth).max(self.least_tightened);
         self.growth *= 2.0;
     }
 }

@@ -74,7 +74,7 @@ pub fn with_curvature(
 }
 
 /// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more.
-const MOST_ROWS: usize = 5000;
+const MOST_ROWS: usize = 1000;
 /// Rows of a kind, five a fitted parameter at least, that say which of the held parameters matter beyond the first order: few do, and G
 /// is asked for four times for each.
 const LEAST_ROWS: usize = 200;

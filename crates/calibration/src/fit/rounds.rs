@@ -72,7 +72,8 @@ impl Rounds<'_, '_> {
             }
             // where no set is stable, the last one is kept with its statuses at the solution
             let is_stable = wanted == free || is_kept || met.len() == MAX_ROUNDS;
-            if is_stable && (is_last || !fit.is_coarse) {
+            let is_through = is_last || !fit.is_coarse || options.search.least_fall.is_some();
+            if is_stable && is_through {
                 return Ok(Ended {
                     fit,
                     free,

@@ -48,6 +48,7 @@ pub(crate) fn widen_offsets(
     }
     let again = FitRequest {
         device: &wide,
+        start: Some(&fit.device),
         yielded: Some(&fit.device),
         ..*request
     };

@@ -216,6 +216,10 @@ impl TriangleProblem for ReducedProblem<'_> {
         self.problem.parameter_count()
     }
 
+    fn rows(&self) -> usize {
+        self.problem.residual_count()
+    }
+
     fn reduce_into(
         &self,
         parameters: &[f64],

@@ -247,9 +247,12 @@ pub(crate) fn fit(
     for (loss, options, limit) in stages {
         for _ in 0..limit {
             // random places are asked in the first round, and in the last fit
-            let options = &Options {
-                starts: if before.is_none() { options.starts } else { 0 },
-                ..options.clone()
+            let options = &match before {
+                None => options.to_weigh(),
+                Some(_) => Options {
+                    starts: 0,
+                    ..options.clone()
+                },
             };
             let fitted = fit_with(&weights, options, before.as_ref())?;
             rounds += 1;

@@ -32,17 +32,48 @@ pub(crate) fn fit_squares(
     options: &Options,
 ) -> Result<FittedDevice, CalibrationError> {
     let channels = channels(device, recording)?;
-    let mut weights = Weights::stated(device, &channels);
     if options.weighting == Weighting::Stated {
+        let weights = Weights::stated(device, &channels);
         let mut fitted = fit_once(device, recording, &channels, &weights, options, None)?;
         fitted.weights = weights;
         return Ok(fitted);
     }
     let coarse = options.to_compare();
-    let mut fitted = fit_once(device, recording, &channels, &weights, &coarse, None)?;
+    let compare = |rows: &Recording| compared(device, (rows, recording), &channels, &coarse);
+    let some = some_of_long(recording);
+    let of_some = some.as_ref().and_then(|some| compare(some).ok());
+    let is_of_some = of_some.is_some();
+    let mut fitted = match of_some {
+        Some(fitted) => fitted,
+        None => compare(recording)?,
+    };
+    // the last one alone has to have its digits
+    if is_of_some || (fitted.is_coarse() && options.search.least_fall.is_none()) {
+        let (weights, before) = (fitted.weights, Some(&fitted.device));
+        fitted = fit_once(device, recording, &channels, &weights, options, before)?;
+        fitted.weights = weights;
+    }
+    Ok(fitted)
+}
+
+/// Fits to `rows`, all of a recording or some of a long one, until the noise of its channels is known: its size shows on some rows,
+/// and is taken from all.
+fn compared(
+    device: &Device,
+    (rows, recording): (&Recording, &Recording),
+    channels: &[Channel],
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let mut weights = Weights::stated(device, channels);
+    let mut fitted = fit_once(device, rows, channels, &weights, &options.to_weigh(), None)?;
+    // random places are asked in the first round, and in the last fit
+    let again = &Options {
+        starts: 0,
+        ..options.clone()
+    };
     for _ in 0..WEIGHTING_ROUNDS {
         let estimated = Weights {
-            factor: estimate_noise(&fitted, recording, &channels, &weights)?,
+            factor: estimate_noise(&fitted, recording, channels, &weights)?,
             ..weights.clone()
         };
         if weights.change_to(&estimated) < WEIGHTING_CHANGE {
@@ -50,18 +81,13 @@ pub(crate) fn fit_squares(
         }
         weights = estimated;
         let before = Some(&fitted.device);
-        fitted = fit_once(device, recording, &channels, &weights, &coarse, before)?;
-    }
-    // the last one alone has to have its digits
-    if fitted.is_coarse() && options.search.least_fall.is_none() {
-        let before = Some(&fitted.device);
-        fitted = fit_once(device, recording, &channels, &weights, options, before)?;
+        fitted = fit_once(device, rows, channels, &weights, again, before)?;
     }
     fitted.weights = weights;
     Ok(fitted)
 }
 
-/// One fit with given weights; the search of step 2 begins at the values of `start`, those of a fit with other weights.
+/// One fit with given weights; its searches begin at the values of `start`, those of a fit with other weights.
 pub(crate) fn fit_once(
     device: &Device,
     recording: &Recording,
@@ -101,6 +127,12 @@ pub(crate) fn fit_once(
             let first = parameters.len();
             parameters.extend(unsupported);
             let unsupported: Vec<usize> = (first..parameters.len()).collect();
+            let begin = match start {
+                Some(start) if !kinematics.starts.replaced => {
+                    &with_transmissions(start.clone(), &fitted)
+                }
+                _ => &kinematics.device,
+            };
             let mut fit = fit_parameters(&FitRequest {
                 what: "joint identification",
                 device: &fitted.device,
@@ -110,8 +142,8 @@ pub(crate) fn fit_once(
                 unsupported: &unsupported,
                 weights,
                 options,
-                start: Some(&kinematics.device),
-                yielded: Some(&kinematics.device),
+                start: Some(begin),
+                yielded: Some(begin),
             })?;
             if fit.starts.tried == 0 {
                 // it began where step 2 had ended, which may have looked elsewhere
@@ -129,6 +161,17 @@ pub(crate) fn fit_once(
         whole: Some(whole),
         ..fitted
     })
+}
+
+/// A device with the transmissions of step 1, whose forms another fit may have chosen otherwise.
+fn with_transmissions(mut device: Device, fitted: &FittedDevice) -> Device {
+    for step in &fitted.transmissions {
+        let error = &fitted.device.joints[step.joint].transmission_error;
+        device.joints[step.joint]
+            .transmission_error
+            .clone_from(error);
+    }
+    device
 }
 
 /// Transmissions and effects together, where nothing sees the chain: an effect may be of several joints. What step 1 found

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    CorrelatedNoise, FEWEST_ROWS, HeldParameters, Matrix, OrderedProblem, Signal, correlated_noise,
+    CorrelatedNoise, FEWEST_ROWS, Matrix, OrderedProblem, Signal, correlated_noise,
     evaluate_jacobian,
 };
 use haptical_model::{Device, ParameterId, Recording};
@@ -133,14 +133,13 @@ fn look(
     let problem = DeviceProblem::new(&device, recording, channels, &all, weights)?;
     let prepared = Prepared::new(&problem)?;
     let free: Vec<usize> = (0..all.len()).collect();
-    let (all, residuals) =
+    let (derivatives, residuals) =
         evaluate_jacobian(prepared.row_by_row(), &problem.start(), &free).map_err(failed)?;
-    let columns = |from: usize, count: usize| {
-        Matrix::from_fn(residuals.len(), count, |row, column| {
-            all[(row, from + column)]
-        })
+    // of the fit alone
+    let of_fit = || {
+        let entry = |row: usize, column: usize| derivatives[(row, column)];
+        Matrix::from_fn(residuals.len(), own.len(), entry)
     };
-    let (derivatives, held) = (columns(0, own.len()), columns(own.len(), held.len()));
     let known = fit.considered.known();
     let signals = signals(&problem, &own);
     fit.noise_is_checked = signals
@@ -148,18 +147,16 @@ fn look(
         .any(|signal| signal.rows.len() >= FEWEST_ROWS);
     let found = correlated_noise(&OrderedProblem {
         derivatives: &derivatives,
+        fitted: own.len(),
         residuals: &residuals,
         signals: &signals,
         covariates: &recording.joint,
         noise: fit.noise,
-        held: (held.columns() > 0).then_some(HeldParameters {
-            derivatives: &held,
-            known: &known,
-        }),
+        known: Some(&known),
     });
     let Some(found) = found else {
         if let Some(robust) = robust {
-            let rows = (&derivatives, &residuals[..]);
+            let rows = (&of_fit(), &residuals[..]);
             robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
             take_step(&mut fit, &[], &[]);
         }
@@ -188,10 +185,10 @@ fn look(
     if let Some(effect) = held {
         fit.considered = fit.considered.reweighed(&device, &effect);
     }
-    let changes: Vec<(ParameterId, f64)> = own.into_iter().zip(step).collect();
+    let changes: Vec<(ParameterId, f64)> = own.iter().copied().zip(step).collect();
     fit.uncertainty = fit.uncertainty.with_components(components);
     if let Some(robust) = robust {
-        let rows = (&derivatives, &residuals[..]);
+        let rows = (&of_fit(), &residuals[..]);
         robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
     }
     take_step(&mut fit, &changes, &[]);

@@ -14,6 +14,10 @@ impl TriangleProblem for Dense<'_> {
         self.0.columns()
     }
 
+    fn rows(&self) -> usize {
+        self.0.rows()
+    }
+
     fn reduce_into(
         &self,
         parameters: &[f64],

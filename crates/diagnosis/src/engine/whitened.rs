@@ -122,6 +122,10 @@ impl TriangleProblem for Whitened<'_> {
         self.fitting.data.base.free.len() + self.owners.len()
     }
 
+    fn rows(&self) -> usize {
+        self.offset.len()
+    }
+
     fn reduce_into(
         &self,
         parameters: &[f64],

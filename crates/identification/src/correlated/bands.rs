@@ -1,10 +1,12 @@
 //! A signal's rows by frequency: the discrete cosine transform in a few bands.
 
-use nalgebra::DMatrix;
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
 
 use super::cosines::Cosines;
 use super::problem::Signal;
-use super::rows::{Rows, along};
+use super::rows::{Group, along};
 
 /// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings, held
 /// parameters; all over the local size of the noise.
@@ -21,21 +23,26 @@ const FIRST: usize = 4;
 const RATIO: f64 = 1.8;
 
 impl SignalBands {
-    pub(super) fn new(signal: &Signal, rows: &Rows, sizes: &[f64], is_long: bool) -> Self {
-        let (count, columns) = (signal.rows.len(), rows.basis.ncols());
-        let held = rows.held.ncols();
+    pub(super) fn new(
+        signal: &Signal,
+        (group, places): (&Group, &Range<usize>),
+        sizes: &[f64],
+        is_long: bool,
+    ) -> Self {
+        let (count, columns) = (places.len(), group.basis.ncols());
+        let held = group.held.ncols();
+        let sizes = &sizes[places.clone()];
+        let basis = group.basis.column_iter();
+        let basis = basis.map(|column| column.rows_range(places.clone()).into_owned());
+        let line = DVector::from_fn(count, |place, _| along(place, count));
+        let readings = DVector::from_column_slice(&group.readings[places.clone()]);
+        let others = group.held.column_iter();
+        let others = others.map(|column| column.rows_range(places.clone()).into_owned());
         let mut table = DMatrix::zeros(count, columns + 2 + held);
-        for column in 0..columns {
-            let own = rows.basis.column(column);
-            for (entry, &row) in table.column_mut(column).iter_mut().zip(&signal.rows) {
-                *entry = own[row] / sizes[row];
-            }
-        }
-        for (place, &row) in signal.rows.iter().enumerate() {
-            table[(place, columns)] = along(place, count) / sizes[row];
-            table[(place, columns + 1)] = rows.readings[row] / sizes[row];
-            for column in 0..held {
-                table[(place, columns + 2 + column)] = rows.held[(row, column)] / sizes[row];
+        let all = basis.chain([line, readings]).chain(others);
+        for (mut column, own) in table.column_iter_mut().zip(all) {
+            for ((entry, own), size) in column.iter_mut().zip(own.iter()).zip(sizes) {
+                *entry = own / size;
             }
         }
         let bounds = match is_long {
@@ -48,9 +55,17 @@ impl SignalBands {
                 transform.apply(column.as_mut_slice());
             }
         }
+        // from the group's coordinates to those of the whole
+        let parameters = group.coordinates.ncols();
+        let mut way = DMatrix::zeros(columns + 2 + held, parameters + 2 + held);
+        way.view_mut((0, 0), (columns, parameters))
+            .copy_from(&group.coordinates);
+        for k in 0..2 + held {
+            way[(columns + k, parameters + k)] = 1.0;
+        }
         let of_band = |pair: &[usize]| {
             let own = table.rows(pair[0], pair[1] - pair[0]);
-            own.transpose() * own
+            way.tr_mul(&(own.transpose() * own * &way))
         };
         Self {
             grams: bounds.windows(2).map(of_band).collect(),

@@ -1,10 +1,13 @@
 //! Least squares over the products of all bands, with or without a line in time for every signal.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::bands::SignalBands;
+use super::least_squares::{AT_ONCE, LEAST_ROOM, inverse_factor, row_products};
 use super::problem::OrderedProblem;
-use super::rows::{Rows, along, inverse_factor, rooms};
+use super::rows::{Rows, along};
 
 /// A fit of all signals together.
 pub(super) struct Fitted {
@@ -26,7 +29,7 @@ pub(super) struct Fitted {
 
 impl Fitted {
     pub(super) fn new(bands: &[SignalBands], rows: &Rows, with_lines: bool) -> Option<Self> {
-        let parameters = rows.basis.ncols();
+        let parameters = rows.parameters();
         let mut unknowns = parameters;
         let mut line = |signal: &SignalBands| {
             (with_lines && signal.may_have_line).then(|| {
@@ -35,7 +38,7 @@ impl Fitted {
             })
         };
         let line_of_signal: Vec<Option<usize>> = bands.iter().map(&mut line).collect();
-        let held = rows.held.ncols();
+        let held = rows.held();
         let mut normal = DMatrix::zeros(unknowns, unknowns);
         let mut rhs = DMatrix::zeros(unknowns, 1 + held);
         let mut square = 0.0;
@@ -158,27 +161,56 @@ impl Fitted {
         &self,
         rows: &Rows,
         problem: &OrderedProblem<'_>,
-        sizes: &[f64],
+        sizes: &[Vec<f64>],
     ) -> Option<(DVector<f64>, DVector<f64>)> {
-        let count = rows.basis.ncols();
-        let lines = self.unknowns() - count;
-        let mut columns = rows.weighted(sizes).resize_horizontally(count + lines, 0.0);
-        for (signal, &line) in problem.signals.iter().zip(&self.line_of_signal) {
-            let Some(line) = line else { continue };
-            for (place, &row) in signal.rows.iter().enumerate() {
-                columns[(row, line)] = along(place, signal.rows.len()) / sizes[row];
+        let mut meat = DMatrix::zeros(self.unknowns(), self.unknowns());
+        for (index, (group, sizes)) in rows.groups.iter().zip(sizes).enumerate() {
+            // columns of the group's basis, then of its signals' lines, by the unknowns
+            let lines = self.line_of_signal.iter().zip(problem.signals);
+            let lines = lines
+                .zip(&rows.places)
+                .filter_map(|((line, signal), places)| {
+                    let line = (*line).filter(|_| signal.group == index)?;
+                    Some((line, places))
+                });
+            let lines: Vec<(usize, &Range<usize>)> = lines.collect();
+            let columns = group.basis.ncols();
+            let mut way = DMatrix::zeros(columns + lines.len(), self.unknowns());
+            way.view_mut((0, 0), (columns, self.parameters))
+                .copy_from(&group.coordinates);
+            for (k, &(line, _)) in lines.iter().enumerate() {
+                way[(columns + k, line)] = 1.0;
             }
-        }
-        let readings = DVector::from_fn(sizes.len(), |row, _| rows.readings[row] / sizes[row]);
-        let rest = &readings - &columns * &self.values;
-        let mut spanned = columns * self.inverse_factor.transpose();
-        let rooms = rooms(&spanned);
-        for mut column in spanned.column_iter_mut() {
-            for ((entry, rest), room) in column.iter_mut().zip(rest.iter()).zip(&rooms) {
-                *entry *= rest / room.sqrt();
+            let values = &way * &self.values;
+            let spanned = &self.inverse_factor * way.transpose();
+            let covariance = spanned.tr_mul(&spanned);
+            let mut own = DMatrix::zeros(way.nrows(), way.nrows());
+            for first in (0..sizes.len()).step_by(AT_ONCE) {
+                let sizes = &sizes[first..(first + AT_ONCE).min(sizes.len())];
+                let entry = |row: usize, column: usize| {
+                    let place = first + row;
+                    let entry = match column.checked_sub(columns) {
+                        None => group.basis[(place, column)],
+                        Some(k) if lines[k].1.contains(&place) => {
+                            along(place - lines[k].1.start, lines[k].1.len())
+                        }
+                        Some(_) => 0.0,
+                    };
+                    entry / sizes[row]
+                };
+                let mut part = DMatrix::from_fn(sizes.len(), way.nrows(), entry);
+                let shares = row_products(&part, &covariance);
+                let made = &part * &values;
+                for (row, size) in sizes.iter().enumerate() {
+                    let rest = group.readings[first + row] / size - made[row];
+                    let room = (1.0 - shares[row]).max(LEAST_ROOM);
+                    part.row_mut(row).scale_mut(rest / room.sqrt());
+                }
+                own.gemm(1.0, &part.transpose(), &part, 1.0);
             }
+            meat += &spanned * own * spanned.transpose();
         }
-        let meat = spanned.transpose() * &spanned;
+        let count = self.parameters;
         let way = self.to_parameters(rows);
         let usual = self.variance();
         let usual = DVector::from_fn(count, |k, _| usual * way.row(k).norm_squared());

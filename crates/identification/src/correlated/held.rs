@@ -29,16 +29,24 @@ impl HeldEffect {
     #[must_use]
     pub fn second_moment(&self, some: &[usize], sizes: &[f64]) -> Option<Matrix> {
         let count = some.len();
+        // what the fit makes up as a whole leaves rounding, of either sign
+        let says = |k: usize| self.information[(k, k)] > 0.0 && self.scatter[(k, k)] > 0.0;
         let in_sizes = |of: &Matrix| {
-            DMatrix::from_fn(count, count, |a, b| {
-                of[(some[a], some[b])] * sizes[a] * sizes[b]
+            DMatrix::from_fn(count, count, |a, b| match says(some[a]) && says(some[b]) {
+                true => of[(some[a], some[b])] * sizes[a] * sizes[b],
+                false => 0.0,
             })
         };
         let (information, scatter) = (in_sizes(&self.information), in_sizes(&self.scatter));
-        let gradient = DVector::from_fn(count, |k, _| self.gradient[some[k]] * sizes[k]);
-        let deviations: Vec<f64> = (0..count)
-            .map(|k| scatter[(k, k)].max(f64::MIN_POSITIVE).sqrt())
-            .collect();
+        let gradient = DVector::from_fn(count, |k, _| match says(some[k]) {
+            true => self.gradient[some[k]] * sizes[k],
+            false => 0.0,
+        });
+        let deviation = |k: usize| match says(some[k]) {
+            true => scatter[(k, k)].sqrt(),
+            false => 1.0,
+        };
+        let deviations: Vec<f64> = (0..count).map(deviation).collect();
         let unit = DMatrix::from_fn(count, count, |a, b| {
             let ridge = if a == b { RIDGE } else { 0.0 };
             scatter[(a, b)] / deviations[a] / deviations[b] + ridge
@@ -85,6 +93,29 @@ mod tests {
             (found - (1.0 / precision + mean * mean)).abs() < 1e-8,
             "{found}"
         );
+    }
+
+    /// Rounding of either sign beside a parameter of which the readings say something.
+    #[test]
+    fn rounding_says_nothing_and_hides_nothing() {
+        for rounding in [-1e-20, 0.0, 1e-20] {
+            let two = |first: f64| {
+                Matrix::from_fn(2, 2, |row, column| match (row, column) {
+                    (0, 0) => first,
+                    _ => rounding,
+                })
+            };
+            let effect = HeldEffect {
+                sensitivity: two(0.0),
+                information: two(4.0),
+                scatter: two(9.0),
+                gradient: vec![-6.0, rounding],
+            };
+            let found = effect.second_moment(&[0, 1], &[2.0, 3.0]).unwrap();
+            let alone = effect.second_moment(&[0], &[2.0]).unwrap();
+            assert!((found[(0, 0)] - alone[(0, 0)]).abs() < 1e-8, "{rounding}");
+            assert!((found[(1, 1)] - 9.0).abs() < 1e-6, "{rounding}");
+        }
     }
 
     #[test]

@@ -6,12 +6,15 @@ mod bands;
 mod cosines;
 mod fitted;
 mod held;
+mod least_squares;
 mod nnls;
 mod partition;
 mod problem;
 mod rows;
 mod sizes;
 mod unmixed;
+
+use std::ops::Range;
 
 use haptical_linalg::Matrix;
 use nalgebra::{DMatrix, DVector};
@@ -22,7 +25,7 @@ use crate::component::{Component, pooled, quantile};
 use bands::SignalBands;
 use fitted::Fitted;
 pub use held::HeldEffect;
-pub use problem::{HeldParameters, OrderedProblem, Signal, Uneven};
+pub use problem::{OrderedProblem, Signal, Uneven};
 use rows::{Rows, as_matrix};
 use sizes::Sizes;
 use unmixed::Unmixed;
@@ -74,11 +77,12 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
     }
     let rows = Rows::new(problem)?;
     let sizes = Sizes::find(problem, &rows)?;
-    let bands: Vec<SignalBands> = problem
-        .signals
-        .iter()
-        .map(|signal| SignalBands::new(signal, &rows, &sizes.of_row, is_long(signal)))
-        .collect();
+    let of_signal = |(signal, places): (&Signal, &Range<usize>)| {
+        let (group, sizes) = (&rows.groups[signal.group], &sizes.of_group[signal.group]);
+        SignalBands::new(signal, (group, places), sizes, is_long(signal))
+    };
+    let signals = problem.signals.iter().zip(&rows.places);
+    let bands: Vec<SignalBands> = signals.map(of_signal).collect();
     let plain = Fitted::new(&bands, &rows, false)?;
     let lined = Fitted::new(&bands, &rows, true);
     let drift_p_value = lined
@@ -90,7 +94,7 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
         _ => (plain, false),
     };
     let unmixed = Unmixed::new(&fitted, &bands, &rows);
-    let (usual, heteroscedastic) = fitted.variances(&rows, problem, &sizes.of_row)?;
+    let (usual, heteroscedastic) = fitted.variances(&rows, problem, &sizes.of_group)?;
     let usual = match problem.noise {
         NoiseScale::Estimated => usual,
         NoiseScale::Stated if sizes.uneven.is_empty() && !unmixed.memory => {
@@ -126,9 +130,9 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
             degrees_of_freedom: rest,
         }]
     };
-    let held = problem.held.map(|_| {
+    let held = (rows.held() > 0).then(|| {
         let [plain, scattered] = unmixed.of_held(fitted.variance());
-        let count = rows.held.ncols();
+        let count = rows.held();
         let of_held =
             |sum: &DMatrix<f64>| as_matrix(&sum.view((1, 1), (count, count)).into_owned());
         HeldEffect {
@@ -145,8 +149,8 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
         components: inflated(components, sizes.inflation),
         correlated: unmixed.correlated(problem.signals),
         drift: fitted.lines(),
+        sizes: sizes.by_row(&rows),
         uneven: sizes.uneven,
-        sizes: sizes.of_row,
         drift_p_value,
     })
 }

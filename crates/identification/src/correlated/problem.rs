@@ -20,8 +20,11 @@ pub struct Signal {
 /// A linearised least-squares problem at its minimum, with the order of its rows.
 #[derive(Debug, Clone, Copy)]
 pub struct OrderedProblem<'a> {
-    /// Derivatives of the weighted residuals, rows x parameters.
+    /// Derivatives of the weighted residuals, rows x parameters: those of the fit, then others that it held although they are
+    /// uncertain.
     pub derivatives: &'a Matrix,
+    /// Number of parameters of the fit.
+    pub fitted: usize,
     /// Weighted residuals, model minus measurement over the stated standard deviation.
     pub residuals: &'a [f64],
     /// Which rows follow each other in time.
@@ -30,18 +33,9 @@ pub struct OrderedProblem<'a> {
     pub covariates: &'a [Vec<f64>],
     /// Where the size of even noise without memory comes from.
     pub noise: NoiseScale,
-    /// Parameters that the fit held although they are uncertain.
-    pub held: Option<HeldParameters<'a>>,
-}
-
-/// Parameters that a fit held although they are uncertain.
-#[derive(Debug, Clone, Copy)]
-pub struct HeldParameters<'a> {
-    /// Derivatives of the weighted residuals, rows x parameters.
-    pub derivatives: &'a Matrix,
-    /// Covariance of those that an earlier step fitted, zero for the others: what their errors are expected to add to the
-    /// residuals is no noise.
-    pub known: &'a Matrix,
+    /// Covariance of those held parameters that an earlier step fitted, zero for the others: what their errors are expected to add to
+    /// the residuals is no noise. None where nothing is known of any.
+    pub known: Option<&'a Matrix>,
 }
 
 /// Noise that is larger in a part of the range of a covariate.

@@ -1,222 +1,209 @@
-//! The rows of a problem with orthonormal columns, and weighted least squares over them.
+//! The rows of a problem group by group, with orthonormal columns, and weighted least squares over them.
+//!
+//! The rows of a group depend on some parameters only: an external encoder on those of its transmission. Derivatives of a group are
+//! its orthonormal columns times a matrix, and whatever sums rows is a product of few columns that this matrix takes to all
+//! parameters. Source: docs/equations.md, Noise with memory.
+
+use std::ops::Range;
 
 use haptical_linalg::Matrix;
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, SymmetricEigen};
 
+use super::least_squares::{Normal, Products, Scaled};
 use super::problem::OrderedProblem;
 
-/// Columns that span the derivatives, what the fit may still change, and the way back to the parameters.
+/// The derivatives in groups, what the fit may still change, and the way back to the parameters.
 pub(super) struct Rows {
-    /// Orthonormal columns, rows x parameters.
-    pub(super) basis: DMatrix<f64>,
-    /// Parameters by coordinates of the basis.
+    /// Those of each group of signals, then the others where there are any.
+    pub(super) groups: Vec<Group>,
+    /// Places of each signal's rows in its group.
+    pub(super) places: Vec<Range<usize>>,
+    /// Parameters by coordinates in which the derivatives' columns are orthonormal.
     pub(super) to_parameters: DMatrix<f64>,
-    /// Measurement minus model.
-    pub(super) readings: DVector<f64>,
-    /// Derivatives by parameters that the fit held.
-    pub(super) held: DMatrix<f64>,
-    /// Covariance of those of them that an earlier step fitted; zero for the others.
+    /// Covariance of held parameters that an earlier step fitted; zero for the others.
     known: DMatrix<f64>,
 }
 
-/// Least room that a row leaves its residual: one that the fit follows exactly says nothing of the noise.
-pub(super) const LEAST_ROOM: f64 = 0.05;
+/// The rows of one group.
+pub(super) struct Group {
+    /// Their places in the problem.
+    pub(super) rows: Vec<usize>,
+    /// Orthonormal columns that span the group's derivatives.
+    pub(super) basis: DMatrix<f64>,
+    /// Their coordinates, a row each, by the coordinates of the whole.
+    pub(super) coordinates: DMatrix<f64>,
+    /// Measurement minus model.
+    pub(super) readings: Vec<f64>,
+    /// Derivatives by parameters that the fit held.
+    pub(super) held: DMatrix<f64>,
+}
+
 /// Pivot of unit columns below which a direction is rounding.
-const SMALLEST_PIVOT: f64 = 1e-12;
+pub(super) const SMALLEST_PIVOT: f64 = 1e-12;
+/// Square of a direction in a group, as a share of the largest, that is rounding: another group shows it, or none does.
+const ROUNDING: f64 = 1e-14;
 
 impl Rows {
     pub(super) fn new(problem: &OrderedProblem<'_>) -> Option<Self> {
-        let (rows, count) = (problem.residuals.len(), problem.derivatives.columns());
+        let (rows, count) = (problem.residuals.len(), problem.fitted);
+        let held = problem.derivatives.columns().checked_sub(count)?;
         if rows <= count || count == 0 || problem.derivatives.rows() != rows {
             return None;
         }
-        let mut unit = DMatrix::zeros(rows, count);
-        let mut norms = Vec::with_capacity(count);
-        for column in 0..count {
-            let entries = problem.derivatives.column(column);
-            let norm = entries
-                .iter()
-                .map(|entry| entry * entry)
-                .sum::<f64>()
-                .sqrt();
-            if !(norm > 0.0 && norm.is_finite()) {
-                return None;
-            }
-            norms.push(norm);
-            for (own, entry) in unit.column_mut(column).iter_mut().zip(entries) {
-                *own = entry / norm;
-            }
-        }
-        let mut triangle: DMatrix<f64> = DMatrix::identity(count, count);
-        // Gram-Schmidt by Cholesky, twice: the second makes the columns orthogonal to rounding (Yamamoto et al. 2015)
-        for _ in 0..2 {
-            let gram = unit.transpose() * &unit;
-            let inverse = inverse_factor(gram)?.transpose();
-            unit *= &inverse;
-            triangle *= inverse;
-        }
-        let held = match problem.held {
-            None => DMatrix::zeros(rows, 0),
-            Some(held) if held.derivatives.rows() != rows => return None,
-            Some(held) => DMatrix::from_fn(rows, held.derivatives.columns(), |row, column| {
-                held.derivatives[(row, column)]
-            }),
+        let norm = |column: usize| {
+            let entries = problem.derivatives.column(column).iter();
+            let norm = entries.map(|entry| entry * entry).sum::<f64>().sqrt();
+            (norm > 0.0 && norm.is_finite()).then_some(norm)
         };
-        let known = DMatrix::from_fn(held.ncols(), held.ncols(), |a, b| {
-            problem.held.map_or(0.0, |held| held.known[(a, b)])
-        });
-        let by_norm = |row: usize, column: usize| triangle[(row, column)] / norms[row];
+        let norms: Vec<f64> = (0..count).map(norm).collect::<Option<_>>()?;
+        let (groups, places) = rows_of_groups(problem);
+        let groups = groups
+            .into_iter()
+            .map(|rows| Group::new(problem, rows, &norms));
+        let mut groups: Vec<Group> = groups.collect::<Option<_>>()?;
+        // one below the other, which leaves their columns as they are
+        let sizes = groups.iter().map(|group| group.coordinates.nrows());
+        let mut stacked = DMatrix::zeros(sizes.sum(), count);
+        let mut first = 0;
+        for group in &groups {
+            let own = &group.coordinates;
+            stacked.rows_mut(first, own.nrows()).copy_from(own);
+            first += own.nrows();
+        }
+        if stacked.nrows() < count {
+            return None;
+        }
+        let triangle = stacked.qr().r();
+        if !(0..count).all(|k| triangle[(k, k)].powi(2) > SMALLEST_PIVOT) {
+            return None;
+        }
+        let inverse = triangle.solve_upper_triangular(&DMatrix::identity(count, count))?;
+        for group in &mut groups {
+            group.coordinates = &group.coordinates * &inverse;
+        }
+        let known = |a: usize, b: usize| problem.known.map_or(0.0, |known| known[(a, b)]);
         Some(Self {
-            basis: unit,
-            to_parameters: DMatrix::from_fn(count, count, by_norm),
-            readings: DVector::from_iterator(rows, problem.residuals.iter().map(|r| -r)),
-            held,
-            known,
+            groups,
+            places,
+            to_parameters: DMatrix::from_fn(count, count, |row, column| {
+                inverse[(row, column)] / norms[row]
+            }),
+            known: DMatrix::from_fn(held, held, known),
         })
     }
 
-    /// Weighted least squares with a standard deviation for every row: scaled residuals, and the room 1 - h of each.
-    pub(super) fn scaled_residuals(&self, sizes: &[f64]) -> Option<(Vec<f64>, Vec<f64>)> {
-        let every: Vec<usize> = (0..sizes.len()).collect();
-        let solved = self.products(&every, sizes).solved()?;
-        let rest = solved.scaled_residuals(self, sizes);
-        let way = solved.inverse.transpose();
-        let mut rooms = Vec::with_capacity(sizes.len());
-        for first in (0..sizes.len()).step_by(AT_ONCE) {
-            let sizes = &sizes[first..(first + AT_ONCE).min(sizes.len())];
-            let spanned = self.basis.rows(first, sizes.len()) * &way;
-            let shares = sizes.iter().enumerate();
-            rooms.extend(shares.map(|(row, size)| {
-                let share = spanned.row(row).norm_squared() / (size * size);
-                (1.0 - share).max(LEAST_ROOM)
-            }));
-        }
-        Some((rest, rooms))
+    pub(super) fn parameters(&self) -> usize {
+        self.to_parameters.nrows()
     }
 
-    /// Products of some rows' columns over their sizes with each other and with the readings.
-    pub(super) fn products(&self, rows: &[usize], sizes: &[f64]) -> Products {
-        let count = self.basis.ncols();
-        let mut found = Products {
-            rows: rows.len(),
-            gram: DMatrix::zeros(count, count),
-            along: DVector::zeros(count),
-        };
-        for rows in rows.chunks(AT_ONCE) {
-            let weighted = DMatrix::from_fn(rows.len(), count, |place, column| {
-                self.basis[(rows[place], column)] / sizes[rows[place]]
-            });
-            let readings = DVector::from_fn(rows.len(), |place, _| {
-                self.readings[rows[place]] / sizes[rows[place]]
-            });
-            let across = weighted.transpose();
-            found.gram.gemm(1.0, &across, &weighted, 1.0);
-            found.along.gemv(1.0, &across, &readings, 1.0);
+    pub(super) fn held(&self) -> usize {
+        self.known.nrows()
+    }
+
+    /// Weighted least squares with a standard deviation for every row of every group: scaled residuals, and the room 1 - h of each.
+    pub(super) fn solved(&self, sizes: &[Vec<f64>]) -> Option<Vec<Scaled>> {
+        let both = self.groups.iter().zip(sizes);
+        let products: Vec<Products> = both
+            .clone()
+            .map(|(group, sizes)| group.products(0..group.rows.len(), sizes))
+            .collect();
+        let mut normal = Normal::new(self.parameters());
+        for (group, products) in self.groups.iter().zip(&products) {
+            normal.add(group, products);
         }
-        found
+        let solved = normal.solved()?;
+        let scaled = both.map(|(group, sizes)| {
+            let own = solved.of_group(group);
+            Scaled {
+                residuals: own.scaled_residuals(group, sizes),
+                rooms: own.rooms(group, sizes),
+            }
+        });
+        Some(scaled.collect())
     }
 
     /// Expected power of what earlier steps' errors add, by the products of held parameters' parts.
     pub(super) fn leaked(&self, held: &DMatrix<f64>) -> f64 {
         self.known.dot(held)
     }
+}
 
-    pub(super) fn weighted(&self, sizes: &[f64]) -> DMatrix<f64> {
-        let mut weighted = self.basis.clone();
-        for mut column in weighted.column_iter_mut() {
-            for (entry, size) in column.iter_mut().zip(sizes) {
-                *entry /= size;
+/// Rows of each group, signal after signal, then those of none; and the places of each signal's rows in its group.
+fn rows_of_groups(problem: &OrderedProblem<'_>) -> (Vec<Vec<usize>>, Vec<Range<usize>>) {
+    let groups = problem.signals.iter().map(|signal| signal.group + 1).max();
+    let mut rows = vec![Vec::new(); groups.unwrap_or(0)];
+    let mut is_of_none = vec![true; problem.residuals.len()];
+    let mut places = Vec::with_capacity(problem.signals.len());
+    for signal in problem.signals {
+        let own = &mut rows[signal.group];
+        places.push(own.len()..own.len() + signal.rows.len());
+        own.extend_from_slice(&signal.rows);
+        signal.rows.iter().for_each(|&row| is_of_none[row] = false);
+    }
+    let others: Vec<usize> = (0..is_of_none.len())
+        .filter(|&row| is_of_none[row])
+        .collect();
+    if !others.is_empty() {
+        rows.push(others);
+    }
+    (rows, places)
+}
+
+impl Group {
+    /// `norms` are those of all rows' columns.
+    fn new(problem: &OrderedProblem<'_>, rows: Vec<usize>, norms: &[f64]) -> Option<Self> {
+        let entries = |column: usize| {
+            let entries = problem.derivatives.column(column);
+            rows.iter().map(|&row| entries[row])
+        };
+        let seen: Vec<usize> = (0..norms.len())
+            .filter(|&column| entries(column).any(|entry| entry != 0.0))
+            .collect();
+        let mut unit = DMatrix::zeros(rows.len(), seen.len());
+        for (mut own, &column) in unit.column_iter_mut().zip(&seen) {
+            for (own, entry) in own.iter_mut().zip(entries(column)) {
+                *own = entry / norms[column];
             }
         }
-        weighted
-    }
-}
-
-/// Rows that are looked at at once: their columns stay in the processor's cache.
-const AT_ONCE: usize = 512;
-
-/// Products of some rows: their normal equations.
-#[derive(Clone)]
-pub(super) struct Products {
-    rows: usize,
-    gram: DMatrix<f64>,
-    along: DVector<f64>,
-}
-
-impl Products {
-    /// The same with further rows, all of whose sizes are `size` times theirs.
-    pub(super) fn add(&mut self, other: &Self, size: f64) {
-        let weight = 1.0 / (size * size);
-        self.rows += other.rows;
-        self.gram
-            .zip_apply(&other.gram, |sum, more| *sum += weight * more);
-        self.along.axpy(weight, &other.along, 1.0);
-    }
-
-    /// Their solution; none where they are not of full rank.
-    pub(super) fn solved(&self) -> Option<Solved> {
-        let inverse = inverse_factor(self.gram.clone())?;
-        let coordinates = inverse.tr_mul(&(&inverse * &self.along));
-        Some(Solved {
-            inverse,
+        let (vectors, roots) = directions(&unit)?;
+        let turned = DMatrix::from_fn(seen.len(), roots.len(), |row, k| {
+            vectors[(row, k)] / roots[k]
+        });
+        let mut coordinates = DMatrix::zeros(roots.len(), norms.len());
+        for (place, &column) in seen.iter().enumerate() {
+            for (k, root) in roots.iter().enumerate() {
+                coordinates[(k, column)] = vectors[(place, k)] * root;
+            }
+        }
+        let held = problem.derivatives.columns() - norms.len();
+        Some(Self {
+            basis: unit * turned,
             coordinates,
+            readings: rows.iter().map(|&row| -problem.residuals[row]).collect(),
+            held: DMatrix::from_fn(rows.len(), held, |place, column| {
+                problem.derivatives[(rows[place], norms.len() + column)]
+            }),
+            rows,
         })
     }
-
-    /// Room that a solution leaves these rows, all of whose sizes are `size` times theirs.
-    pub(super) fn room(&self, solved: &Solved, size: f64) -> f64 {
-        let spanned = &solved.inverse * &self.gram * solved.inverse.transpose();
-        let rows = self.rows as f64;
-        (rows - spanned.trace() / (size * size)).max(LEAST_ROOM * rows)
-    }
 }
 
-/// A weighted fit.
-pub(super) struct Solved {
-    /// The inverse of the lower Cholesky factor of its normal matrix.
-    inverse: DMatrix<f64>,
-    coordinates: DVector<f64>,
-}
-
-impl Solved {
-    /// Residuals over sizes.
-    pub(super) fn scaled_residuals(&self, rows: &Rows, sizes: &[f64]) -> Vec<f64> {
-        let mut rest = rows.readings.clone();
-        rest.gemv(-1.0, &rows.basis, &self.coordinates, 1.0);
-        let each = rest.iter().zip(sizes);
-        each.map(|(rest, size)| rest / size).collect()
+/// Right singular vectors of columns, and singular values, without those that are rounding; none where they cannot be found.
+fn directions(columns: &DMatrix<f64>) -> Option<(DMatrix<f64>, Vec<f64>)> {
+    if columns.ncols() == 0 {
+        return Some((DMatrix::zeros(0, 0), Vec::new()));
     }
+    let found = SymmetricEigen::try_new(columns.tr_mul(columns), f64::EPSILON, 0)?;
+    let squares = &found.eigenvalues;
+    let least = ROUNDING * squares.max();
+    let kept: Vec<usize> = (0..squares.len()).filter(|&k| squares[k] > least).collect();
+    let roots = kept.iter().map(|&k| squares[k].sqrt()).collect();
+    Some((found.eigenvectors.select_columns(&kept), roots))
 }
 
 /// A line in time, from -1/2 to 1/2 over the signal.
 pub(super) fn along(place: usize, count: usize) -> f64 {
     (place as f64 + 0.5) / count as f64 - 0.5
-}
-
-/// The room 1 - h of every row, h its share of orthonormal columns.
-pub(super) fn rooms(spanned: &DMatrix<f64>) -> Vec<f64> {
-    let mut rooms = vec![1.0; spanned.nrows()];
-    for column in spanned.column_iter() {
-        for (room, entry) in rooms.iter_mut().zip(column.iter()) {
-            *room -= entry * entry;
-        }
-    }
-    rooms
-        .iter_mut()
-        .for_each(|room| *room = room.max(LEAST_ROOM));
-    rooms
-}
-
-/// The inverse of the lower Cholesky factor; none for a matrix that is not of full rank.
-pub(super) fn inverse_factor(gram: DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let count = gram.nrows();
-    let diagonal: Vec<f64> = (0..count).map(|k| gram[(k, k)]).collect();
-    let factor = Cholesky::new(gram)?.unpack();
-    let is_sound = |k: usize| factor[(k, k)].powi(2) > SMALLEST_PIVOT * diagonal[k];
-    if !(0..count).all(is_sound) {
-        return None;
-    }
-    factor.solve_lower_triangular(&DMatrix::identity(count, count))
 }
 
 /// A dense matrix of the other kind.

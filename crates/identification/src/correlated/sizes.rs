@@ -1,12 +1,16 @@
 //! Local size of the noise: a step function of covariates, where it is uneven.
 
+use std::ops::Range;
+
+use super::least_squares::{GroupSolved, Normal, Products, Scaled};
 use super::partition::{Runs, runs};
-use super::problem::{OrderedProblem, Signal, Uneven};
-use super::rows::{Products, Rows};
+use super::problem::{OrderedProblem, Uneven};
+use super::rows::{Group, Rows};
 
 /// Standard deviation of every row, with geometric mean 1 over a group.
 pub(super) struct Sizes {
-    pub(super) of_row: Vec<f64>,
+    /// Group by group.
+    pub(super) of_group: Vec<Vec<f64>>,
     pub(super) uneven: Vec<Uneven>,
     /// Factor on variances, as the weights were estimated (Meier 1953, Biometrics 9).
     pub(super) inflation: f64,
@@ -29,105 +33,118 @@ const MOST_CORRELATED: f64 = 0.99;
 
 impl Sizes {
     pub(super) fn find(problem: &OrderedProblem<'_>, rows: &Rows) -> Option<Self> {
-        let count = problem.residuals.len();
+        let even = |group: &Group| vec![1.0; group.rows.len()];
         let mut found = Self {
-            of_row: vec![1.0; count],
+            of_group: rows.groups.iter().map(even).collect(),
             uneven: Vec::new(),
             inflation: 1.0,
         };
-        let groups = problem.signals.iter().map(|signal| signal.group + 1).max();
-        let mut pieces = rows.scaled_residuals(&found.of_row)?;
-        for group in 0..groups.unwrap_or(0) {
-            let signals: Vec<&Signal> = problem
-                .signals
-                .iter()
-                .filter(|signal| signal.group == group)
-                .collect();
-            let Some(own) = signals.first().map(|signal| signal.rows.len()) else {
+        let mut solved = rows.solved(&found.of_group)?;
+        for index in 0..rows.groups.len() {
+            let signals = problem.signals.iter().zip(&rows.places);
+            let mut own = signals
+                .filter(|(signal, _)| signal.group == index)
+                .peekable();
+            let Some(&(first, _)) = own.peek() else {
                 continue;
             };
+            let search = Search {
+                problem,
+                rows,
+                index,
+                at: &first.at,
+                signals: own.map(|(_, places)| places.clone()).collect(),
+            };
             for _ in 0..MOST {
-                let search = Search {
-                    problem,
-                    rows,
-                    signals: &signals,
-                    count: own,
-                };
-                let Some(covariate) = search.best(&pieces, &found.uneven) else {
+                let Some(covariate) = search.best(&solved[index], &found.uneven) else {
                     break;
                 };
-                let Some(step) = search.fit(covariate, &found.of_row) else {
+                let Some(step) = search.fit(covariate, &found.of_group) else {
                     break;
                 };
                 found.uneven.push(Uneven {
-                    group,
+                    group: index,
                     covariate,
                     ratio: step.ratio,
                 });
                 found.inflation += step.meier;
-                found.of_row = step.of_row;
-                pieces = rows.scaled_residuals(&found.of_row)?;
+                found.of_group[index] = step.sizes;
+                solved = rows.solved(&found.of_group)?;
             }
         }
         Some(found)
     }
+
+    /// The same by row of the problem.
+    pub(super) fn by_row(&self, rows: &Rows) -> Vec<f64> {
+        let count = self.of_group.iter().map(Vec::len).sum();
+        let mut sizes = vec![1.0; count];
+        for (group, own) in rows.groups.iter().zip(&self.of_group) {
+            for (&row, &size) in group.rows.iter().zip(own) {
+                sizes[row] = size;
+            }
+        }
+        sizes
+    }
 }
 
+/// The search for sizes of one group.
 struct Search<'a> {
     problem: &'a OrderedProblem<'a>,
     rows: &'a Rows,
-    signals: &'a [&'a Signal],
-    /// Rows of each signal.
-    count: usize,
+    index: usize,
+    /// Places of each signal's rows in the group.
+    signals: Vec<Range<usize>>,
+    /// Row of each of a signal's in the covariates.
+    at: &'a [usize],
 }
 
 struct Step {
-    of_row: Vec<f64>,
+    sizes: Vec<f64>,
     ratio: f64,
     meier: f64,
 }
 
 impl Search<'_> {
     /// The covariate whose steps explain the squares best; none where an even size does as well.
-    fn best(&self, pieces: &(Vec<f64>, Vec<f64>), used: &[Uneven]) -> Option<usize> {
-        let innovations = self.innovations(&pieces.0);
-        let group = self.signals[0].group;
+    fn best(&self, solved: &Scaled, used: &[Uneven]) -> Option<usize> {
+        let innovations = self.innovations(&solved.residuals);
         let is_used = |covariate: usize| {
             let mut used = used.iter();
-            used.any(|uneven| uneven.group == group && uneven.covariate == covariate)
+            used.any(|uneven| uneven.group == self.index && uneven.covariate == covariate)
         };
         let gains = (0..self.problem.covariates.len())
             .filter(|&covariate| !is_used(covariate))
             .filter_map(|covariate| {
                 let bins = self.bins(covariate)?;
                 let num = self.squares(&bins, &innovations, &|_| 1.0);
-                let den = self.rooms(&bins, &pieces.1);
+                let den = self.rooms(&bins, &solved.rooms);
                 Some((covariate, self.runs(&num, &den).gain))
             });
         let best = gains.max_by(|one, other| one.1.total_cmp(&other.1));
-        best.filter(|(_, gain)| *gain > (self.count as f64).ln())
+        best.filter(|(_, gain)| *gain > (self.at.len() as f64).ln())
             .map(|(covariate, _)| covariate)
     }
 
     fn runs(&self, num: &[f64], den: &[f64]) -> Runs {
-        runs(num, den, PENALTY * (self.count as f64).ln(), LEAST_OF_RUN)
+        let rows = self.at.len() as f64;
+        runs(num, den, PENALTY * rows.ln(), LEAST_OF_RUN)
     }
 
     /// Sizes by runs of one covariate's bins, in turns with weighted fits; none where one run remains.
-    fn fit(&self, covariate: usize, base: &[f64]) -> Option<Step> {
+    fn fit(&self, covariate: usize, base: &[Vec<f64>]) -> Option<Step> {
         let bins = self.bins(covariate)?;
         let mut factors = vec![1.0; bins.count];
         let mut bounds = Vec::new();
         let mut den = Vec::new();
-        let (others, of_bins) = self.products(&bins, base);
+        let group = &self.rows.groups[self.index];
+        let others = self.others(base);
+        let base = &base[self.index];
+        let of_bins = self.products(&bins, base);
         for _ in 0..TURNS {
-            let mut all = others.clone();
-            for (bin, factor) in of_bins.iter().zip(&factors) {
-                all.add(bin, *factor);
-            }
-            let solved = all.solved()?;
+            let solved = Self::solved(group, &others, (&of_bins, &factors))?;
             let sizes = self.times(base, &bins, &factors);
-            let innovations = self.innovations(&solved.scaled_residuals(self.rows, &sizes));
+            let innovations = self.innovations(&solved.scaled_residuals(group, &sizes));
             let num = self.squares(&bins, &innovations, &|bin| factors[bin]);
             let rooms = of_bins.iter().zip(&factors);
             den = rooms
@@ -160,27 +177,36 @@ impl Search<'_> {
             let freedom: f64 = den[pair[0]..pair[1]].iter().sum();
             4.0 * share * (1.0 - share) / freedom
         };
-        let mut of_row = self.times(base, &bins, &factors);
-        let own = self.signals.iter().flat_map(|signal| &signal.rows);
-        let (logs, rows) = own.fold((0.0, 0), |(sum, rows), &row| {
-            (sum + of_row[row].ln(), rows + 1)
-        });
-        let mean = (logs / f64::from(rows)).exp();
-        for signal in self.signals {
-            signal.rows.iter().for_each(|&row| of_row[row] /= mean);
-        }
+        let mut sizes = self.times(base, &bins, &factors);
+        let mean = (sizes.iter().map(|size| size.ln()).sum::<f64>() / sizes.len() as f64).exp();
+        sizes.iter_mut().for_each(|size| *size /= mean);
         Some(Step {
-            of_row,
+            sizes,
             ratio: largest / smallest,
             meier: bounds.windows(2).map(meier).sum(),
         })
     }
 
+    /// The fit with bins of the group that are so many times louder.
+    fn solved(
+        group: &Group,
+        others: &Normal,
+        (bins, factors): (&[Products], &[f64]),
+    ) -> Option<GroupSolved> {
+        let mut own = bins.first()?.none();
+        for (bin, factor) in bins.iter().zip(factors) {
+            own.add(bin, *factor);
+        }
+        let mut all = others.clone();
+        all.add(group, &own);
+        Some(all.solved()?.of_group(group))
+    }
+
     fn times(&self, base: &[f64], bins: &Bins, factors: &[f64]) -> Vec<f64> {
         let mut sizes = base.to_vec();
-        for signal in self.signals {
-            for (&row, &bin) in signal.rows.iter().zip(&bins.of_place) {
-                sizes[row] *= factors[bin];
+        for places in &self.signals {
+            for (size, &bin) in sizes[places.clone()].iter_mut().zip(&bins.of_place) {
+                *size *= factors[bin];
             }
         }
         sizes
@@ -190,24 +216,22 @@ impl Search<'_> {
     /// law of normal numbers.
     fn innovations(&self, residuals: &[f64]) -> Vec<Vec<f64>> {
         let (mut agree, mut pairs) = (0.0, 0.0_f64);
-        for signal in self.signals {
-            for pair in signal.rows.windows(2) {
-                agree += (residuals[pair[0]] * residuals[pair[1]]).signum();
+        for places in &self.signals {
+            for pair in residuals[places.clone()].windows(2) {
+                agree += (pair[0] * pair[1]).signum();
                 pairs += 1.0;
             }
         }
         let correlation = (agree / pairs.max(1.0)).clamp(0.0, MOST_CORRELATED);
         let next = (std::f64::consts::FRAC_PI_2 * correlation).sin();
         let scale = (1.0 - next * next).sqrt();
-        let of_signal = |signal: &&Signal| {
-            let each = (0..signal.rows.len()).map(|place| {
-                let own = residuals[signal.rows[place]];
-                match place.checked_sub(1) {
-                    None => own,
-                    Some(before) => (own - next * residuals[signal.rows[before]]) / scale,
-                }
-            });
-            each.collect()
+        let of_signal = |places: &Range<usize>| {
+            let own = &residuals[places.clone()];
+            let first = own.first().copied();
+            let others = own
+                .windows(2)
+                .map(|pair| (pair[1] - next * pair[0]) / scale);
+            first.into_iter().chain(others).collect()
         };
         self.signals.iter().map(of_signal).collect()
     }
@@ -231,35 +255,44 @@ impl Search<'_> {
     /// Sums of degrees of freedom by bin.
     fn rooms(&self, bins: &Bins, rooms: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; bins.count];
-        for signal in self.signals {
-            for (row, &bin) in signal.rows.iter().zip(&bins.of_place) {
-                sums[bin] += rooms[*row];
+        for places in &self.signals {
+            for (room, &bin) in rooms[places.clone()].iter().zip(&bins.of_place) {
+                sums[bin] += room;
             }
         }
         sums
     }
 
-    /// Normal equations of the rows of other groups, and of each bin, with sizes `base`.
-    fn products(&self, bins: &Bins, base: &[f64]) -> (Products, Vec<Products>) {
-        let mut of_bins = vec![Vec::new(); bins.count];
-        let mut is_own = vec![false; base.len()];
-        for signal in self.signals {
-            for (&row, &bin) in signal.rows.iter().zip(&bins.of_place) {
-                of_bins[bin].push(row);
-                is_own[row] = true;
+    /// Normal equations of the other groups' rows.
+    fn others(&self, sizes: &[Vec<f64>]) -> Normal {
+        let mut others = Normal::new(self.rows.parameters());
+        for (index, (group, sizes)) in self.rows.groups.iter().zip(sizes).enumerate() {
+            if index != self.index {
+                others.add(group, &group.products(0..sizes.len(), sizes));
             }
         }
-        let others: Vec<usize> = (0..base.len()).filter(|&row| !is_own[row]).collect();
-        let of = |rows: &Vec<usize>| self.rows.products(rows, base);
-        (of(&others), of_bins.iter().map(of).collect())
+        others
+    }
+
+    /// Products of each bin.
+    fn products(&self, bins: &Bins, sizes: &[f64]) -> Vec<Products> {
+        let mut of_bins = vec![Vec::new(); bins.count];
+        for places in &self.signals {
+            for (place, &bin) in places.clone().zip(&bins.of_place) {
+                of_bins[bin].push(place);
+            }
+        }
+        let group = &self.rows.groups[self.index];
+        let products = of_bins.into_iter();
+        products
+            .map(|places| group.products(places.into_iter(), sizes))
+            .collect()
     }
 
     /// Bins of a covariate with equally many rows; none of one that does not move.
     fn bins(&self, covariate: usize) -> Option<Bins> {
         let values = &self.problem.covariates[covariate];
-        let own: Option<Vec<f64>> = self.signals[0]
-            .at
-            .iter()
+        let own: Option<Vec<f64>> = (self.at.iter())
             .map(|&row| values.get(row).copied())
             .collect();
         let own = own.filter(|own| own.iter().all(|value| value.is_finite()))?;

@@ -43,7 +43,7 @@ impl Unmixed {
     pub(super) fn new(fitted: &Fitted, bands: &[SignalBands], rows: &Rows) -> Self {
         let (mut products, mut lefts) = (Vec::new(), Vec::new());
         let (mut powers, mut modes) = (Vec::new(), Vec::new());
-        let held = rows.held.ncols();
+        let held = rows.held();
         let mut ends = Vec::new();
         for (signal, &line) in bands.iter().zip(&fitted.line_of_signal) {
             for (gram, count) in signal.grams.iter().zip(&signal.modes) {

@@ -6,10 +6,13 @@ use crate::problem::{by_parameter, evaluate_jacobian, sum_of_squares};
 use crate::search::curvature::Normal;
 use crate::search::linear::Linear;
 use crate::search::triangle::UnitTriangle;
-use crate::{Convergence, IdentificationError, Problem, Settings};
+use crate::{Convergence, IdentificationError, Problem, Settings, TriangleProblem};
 
 /// Promised fall, as a share of the cost, that the rounding of the cost can hide.
 const UNSEEN_FALL: f64 = 1e-9;
+
+/// Promised fall, in mean squares of the residuals, at which a minimum is near enough to be compared with others.
+const NEAR: f64 = 0.01;
 
 /// Share of the parameters below which a step cannot be distinguished from rounding in the residuals.
 pub(crate) const UNSEEN_STEP: f64 = 1e-8;
@@ -122,6 +125,13 @@ impl<'a, P: Problem + ?Sized> Search<'a, P> {
             return None;
         };
         Some(self.unless_rank_lost(newton, reason))
+    }
+
+    /// Whether the undamped step moves the parameters by less than a tenth of a standard deviation in all.
+    pub(crate) fn is_near(&self, newton: &Solution) -> bool {
+        let rows = self.problem.as_triangle();
+        let rows = rows.map_or(self.residuals.len(), TriangleProblem::rows);
+        newton.explained_square * rows as f64 <= NEAR * self.cost
     }
 
     /// Promised fall that is none.

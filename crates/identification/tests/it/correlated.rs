@@ -72,11 +72,12 @@ fn an_independent_program_says_the_same() {
         let signals = signals(&vec![0; axes.len()], rows);
         let found = correlated_noise(&OrderedProblem {
             derivatives: &matrix,
+            fitted: matrix.columns(),
             residuals: &residuals,
             signals: &signals,
             covariates: &covariates,
             noise: NoiseScale::Estimated,
-            held: None,
+            known: None,
         });
         let is_plain =
             ["memory", "drift"].iter().all(|key| case[*key] == false) && case["used"] == 0;
@@ -151,11 +152,12 @@ fn intervals_hold_the_truth_where_the_noise_has_memory() {
             .collect();
         let answer = correlated_noise(&OrderedProblem {
             derivatives: &matrix,
+            fitted: matrix.columns(),
             residuals: &residuals,
             signals: &signals(&[0], ROWS),
             covariates: &[],
             noise: NoiseScale::Estimated,
-            held: None,
+            known: None,
         });
         let answer = answer.unwrap();
         let sd = (2.0 / ROWS as f64).sqrt();
@@ -191,11 +193,12 @@ fn even_noise_without_memory_keeps_the_usual_covariance() {
             .collect();
         let answer = correlated_noise(&OrderedProblem {
             derivatives: &matrix,
+            fitted: matrix.columns(),
             residuals: &residuals,
             signals: &signals(&[0], ROWS),
             covariates: std::slice::from_ref(&ramp),
             noise: NoiseScale::Estimated,
-            held: None,
+            known: None,
         });
         kept += usize::from(answer.is_none());
     }
@@ -236,11 +239,12 @@ fn a_signal_whose_drift_is_a_parameter_has_no_line_besides() {
         signals[0].has_drift = has_drift;
         let found = correlated_noise(&OrderedProblem {
             derivatives: &matrix,
+            fitted: matrix.columns(),
             residuals: &residuals,
             signals: &signals,
             covariates: &[],
             noise: NoiseScale::Stated,
-            held: None,
+            known: None,
         });
         found.unwrap()
     };

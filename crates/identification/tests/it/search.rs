@@ -350,10 +350,6 @@ fn large_residuals_take_tens_of_steps() {
         let compared = solve(&problem, &[1.0], &[0], &Settings::default().to_compare()).unwrap();
         assert!(compared.is_coarse && !fit.is_coarse);
         assert!(compared.iterations < fit.iterations, "{last}");
-        assert!(
-            compared.cost < 1.0001 * fit.cost,
-            "{last}: {}",
-            compared.cost
-        );
+        assert!(compared.cost < 1.01 * fit.cost, "{last}: {}", compared.cost);
     }
 }

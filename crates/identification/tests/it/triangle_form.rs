@@ -85,6 +85,10 @@ impl TriangleProblem for Reduced {
         self.0.parameter_count()
     }
 
+    fn rows(&self) -> usize {
+        self.0.residual_count()
+    }
+
     fn reduce_into(
         &self,
         p: &[f64],
