@@ -216,6 +216,10 @@ pub(crate) mod fit {
     /// Fall of the cost that the linearised problem promises, in variances of the noise or of what is left, below which a fit has
     /// converged: its numbers are within a tenth of their standard deviations of the minimum. Choice.
     pub(crate) const LEAST_FALL: f64 = 0.01;
+    /// Share of the cost by which a step of a slow search lowers it at least, where its minimum is only compared with others; and
+    /// where all is computed anew once a cause is known. Cost: what is kept is refitted to `LEAST_FALL`.
+    pub(crate) const COMPARED: f64 = 1e-4;
+    pub(crate) const ROUGH: f64 = 1e-3;
     /// Standard deviations that a step may move a cause's number by where the cost no longer falls. Choice, as `LEAST_FALL`.
     pub(crate) const STILL_SD: f64 = 0.1;
     /// Noise deviations that a model with scanned causes leaves from which on its search begins elsewhere. Cost: both ends are minima.
@@ -228,8 +232,6 @@ pub(crate) mod fit {
     pub(crate) const PASSES: usize = 40;
     /// Fits in turn with what the causes add, until the latter moves no more. Cost.
     pub(crate) const NEARER_ROUNDS: usize = 4;
-    /// Ratio of two squared residuals of one model that are of one minimum. Choice.
-    pub(crate) const NO_WORSE: f64 = 1.02;
     /// Noise that falls below this share of itself with the causes in the model was partly gap.
     pub(crate) const NOISE_FELL: f64 = 0.9;
     /// Change of the base model's predictions by the causes, in noise deviations (root mean square), from which effects are
@@ -260,6 +262,8 @@ pub(crate) mod selection {
     pub(crate) const SURELY: f64 = 1e-6;
     /// Share of what was explained below which an effect is one with the rounding of large numbers.
     pub(crate) const DYNAMIC_RANGE: f64 = 2e-4;
+    /// What a refit explains over what the scan says of an effect, at most, where nothing is asked of the refit. Cost.
+    pub(crate) const REFIT_OVER_SCAN: f64 = 4.0;
     /// Picks that are tried and refused before the search ends. Cost.
     pub(crate) const REFUSALS: usize = 3;
     /// Share of the structured energy below which nothing is left that could have moved the base model. Choice.

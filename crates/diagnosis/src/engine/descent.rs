@@ -13,7 +13,7 @@ use crate::Result;
 use crate::engine::{Base, BaseProblem, Blocks, Model, Part, Prepared, Refit, square, with_causes};
 use crate::noise::KnownNoise;
 use crate::thresholds::fit::{
-    BASE_PASSES, FAR_SD, LEAST_FALL, PASSES, ROUNDS, SAMPLED_S, STILL_SD,
+    BASE_PASSES, COMPARED, FAR_SD, LEAST_FALL, PASSES, ROUNDS, SAMPLED_S, STILL_SD,
 };
 
 impl Fitting<'_> {
@@ -124,9 +124,10 @@ impl Fitting<'_> {
             ..Settings::default()
         };
         // without causes it is only compared
-        let settings = match start.len() == self.data.base.free.len() {
-            true => settings.to_compare(),
-            false => settings,
+        let is_alone = start.len() == self.data.base.free.len();
+        let settings = Settings {
+            least_fall: self.least_fall.or(is_alone.then_some(COMPARED)),
+            ..settings
         };
         Ok(Some(solve(problem, &start, &free, &settings)?))
     }
@@ -209,10 +210,9 @@ impl Prepared<'_> {
     /// Fits the base model; the noise is estimated anew where the start was far from it.
     pub(super) fn base_fit(
         &self,
-        mut residual: Vec<Vec<f64>>,
+        (mut values, mut residual): (Vec<f64>, Vec<Vec<f64>>),
         known: Option<&KnownNoise>,
     ) -> Result<BaseFit> {
-        let mut values = self.problem.start();
         let mut pass = 0;
         loop {
             let known = known.cloned().unwrap_or_else(|| self.noise_of(&residual));
@@ -228,6 +228,7 @@ impl Prepared<'_> {
                     data: self,
                     effects: &[],
                     part: &whole,
+                    least_fall: Some(COMPARED),
                 };
                 let found = found.descend(&fit.model)?;
                 fit = if found.has_converged() { found } else { fit };

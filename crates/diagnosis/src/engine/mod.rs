@@ -17,6 +17,7 @@ mod system;
 mod whitened;
 
 use std::ops::Deref;
+use std::sync::Arc;
 
 use haptical_effects::{Context, Effect, Signal, Stream};
 use haptical_linalg::SparseColumns;
@@ -57,6 +58,8 @@ pub(crate) struct Engine<'a> {
     pub(crate) whole: Part,
     /// The base model alone.
     pub(crate) start: Refit,
+    /// A model with causes that another fit of the log has found.
+    near: Option<Model>,
 }
 
 impl<'a> Deref for Engine<'a> {
@@ -140,14 +143,6 @@ impl Engine<'_> {
         root_mean_square(&self.system.layout.compress_rows(&change))
     }
 
-    /// Squared residuals of the base model's own fit, in stated standard deviations.
-    pub(crate) fn misfit(&self) -> f64 {
-        let streams = self.start.residual.iter().zip(&self.problem.sd);
-        let scaled = streams.flat_map(|(residual, sd)| residual.iter().zip(sd));
-        let known = scaled.filter(|(residual, _)| residual.is_finite());
-        known.map(|(residual, sd)| (residual / sd).powi(2)).sum()
-    }
-
     /// What the base model leaves of a stream beyond noise, squares over the noise's.
     pub(crate) fn gap_over_noise(&self, stream: usize) -> f64 {
         let known = self.start.residual[stream]
@@ -180,21 +175,24 @@ impl Engine<'_> {
 
     /// Refits base model and causes together on all rows.
     pub(crate) fn refit(&self, effects: &[Box<dyn Effect>], model: &Model) -> Result<Refit> {
-        self.refit_on(&self.whole, effects, model)
+        self.refit_on(&self.whole, effects, model, None)
     }
 
     /// Refits base model and causes together from `model`; where that ends above the base model alone, from the
-    /// base model with the causes at nothing, from where no step leads up.
+    /// base model with the causes at nothing, from where no step leads up. With `least_fall` the minimum is only compared with others:
+    /// a slow search ends where a step lowers the cost by less than that share.
     pub(crate) fn refit_on(
         &self,
         part: &Part,
         effects: &[Box<dyn Effect>],
         model: &Model,
+        least_fall: Option<f64>,
     ) -> Result<Refit> {
         let fitting = Fitting {
             data: self,
             effects,
             part,
+            least_fall,
         };
         let fitted = fitting.descend(model)?;
         let cost = |refit: &Refit| self.cost_on(part, refit);
@@ -213,6 +211,23 @@ impl Engine<'_> {
         } else {
             fitted
         })
+    }
+
+    /// Lets refits of a model's causes begin with that model, which another fit of the log has found.
+    pub(crate) fn know(&mut self, mut model: Model) -> Result<()> {
+        let bare = self.problem.evaluate(&model.values, false)?;
+        model.bare = Arc::new(bare.residual);
+        self.near = Some(model);
+        Ok(())
+    }
+
+    /// The known model, where its causes are the same effects, none of them an event.
+    pub(crate) fn known_with(&self, causes: &[Cause]) -> Option<&Model> {
+        let near = self.near.as_ref()?;
+        let mut pairs = near.causes.iter().zip(causes);
+        let are_same = near.causes.len() == causes.len()
+            && pairs.all(|(a, b)| a.effect == b.effect && a.times.is_empty() && b.times.is_empty());
+        are_same.then_some(near)
     }
 
     /// Squared residuals of a refit on all rows, and of its anchors.

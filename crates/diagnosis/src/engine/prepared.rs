@@ -5,6 +5,7 @@ use haptical_effects::{Context, Effect, Stream, streams};
 use haptical_linalg::SparseColumns;
 use haptical_model::Recording;
 
+use super::base::problem::Evaluated;
 use super::{Engine, with_causes};
 use crate::engine::{Base, BaseProblem, Blocks, Derivatives, Model, Part, Refit};
 use crate::noise::{KnownNoise, Noise};
@@ -40,31 +41,59 @@ impl<'a> Prepared<'a> {
         recording: &'a Recording,
         postures: &'a Recording,
     ) -> Result<Self> {
-        let weights = Weights::stated(&base.device, &base.channels);
         let streams = streams(&base.device, &base.channels);
         let (context, evaluated) = rayon::join(
             || Context::new(&base.device, postures, &streams),
-            || -> Result<_> {
-                let problem = BaseProblem::new(base, recording, postures, &streams, &weights)?;
-                let first = problem.evaluate(&problem.start(), true)?;
-                Ok((problem, first))
-            },
+            || Self::evaluated(base, (recording, postures), true),
         );
         let (problem, first) = evaluated?;
+        Ok(Self::of(base, context?, problem, first))
+    }
+
+    /// The same without derivatives of the base model, where what effects add is worked out at it already.
+    pub(crate) fn of_context(
+        base: &'a Base,
+        recording: &'a Recording,
+        postures: &'a Recording,
+        context: Context<'a>,
+    ) -> Result<Self> {
+        let (problem, first) = Self::evaluated(base, (recording, postures), false)?;
+        Ok(Self::of(base, context, problem, first))
+    }
+
+    fn evaluated(
+        base: &'a Base,
+        (recording, postures): (&'a Recording, &'a Recording),
+        has_derivatives: bool,
+    ) -> Result<(BaseProblem<'a>, Evaluated)> {
+        let weights = Weights::stated(&base.device, &base.channels);
+        let streams = streams(&base.device, &base.channels);
+        let problem = BaseProblem::new(base, recording, postures, &streams, &weights)?;
+        let first = problem.evaluate(&problem.start(), has_derivatives)?;
+        Ok((problem, first))
+    }
+
+    fn of(
+        base: &'a Base,
+        mut context: Context<'a>,
+        problem: BaseProblem<'a>,
+        first: Evaluated,
+    ) -> Self {
+        let weights = Weights::stated(&base.device, &base.channels);
         let stated = |stream: &Stream| weights.channel_sd.get(&stream.channel).copied();
-        let own = streams.iter().map(|stream| stated(stream).unwrap_or(1e-4));
+        let own = context.streams.iter();
+        let own = own.map(|stream| stated(stream).unwrap_or(1e-4)).collect();
         let usable = |rows: &Vec<f64>| rows.iter().map(|value| value.is_finite()).collect();
-        let mut context = context?;
         context.lines = noise::lines(&context, &first.residual);
-        Ok(Self {
+        Self {
             context,
             problem,
             base,
-            own: own.collect(),
+            own,
             usable: first.residual.iter().map(usable).collect(),
             derivatives: first.derivatives,
             residual: first.residual,
-        })
+        }
     }
 
     /// Sums over a channel's readings of their squared residuals and of their stated variances, and their number.
@@ -156,6 +185,27 @@ impl<'a> Prepared<'a> {
 
     /// Fits the base model; the noise is estimated where it is not `known`.
     pub(crate) fn fit(mut self, known: Option<&KnownNoise>) -> Result<Engine<'a>> {
+        let residual = std::mem::take(&mut self.residual);
+        let start = (self.problem.start(), residual);
+        self.fit_from(start, known)
+    }
+
+    /// The same from a minimum of another fit. A cause bends the base model along a valley: from where it belongs the way back to
+    /// what it is without the cause takes tens of steps.
+    pub(crate) fn fit_from_minimum(
+        self,
+        values: &[f64],
+        known: Option<&KnownNoise>,
+    ) -> Result<Engine<'a>> {
+        let residual = self.problem.evaluate(values, false)?.residual;
+        self.fit_from((values.to_vec(), residual), known)
+    }
+
+    fn fit_from(
+        self,
+        start: (Vec<f64>, Vec<Vec<f64>>),
+        known: Option<&KnownNoise>,
+    ) -> Result<Engine<'a>> {
         let readings = self.usable.iter().flatten();
         let readings: usize = readings.filter(|usable| **usable).count();
         let free = self.base.free.len();
@@ -166,8 +216,7 @@ impl<'a> Prepared<'a> {
                 advised: 20 * free.max(5),
             });
         }
-        let residual = std::mem::take(&mut self.residual);
-        let BaseFit { known, whole, fit } = self.base_fit(residual, known)?;
+        let BaseFit { known, whole, fit } = self.base_fit(start, known)?;
         let held: Vec<usize> = (0..self.base.parameters.len())
             .filter(|parameter| !self.base.free.contains(parameter))
             .collect();
@@ -180,6 +229,7 @@ impl<'a> Prepared<'a> {
             scale: known.scale,
             whole,
             start: fit,
+            near: None,
             data: self,
         })
     }

@@ -19,6 +19,8 @@ pub(crate) struct Fitting<'r> {
     pub(crate) effects: &'r [Box<dyn Effect>],
     /// The rows that it sees.
     pub(crate) part: &'r Part,
+    /// Share of the cost by which a step of a slow search lowers it at least, where its minimum is only compared with others.
+    pub(crate) least_fall: Option<f64>,
 }
 
 /// Whitened residuals over the base model's free numbers, then the causes' numbers; of a continuous shape the logarithm is one.
@@ -79,6 +81,7 @@ impl<'f> Whitened<'f> {
             data,
             effects,
             part,
+            ..
         } = *self.fitting;
         for cause in &model.causes {
             let shown = part
@@ -404,6 +407,7 @@ mod tests {
             data: &engine,
             effects: &[],
             part: &engine.whole,
+            least_fall: None,
         };
         let samples = |every: usize| Samples::new(&engine.whole.blocks, 3, recording.len(), every);
         let (some, all) = (samples(20), samples(1));

@@ -171,7 +171,7 @@ impl InPlace for InPlaceOf<'_, '_> {
         let near = others.iter().filter(is_near).copied().take(REFITTED);
         let near: Vec<&Score> = near.collect();
         let refits = haptical_parallel::map(near, |score| {
-            let (fitted, cost) = selector.refit_with(&without.model, score)?;
+            let (fitted, cost) = selector.refit_with(&without.model, score, None)?;
             Ok((score.effect, fitted, cost))
         });
         let refits: Vec<(usize, Refit, f64)> = refits.into_iter().collect::<Result<_>>()?;

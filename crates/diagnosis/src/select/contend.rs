@@ -16,6 +16,14 @@ pub(crate) struct Tried {
     cost: f64,
 }
 
+impl Tried {
+    /// Notes where the refit of an effect ends that was only compared: one that ends at no minimum contends no more.
+    pub(super) fn note_end(tried: &mut [Self], effect: usize, refit: &Refit) {
+        let own = tried.iter_mut().filter(|tried| tried.effect == effect);
+        own.for_each(|tried| tried.refit.clone_from(refit));
+    }
+}
+
 impl Refused {
     /// Notes which of the contenders ended at no minimum.
     pub(super) fn note(&mut self, tried: &[Tried], scan: &[Score]) {
@@ -37,6 +45,7 @@ impl Selector<'_> {
         grown: &Grown,
         scan: &[Score],
         tried: &mut Vec<Tried>,
+        least_fall: f64,
     ) -> Result<Option<(Refit, Score)>> {
         let Some(first) = scan.first() else {
             return Ok(None);
@@ -52,7 +61,7 @@ impl Selector<'_> {
             if let Some(before) = tried.iter().find(|tried| tried.effect == effect) {
                 return Ok(before.clone());
             }
-            let (refit, cost) = self.refit_with(&grown.refit.model, score)?;
+            let (refit, cost) = self.refit_with(&grown.refit.model, score, Some(least_fall))?;
             Ok(Tried {
                 effect,
                 refit,
@@ -93,8 +102,13 @@ impl Selector<'_> {
     }
 
     /// The best refit of a model with one more effect: an event at its best rows, a play driven from
-    /// either side.
-    pub(crate) fn refit_with(&self, model: &Model, score: &Score) -> Result<(Refit, f64)> {
+    /// either side; with few digits where it is one of many that are only compared.
+    pub(crate) fn refit_with(
+        &self,
+        model: &Model,
+        score: &Score,
+        least_fall: Option<f64>,
+    ) -> Result<(Refit, f64)> {
         self.engine.base.interrupt.check()?;
         let cause = Cause::from(score);
         let effect = self.effects[score.effect].as_ref();
@@ -109,7 +123,14 @@ impl Selector<'_> {
                 shape,
                 ..cause.clone()
             });
-            let fitted = self.with_steps_at_rows(self.engine.refit(self.effects, &with)?)?;
+            let (engine, effects) = (self.engine, self.effects);
+            let refit = |model: &Model| engine.refit_on(&engine.whole, effects, model, least_fall);
+            let known = engine.known_with(&with.causes).map(refit).transpose()?;
+            let fitted = match known.filter(Refit::has_converged) {
+                Some(known) => known,
+                None => refit(&with)?,
+            };
+            let fitted = self.with_steps_at_rows(fitted, &refit)?;
             let cost = self.cost(&fitted);
             Ok((fitted, cost))
         });

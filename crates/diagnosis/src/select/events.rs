@@ -10,7 +10,7 @@ use haptical_judge::{Forward, Proposal, Proposals, Ruled, Ruling};
 use haptical_linalg::Direction;
 
 use crate::Result;
-use crate::engine::{ALWAYS, Cause, Engine, Refit, System, across, dot, take_off};
+use crate::engine::{ALWAYS, Cause, Engine, Model, Refit, System, across, dot, take_off};
 use crate::select::{Candidate, Score, Selector};
 use crate::thresholds::steps::{
     APART_S, INSTANT_COST, LEAST_LEFT, MARGIN, MOST_STEPS_OF_AN_EVENT, RESTING_RAD, STEP_SCORE,
@@ -322,7 +322,11 @@ impl StepPlace {
 impl Selector<'_> {
     /// A refit with each step of its events at the row that leaves least: blocks, by which they are found, leave it open.
     /// Two steps that come to be one are one.
-    pub(crate) fn with_steps_at_rows(&self, mut refit: Refit) -> Result<Refit> {
+    pub(crate) fn with_steps_at_rows(
+        &self,
+        mut refit: Refit,
+        again: &dyn Fn(&Model) -> Result<Refit>,
+    ) -> Result<Refit> {
         for _ in 0..SWEEPS {
             let mut model = refit.model.clone();
             for (moved, cause) in model.causes.iter_mut().zip(&refit.model.causes) {
@@ -346,7 +350,7 @@ impl Selector<'_> {
             if model == refit.model {
                 break;
             }
-            refit = self.engine.refit(self.effects, &model)?;
+            refit = again(&model)?;
         }
         Ok(refit)
     }

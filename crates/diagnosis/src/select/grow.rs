@@ -10,8 +10,10 @@ use haptical_judge::{
 use crate::engine::{Refit, SlowEnergy, System};
 use crate::select::{Grown, Refused, Score, Selector, Tried, excess};
 use crate::thresholds::chance::MOST_CAUSES;
-use crate::thresholds::fit::MOVED_FAR;
-use crate::thresholds::selection::{DYNAMIC_RANGE, NEARLY_NOTHING, REFUSALS, STILL_MUCH};
+use crate::thresholds::fit::{COMPARED, MOVED_FAR, ROUGH};
+use crate::thresholds::selection::{
+    DYNAMIC_RANGE, NEARLY_NOTHING, REFIT_OVER_SCAN, REFUSALS, STILL_MUCH,
+};
 use crate::{DiagnosisError, Result};
 
 impl Selector<'_> {
@@ -87,6 +89,11 @@ impl Growth<'_, '_> {
     }
 }
 
+/// Whether an effect is one with the rounding of what the causes so far explain, whatever its refit makes of it.
+fn is_rounding(score: &Score, grown: &Grown) -> bool {
+    REFIT_OVER_SCAN * score.score < DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
+}
+
 impl Forward for Growth<'_, '_> {
     type State = Grown;
     type Further = (Refit, Score);
@@ -106,7 +113,18 @@ impl Forward for Growth<'_, '_> {
         if is_full || self.refused.shut.len() > REFUSALS {
             return Ok(Vec::new());
         }
-        let best = self.selector.best(grown, &scan, &mut self.tried)?;
+        if let Some(first) = scan.first().filter(|first| is_rounding(first, grown)) {
+            if self.selector.is_more_than_chance(first, &grown.after)? {
+                self.refused.best.get_or_insert(first.clone());
+            }
+            return Ok(Vec::new());
+        }
+        let least_fall = match self.may_stop && grown.refit.model.causes.is_empty() {
+            true => ROUGH,
+            false => COMPARED,
+        };
+        let (selector, tried) = (&self.selector, &mut self.tried);
+        let best = selector.best(grown, &scan, tried, least_fall)?;
         self.refused.note(&self.tried, &scan);
         Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
@@ -133,6 +151,14 @@ impl Forward for Growth<'_, '_> {
             return Ok(Ruling::Refused);
         }
         let mut with = grown.with(next, system, after, &score);
+        // what contended was only compared; where all is computed anew, that is enough
+        if !self.has_moved_far(&with) {
+            with.refine(self.selector)?;
+            if !with.refit.has_converged() {
+                Tried::note_end(&mut self.tried, score.effect, &with.refit);
+                return Ok(Ruling::Refused);
+            }
+        }
         if !keeps_its_law {
             with.provisional.push(score);
         }

@@ -11,6 +11,7 @@ use super::reduction::collect;
 use crate::Result;
 use crate::engine::{Engine, Fit, Predicted};
 use crate::select::{Selection, is_displacement};
+use crate::thresholds::fit::ROUGH;
 use crate::thresholds::recording::HELD_BACK;
 
 /// Fits base model and causes to part of the recording, and predicts the rest.
@@ -42,8 +43,8 @@ pub(crate) fn on_held_back(
     }
     let seen = |row: usize| !held[row];
     let part = engine.part(&seen)?;
-    let plain = engine.refit_on(&part, effects, &engine.start.model)?;
-    let with = engine.refit_on(&part, effects, &selection.refit.model)?;
+    let plain = engine.refit_on(&part, effects, &engine.start.model, Some(ROUGH))?;
+    let with = engine.refit_on(&part, effects, &selection.refit.model, None)?;
     if !(plain.has_converged() && with.has_converged()) {
         let warning = "the fit to the rows that are not held out did not converge: nothing is said of unseen rows";
         return Ok(Shrink {
