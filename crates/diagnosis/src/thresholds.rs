@@ -262,6 +262,8 @@ pub(crate) mod selection {
     pub(crate) const SURELY: f64 = 1e-6;
     /// Share of what was explained below which an effect is one with the rounding of large numbers.
     pub(crate) const DYNAMIC_RANGE: f64 = 2e-4;
+    /// Squares between the costs of refits below which searches that were only compared do not tell which is less. Cost.
+    pub(crate) const TIE: f64 = 10.0;
     /// What a refit explains over what the scan says of an effect, at most, where nothing is asked of the refit. Cost.
     pub(crate) const REFIT_OVER_SCAN: f64 = 4.0;
     /// Picks that are tried and refused before the search ends. Cost.

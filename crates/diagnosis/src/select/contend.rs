@@ -5,7 +5,7 @@ use haptical_effects::Shape;
 use crate::engine::{Cause, Model, Refit};
 use crate::select::{Grown, Refused, Score, Selector};
 use crate::thresholds::chance::FAMILY_WISE_P;
-use crate::thresholds::selection::{CONTENDERS, CONTENDING};
+use crate::thresholds::selection::{CONTENDERS, CONTENDING, TIE};
 use crate::{DiagnosisError, Result};
 
 /// An effect refitted together with the causes so far.
@@ -68,7 +68,8 @@ impl Selector<'_> {
                 cost,
             })
         });
-        let refits: Vec<Tried> = refits.into_iter().collect::<Result<_>>()?;
+        let mut refits: Vec<Tried> = refits.into_iter().collect::<Result<_>>()?;
+        self.refine_ties(&mut refits)?;
         tried.extend_from_slice(&refits);
         let before = grown.system.residual.iter();
         let before: f64 = before.map(|value| value * value).sum();
@@ -99,6 +100,22 @@ impl Selector<'_> {
             }
         }
         Ok(best.map(|(fitted, score, _)| (fitted, score)))
+    }
+
+    /// Fits those to the last digit that are as good as the best as far as their searches went: the last digits decide.
+    fn refine_ties(&self, refits: &mut [Tried]) -> Result<()> {
+        let costs = refits.iter().filter(|own| own.refit.has_converged());
+        let least = costs.map(|own| own.cost).fold(f64::INFINITY, f64::min);
+        let is_tie = |own: &&mut Tried| own.refit.has_converged() && own.cost < least + TIE;
+        let ties: Vec<&mut Tried> = refits.iter_mut().filter(is_tie).collect();
+        if ties.len() < 2 {
+            return Ok(());
+        }
+        for own in ties {
+            own.refit = self.engine.refit(self.effects, &own.refit.model)?;
+            own.cost = self.cost(&own.refit);
+        }
+        Ok(())
     }
 
     /// The best refit of a model with one more effect: an event at its best rows, a play driven from
