@@ -2,7 +2,11 @@
 
 use crate::error::{check_length, check_rhs};
 use crate::pivoted::{PivotedQr, singular_vectors};
+use crate::triangle::{TILE_ROWS, Triangle};
 use crate::{LinalgError, Matrix, covariance};
+
+/// Rows for each column from which on a matrix is tall.
+const TALL: usize = 8;
 
 /// A least-squares problem min |A x - b| reduced to a small triangle.
 ///
@@ -39,6 +43,10 @@ impl Reduction {
     pub fn new(matrix: &Matrix, rhs: &[f64]) -> Result<Self, LinalgError> {
         matrix.check()?;
         check_rhs(rhs, matrix.rows(), matrix.columns())?;
+        // squares that overflow here may not once columns have unit norms
+        if let Some(Ok(reduction)) = Self::of_tall(matrix, rhs) {
+            return Ok(reduction);
+        }
         let (scaled, column_norms) = matrix.clone().into_unit_columns()?;
         let qr = PivotedQr::new(&scaled, rhs);
         let size = qr.factor.rows();
@@ -56,6 +64,18 @@ impl Reduction {
             rest_square,
             matrix.rows(),
         )
+    }
+
+    /// The same by the triangle that tiles of rows are folded into, which reads a tall matrix once: pivots are looked for in the triangle.
+    fn of_tall(matrix: &Matrix, rhs: &[f64]) -> Option<Result<Self, LinalgError>> {
+        let (rows, count) = (matrix.rows(), matrix.columns());
+        let is_tall = count > 0 && rows >= (TALL * count).max(TILE_ROWS);
+        is_tall.then(|| {
+            let columns: Vec<&[f64]> = (0..count).map(|column| matrix.column(column)).collect();
+            let mut triangle = Triangle::new(count);
+            triangle.fold_rows(&columns, rhs)?;
+            triangle.reduction(rows)
+        })
     }
 
     /// A problem that was reduced elsewhere by orthogonal transformations: the upper `triangle` (n x n), what

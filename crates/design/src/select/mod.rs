@@ -108,7 +108,15 @@ pub fn select(
         let state = State::new(&rows, score.weight(), flags, 0.0)?;
         Some(figures(&state, shift, score.weight().is_some()))
     };
-    let own = figures(&found.chosen).ok_or_else(|| too_few(information, &rows, count))?;
+    // fewer readings than parameters fix them by rounding alone
+    let of_chosen = found
+        .chosen
+        .iter()
+        .map(|&pose| information.readings(Some(pose)));
+    let readings = information.readings(None) + of_chosen.sum::<usize>();
+    let is_enough = readings >= rows.columns.len();
+    let own = is_enough.then(|| figures(&found.chosen)).flatten();
+    let own = own.ok_or_else(|| too_few(information, &rows, count))?;
     Ok(Selection {
         criterion,
         deviations: information.deviations(&found.chosen, &rows.columns)?,
