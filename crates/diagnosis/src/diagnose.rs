@@ -1,7 +1,5 @@
 //! The whole diagnosis, from a device and a recording to an answer.
 
-use std::cell::OnceCell;
-
 use haptical_calibration::{CalibrationError, Channel, channels, check_recording, check_rig};
 use haptical_effects::device::{attached_at, bare};
 use haptical_effects::structure::JOINT_COMPLIANCE;
@@ -12,10 +10,7 @@ use haptical_motion::{LoadSource, is_moving_arm};
 use crate::admission::admitted;
 use crate::answer::{Diagnosis, Verdict, answer, changed, judged, not_in_file};
 use crate::current::without_currents;
-use crate::engine::{
-    Base, Cause, Fitting, Model, Prepared, Unfinished, onto_touches, own_sizes, placed,
-    root_mean_square, with_causes,
-};
+use crate::engine::{Base, Prepared, Unfinished, onto_touches, own_sizes, placed};
 use crate::force::answer::ForceAnswer;
 use crate::joined::{View, joined};
 use crate::judge::{Corrected, Findings, Inputs};
@@ -24,9 +19,9 @@ use crate::moving::between::{Links, of_links};
 use crate::moving::{carries_links_alone, of_moving_arm, with_link_torques};
 use crate::noise::{KnownNoise, is_stated, without_readings};
 use crate::own_effects::within_laws;
+use crate::second_round::{Again, Bases, nearer};
 use crate::select::{Selection, Selector, is_displacement};
 use crate::servo_loop::has_commands;
-use crate::thresholds::fit::{MOVED_FAR, NEARER_ROUNDS, NOISE_FELL, STILL_NOISES};
 use crate::{DiagnosisError, Options, Result, current, servo_loop, torques_alone};
 
 /// Fits the device jointly to the recording, then says what is left of it: whether there is a gap, where, which
@@ -434,8 +429,9 @@ fn by_noise(
     };
     let model = &selection.refit.model;
     let logs = (&readings.recording, &readings.postures);
-    let (nearer, known) = nearer(&selection, again.there, logs, &bases)?;
-    let cleaned = clean(match again.noise {
+    let Again { noise, there } = again;
+    let (nearer, known) = nearer(&selection, there, logs, &bases)?;
+    let cleaned = clean(match noise {
         Some(_) => {
             let streams = &engine.context.streams;
             let context = Context::new(&base.device, postures, streams)?;
@@ -446,115 +442,10 @@ fn by_noise(
     });
     let prepared = Prepared::new(nearer, &cleaned.recording, &cleaned.postures)?;
     let alone = &engine.start.model.values;
-    let mut engine_there = prepared.fit_from_minimum(alone, again.noise.as_ref())?;
+    let mut engine_there = prepared.fit_from_minimum(alone, noise.as_ref())?;
     engine_there.know(known)?;
     let selection = Selector::new(&engine_there, case.effects, &tested).select(false)?;
     judged(selection, &cleaned)
-}
-
-/// A second round from what is known with the causes: the gap pushed the base model from where it belongs, and the effects'
-/// geometry with it, or its fast parts passed for noise.
-struct Again<'r> {
-    /// With the causes in the model, where it fell.
-    noise: Option<KnownNoise>,
-    there: There<'r>,
-}
-
-/// A base model that causes leave, and the log at it.
-struct There<'r> {
-    base: &'r Base,
-    context: Context<'r>,
-}
-
-/// Places of the base models that refits with causes leave in turn.
-type Bases = [OnceCell<Base>; NEARER_ROUNDS + 1];
-
-impl<'r> Again<'r> {
-    fn new(selection: &Selection<'r>, bases: &'r Bases) -> Result<Option<Self>> {
-        if selection.causes().is_empty() {
-            return Ok(None);
-        }
-        let engine = selection.engine();
-        let noise = engine.noise_of(&selection.refit.residual);
-        let mut pairs = engine.noise.iter().zip(&noise.noise);
-        let fell = pairs.any(|(before, after)| after.ratio < NOISE_FELL * before.ratio);
-        let model = &selection.refit.model;
-        let is_far = engine.moved(&model.bare) >= MOVED_FAR;
-        let base = bases[0].get_or_init(|| Base {
-            device: engine.problem.device_with(&model.values),
-            ..engine.base.clone()
-        });
-        let at = (base, engine.context.recording);
-        let (has_moved, context) = moved(selection, &engine.context, at, &model.causes)?;
-        Ok((fell || is_far || has_moved).then(|| Self {
-            noise: fell.then_some(noise),
-            there: There { base, context },
-        }))
-    }
-}
-
-/// The base model that causes leave, with what they add worked out where it is: refitted in turn until that moves no more.
-fn nearer<'r>(
-    selection: &Selection<'_>,
-    mut there: There<'r>,
-    (recording, postures): (&'r Recording, &'r Recording),
-    bases: &'r Bases,
-) -> Result<(&'r Base, Model)> {
-    let engine = selection.engine();
-    let mut model = selection.refit.model.clone();
-    for place in &bases[1..] {
-        let There { base, context } = there;
-        let mut prepared = Prepared::of_context(base, recording, postures, context)?;
-        prepared.context.lines.clone_from(&engine.context.lines);
-        let fitting = Fitting {
-            data: &prepared,
-            effects: selection.selector.effects,
-            part: &engine.whole,
-            least_fall: None,
-        };
-        let fitted = fitting.descend(&model)?;
-        if !fitted.has_converged() {
-            return Ok((base, model));
-        }
-        model = fitted.model;
-        let base = place.get_or_init(|| Base {
-            device: prepared.problem.device_with(&model.values),
-            ..base.clone()
-        });
-        let at = (base, postures);
-        let (has_moved, context) = moved(selection, &prepared.context, at, &model.causes)?;
-        there = There { base, context };
-        if !has_moved {
-            break;
-        }
-    }
-    Ok((there.base, model))
-}
-
-/// Whether what the causes add is more than a tenth of a stream's noise away from what they add to the base model that they leave: a
-/// device file of both would not leave what the fit does; and the log at that model.
-fn moved<'r>(
-    selection: &Selection<'_>,
-    here: &Context<'_>,
-    (base, postures): (&'r Base, &'r Recording),
-    causes: &[Cause],
-) -> Result<(bool, Context<'r>)> {
-    let (engine, effects) = (selection.engine(), selection.selector.effects);
-    let mut there = Context::new(&base.device, postures, &here.streams)?;
-    there.lines.clone_from(&here.lines);
-    let nothing = vec![vec![0.0; here.recording.len()]; here.streams.len()];
-    let [before, after] =
-        [here, &there].map(|at| with_causes(nothing.clone(), at, effects, causes));
-    let differ = |stream: usize| {
-        let changes = before[stream].iter().zip(&after[stream]);
-        let used = changes
-            .zip(&engine.usable[stream])
-            .filter(|(_, usable)| **usable);
-        let changes: Vec<f64> = used.map(|((before, after), _)| before - after).collect();
-        root_mean_square(&changes) > STILL_NOISES * engine.floor[stream]
-    };
-    let has_moved = (0..before.len()).any(differ);
-    Ok((has_moved, there))
 }
 
 /// Whether the base model has the effect already, or swallows it by its form.

@@ -19,6 +19,7 @@ mod noise;
 mod options;
 mod outlying;
 mod own_effects;
+mod second_round;
 mod select;
 mod servo_loop;
 mod settle;

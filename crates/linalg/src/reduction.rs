@@ -34,6 +34,21 @@ pub struct Reduction {
     pub(crate) column_norms: Vec<f64>,
 }
 
+impl Triangle {
+    /// The least-squares problem of the triangle, said to have `rows` rows.
+    ///
+    /// # Errors
+    /// [`LinalgError`] for a triangle without columns, an entry that is not finite, or a column norm or a
+    /// right-hand side whose square overflows.
+    pub fn reduction(&self, rows: usize) -> Result<Reduction, LinalgError> {
+        let mut matrix = Matrix::zeros(self.columns(), self.columns());
+        for column in 0..self.columns() {
+            matrix.column_mut(column)[..=column].copy_from_slice(self.column(column));
+        }
+        Reduction::from_triangle(matrix, self.projected(), self.rest_square(), rows)
+    }
+}
+
 impl Reduction {
     /// Reduces `matrix` (m x n) and `rhs` (m).
     ///

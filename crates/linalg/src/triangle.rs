@@ -7,7 +7,7 @@ use pulp::Arch;
 use crate::aligned::Aligned;
 use crate::error::check_length;
 use crate::fold::Fold;
-use crate::{LinalgError, Matrix, Reduction};
+use crate::{LinalgError, Matrix};
 
 /// Rows of a tile: 28 columns of so many numbers and the residuals fill 59 kB. Twice the rows halve what every column
 /// costs once per tile, and the four columns that are in use at a time, 8 kB, stay in the first-level cache; 128 rows
@@ -187,19 +187,6 @@ impl Triangle {
         self.fold_rows(&columns, rows.column(other.columns))?;
         self.rows = all;
         Ok(())
-    }
-
-    /// The least-squares problem of the triangle, said to have `rows` rows.
-    ///
-    /// # Errors
-    /// [`LinalgError`] for a triangle without columns, an entry that is not finite, or a column norm or a
-    /// right-hand side whose square overflows.
-    pub fn reduction(&self, rows: usize) -> Result<Reduction, LinalgError> {
-        let mut matrix = Matrix::zeros(self.columns, self.columns);
-        for column in 0..self.columns {
-            matrix.column_mut(column)[..=column].copy_from_slice(self.column(column));
-        }
-        Reduction::from_triangle(matrix, self.projected(), self.rest_square, rows)
     }
 
     /// Refuses entries that are not finite.

@@ -5,8 +5,9 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 
 use super::cosines::Cosines;
+use super::group::Group;
 use super::problem::Signal;
-use super::rows::{Group, along};
+use super::rows::along;
 
 /// Products of a signal's columns in bands of frequency. Columns: those of the basis, a line in time, the readings, held
 /// parameters; all over the local size of the noise.

@@ -2,8 +2,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::rows::{Group, SMALLEST_PIVOT};
+use super::group::Group;
 
+/// Pivot of unit columns below which a direction is rounding.
+pub(super) const SMALLEST_PIVOT: f64 = 1e-12;
 /// Rows that are looked at at once: their columns stay in the processor's cache.
 pub(super) const AT_ONCE: usize = 512;
 /// Least room that a row leaves its residual: one that the fit follows exactly says nothing of the noise.

@@ -5,6 +5,7 @@
 mod bands;
 mod cosines;
 mod fitted;
+mod group;
 mod held;
 mod least_squares;
 mod nnls;

@@ -2,10 +2,11 @@
 
 use std::ops::Range;
 
+use super::group::Group;
 use super::least_squares::{GroupSolved, Normal, Products, Scaled};
 use super::partition::{Runs, runs};
 use super::problem::{OrderedProblem, Uneven};
-use super::rows::{Group, Rows};
+use super::rows::Rows;
 
 /// Standard deviation of every row, with geometric mean 1 over a group.
 pub(super) struct Sizes {

@@ -1,0 +1,78 @@
+//! The rows of one sensor in the few columns that it sees.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::problem::OrderedProblem;
+
+/// The rows of one group.
+pub(super) struct Group {
+    /// Their places in the problem.
+    pub(super) rows: Vec<usize>,
+    /// Orthonormal columns that span the group's derivatives.
+    pub(super) basis: DMatrix<f64>,
+    /// Their coordinates, a row each, by the coordinates of the whole.
+    pub(super) coordinates: DMatrix<f64>,
+    /// Measurement minus model.
+    pub(super) readings: Vec<f64>,
+    /// Derivatives by parameters that the fit held.
+    pub(super) held: DMatrix<f64>,
+}
+
+/// Square of a direction in a group, as a share of the largest, that is rounding: another group shows it, or none does.
+const ROUNDING: f64 = 1e-14;
+
+impl Group {
+    /// `norms` are those of all rows' columns.
+    pub(super) fn new(
+        problem: &OrderedProblem<'_>,
+        rows: Vec<usize>,
+        norms: &[f64],
+    ) -> Option<Self> {
+        let entries = |column: usize| {
+            let entries = problem.derivatives.column(column);
+            rows.iter().map(|&row| entries[row])
+        };
+        let seen: Vec<usize> = (0..norms.len())
+            .filter(|&column| entries(column).any(|entry| entry != 0.0))
+            .collect();
+        let mut unit = DMatrix::zeros(rows.len(), seen.len());
+        for (mut own, &column) in unit.column_iter_mut().zip(&seen) {
+            for (own, entry) in own.iter_mut().zip(entries(column)) {
+                *own = entry / norms[column];
+            }
+        }
+        let (vectors, roots) = directions(&unit)?;
+        let turned = DMatrix::from_fn(seen.len(), roots.len(), |row, k| {
+            vectors[(row, k)] / roots[k]
+        });
+        let mut coordinates = DMatrix::zeros(roots.len(), norms.len());
+        for (place, &column) in seen.iter().enumerate() {
+            for (k, root) in roots.iter().enumerate() {
+                coordinates[(k, column)] = vectors[(place, k)] * root;
+            }
+        }
+        let held = problem.derivatives.columns() - norms.len();
+        Some(Self {
+            basis: unit * turned,
+            coordinates,
+            readings: rows.iter().map(|&row| -problem.residuals[row]).collect(),
+            held: DMatrix::from_fn(rows.len(), held, |place, column| {
+                problem.derivatives[(rows[place], norms.len() + column)]
+            }),
+            rows,
+        })
+    }
+}
+
+/// Right singular vectors of columns, and singular values, without those that are rounding; none where they cannot be found.
+fn directions(columns: &DMatrix<f64>) -> Option<(DMatrix<f64>, Vec<f64>)> {
+    if columns.ncols() == 0 {
+        return Some((DMatrix::zeros(0, 0), Vec::new()));
+    }
+    let found = SymmetricEigen::try_new(columns.tr_mul(columns), f64::EPSILON, 0)?;
+    let squares = &found.eigenvalues;
+    let least = ROUNDING * squares.max();
+    let kept: Vec<usize> = (0..squares.len()).filter(|&k| squares[k] > least).collect();
+    let roots = kept.iter().map(|&k| squares[k].sqrt()).collect();
+    Some((found.eigenvectors.select_columns(&kept), roots))
+}
