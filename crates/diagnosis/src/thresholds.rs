@@ -262,7 +262,9 @@ pub(crate) mod selection {
     pub(crate) const SURELY: f64 = 1e-6;
     /// Share of what was explained below which an effect is one with the rounding of large numbers.
     pub(crate) const DYNAMIC_RANGE: f64 = 2e-4;
-    /// Squares between the costs of refits below which searches that were only compared do not tell which is less. Cost.
+    /// Falls of a slow search that may be left where it ended, and squares that count as equal in any case: contenders so close are
+    /// fitted to the last digit. Cost.
+    pub(crate) const FALLS_LEFT: f64 = 30.0;
     pub(crate) const TIE: f64 = 10.0;
     /// What a refit explains over what the scan says of an effect, at most, where nothing is asked of the refit. Cost.
     pub(crate) const REFIT_OVER_SCAN: f64 = 4.0;

@@ -42,7 +42,7 @@ pub trait TriangleProblem {
     /// Number of parameters, free or not.
     fn columns(&self) -> usize;
 
-    /// Number of residuals that the triangle stands for.
+    /// Number of residuals that were reduced to the triangle.
     fn rows(&self) -> usize;
 
     /// Reduces the derivatives with respect to `free`, column k for parameter `free[k]`, and the residuals. Without free

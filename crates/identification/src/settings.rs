@@ -38,7 +38,8 @@ pub struct Settings {
     /// of it. None for a search whose numbers are kept.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_fall: Option<f64>,
-    /// First damping of Levenberg-Marquardt, relative to unit-norm columns.
+    /// First damping of Levenberg-Marquardt, relative to unit-norm columns; less where the first undamped step promises less than a
+    /// hundredth of the cost, as the search begins close to a minimum then.
     pub initial_damping: f64,
     /// Stops the search from another thread; no setting of its numbers.
     #[serde(skip)]

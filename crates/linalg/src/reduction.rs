@@ -10,7 +10,8 @@ const TALL: usize = 8;
 
 /// A least-squares problem min |A x - b| reduced to a small triangle.
 ///
-/// A (m x n) is scaled to unit column norms and decomposed once by a column-pivoted QR; what is
+/// A (m x n) is scaled to unit column norms and decomposed once by a column-pivoted QR; one of more than eight rows a column is
+/// folded into a triangle before ([`Triangle`]). What is
 /// kept is the small factor F (min(m, n) x n, columns in A's order) with F'F = S A'A S and the
 /// projected right-hand side, so that |A x - b|^2 = |F S^-1 x - q|^2 + residual. Rank, step,
 /// covariance and singular values of any subset of columns then cost O(n^3), whatever m is.

@@ -246,7 +246,7 @@ pub(crate) fn fit(
     let mut before: Option<Device> = None;
     for (loss, options, limit) in stages {
         for _ in 0..limit {
-            // random places are asked in the first round, and in the last fit
+            // random places are tried in the first round, and in the last fit
             let options = &match before {
                 None => options.to_weigh(),
                 Some(_) => Options {

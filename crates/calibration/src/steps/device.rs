@@ -43,12 +43,13 @@ pub(crate) fn fit_squares(
     let some = some_of_long(recording);
     let of_some = some.as_ref().and_then(|some| compare(some).ok());
     let is_of_some = of_some.is_some();
-    let mut fitted = match of_some {
-        Some(fitted) => fitted,
+    let (mut fitted, is_weighed_again) = match of_some {
+        Some(found) => found,
         None => compare(recording)?,
     };
-    // the last one alone has to have its digits
-    if is_of_some || (fitted.is_coarse() && options.search.least_fall.is_none()) {
+    // the last one alone has to have its digits, and tries random places once more
+    let is_rough = fitted.is_coarse() || is_weighed_again;
+    if is_of_some || (is_rough && options.search.least_fall.is_none()) {
         let (weights, before) = (fitted.weights, Some(&fitted.device));
         fitted = fit_once(device, recording, &channels, &weights, options, before)?;
         fitted.weights = weights;
@@ -57,20 +58,21 @@ pub(crate) fn fit_squares(
 }
 
 /// Fits to `rows`, all of a recording or some of a long one, until the noise of its channels is known: its size shows on some rows,
-/// and is taken from all.
+/// and is taken from all. Besides, whether there was more than one round.
 fn compared(
     device: &Device,
     (rows, recording): (&Recording, &Recording),
     channels: &[Channel],
     options: &Options,
-) -> Result<FittedDevice, CalibrationError> {
+) -> Result<(FittedDevice, bool), CalibrationError> {
     let mut weights = Weights::stated(device, channels);
     let mut fitted = fit_once(device, rows, channels, &weights, &options.to_weigh(), None)?;
-    // random places are asked in the first round, and in the last fit
-    let again = &Options {
+    // random places are tried in the first round, and where a search finds no minimum
+    let again = Options {
         starts: 0,
         ..options.clone()
     };
+    let mut is_weighed_again = false;
     for _ in 0..WEIGHTING_ROUNDS {
         let estimated = Weights {
             factor: estimate_noise(&fitted, recording, channels, &weights)?,
@@ -80,11 +82,13 @@ fn compared(
             break;
         }
         weights = estimated;
+        is_weighed_again = true;
         let before = Some(&fitted.device);
-        fitted = fit_once(device, rows, channels, &weights, again, before)?;
+        let fit = |options: &Options| fit_once(device, rows, channels, &weights, options, before);
+        fitted = fit(&again).or_else(|_| fit(options))?;
     }
     fitted.weights = weights;
-    Ok(fitted)
+    Ok((fitted, is_weighed_again))
 }
 
 /// One fit with given weights; its searches begin at the values of `start`, those of a fit with other weights.

@@ -115,13 +115,13 @@ pub fn select(
         .map(|&pose| information.readings(Some(pose)));
     let readings = information.readings(None) + of_chosen.sum::<usize>();
     let is_enough = readings >= rows.columns.len();
-    let own = is_enough.then(|| figures(&found.chosen)).flatten();
-    let own = own.ok_or_else(|| too_few(information, &rows, count))?;
+    let of_found = is_enough.then(|| figures(&found.chosen)).flatten();
+    let of_found = of_found.ok_or_else(|| too_few(information, &rows, count))?;
     Ok(Selection {
         criterion,
         deviations: information.deviations(&found.chosen, &rows.columns)?,
         random: of_random(rows.poses(), count, settings.seed, figures),
-        figures: own,
+        figures: of_found,
         history: found.history,
         chosen: found.chosen,
         parameters: rows.columns,

@@ -5,7 +5,8 @@ use haptical_effects::Shape;
 use crate::engine::{Cause, Model, Refit};
 use crate::select::{Grown, Refused, Score, Selector};
 use crate::thresholds::chance::FAMILY_WISE_P;
-use crate::thresholds::selection::{CONTENDERS, CONTENDING, TIE};
+use crate::thresholds::fit::{COMPARED, ROUGH};
+use crate::thresholds::selection::{CONTENDERS, CONTENDING, FALLS_LEFT, TIE};
 use crate::{DiagnosisError, Result};
 
 /// An effect refitted together with the causes so far.
@@ -14,15 +15,12 @@ pub(crate) struct Tried {
     effect: usize,
     refit: Refit,
     cost: f64,
+    /// Whether its search went to the last digit.
+    is_refined: bool,
 }
 
-impl Tried {
-    /// Notes where the refit of an effect ends that was only compared: one that ends at no minimum contends no more.
-    pub(super) fn note_end(tried: &mut [Self], effect: usize, refit: &Refit) {
-        let own = tried.iter_mut().filter(|tried| tried.effect == effect);
-        own.for_each(|tried| tried.refit.clone_from(refit));
-    }
-}
+/// Whether a first cause that was fitted roughly is known well enough, as all is computed anew with it.
+pub(crate) type RoughIsEnough<'r> = dyn Fn(&Refit) -> bool + 'r;
 
 impl Refused {
     /// Notes which of the contenders ended at no minimum.
@@ -40,82 +38,111 @@ impl Refused {
 impl Selector<'_> {
     /// The best effect with its refit; close contenders are refitted too and the costs decide. One whose refit ended at no
     /// minimum has no numbers, and is not taken. `tried` keeps refits with the same causes.
+    ///
+    /// Contenders are fitted to few digits. The best, and those that few digits do not tell from it, are then fitted to the last, unless
+    /// a rough fit is enough.
     pub(crate) fn best(
         &self,
         grown: &Grown,
         scan: &[Score],
         tried: &mut Vec<Tried>,
-        least_fall: f64,
+        rough: Option<&RoughIsEnough<'_>>,
     ) -> Result<Option<(Refit, Score)>> {
         let Some(first) = scan.first() else {
             return Ok(None);
         };
+        let least_fall = rough.map_or(COMPARED, |_| ROUGH);
         let is_worth_it = self.family_wise_p(first, 1.0)? < FAMILY_WISE_P;
         let contends = |score: &&Score| {
             let is_near = score.score >= CONTENDING * first.score - 20.0;
             is_worth_it && (is_near || score.effect == first.effect)
         };
         let near: Vec<&Score> = scan.iter().take_while(contends).take(CONTENDERS).collect();
-        let refits = haptical_parallel::map(&near, |score| {
-            let effect = score.effect;
-            if let Some(before) = tried.iter().find(|tried| tried.effect == effect) {
-                return Ok(before.clone());
-            }
+        let fresh = near.iter().copied();
+        let fresh = fresh.filter(|score| tried.iter().all(|tried| tried.effect != score.effect));
+        let refits = haptical_parallel::map(fresh.collect::<Vec<_>>(), |score| {
             let (refit, cost) = self.refit_with(&grown.refit.model, score, Some(least_fall))?;
             Ok(Tried {
-                effect,
+                effect: score.effect,
                 refit,
                 cost,
+                is_refined: false,
             })
         });
-        let mut refits: Vec<Tried> = refits.into_iter().collect::<Result<_>>()?;
-        self.refine_ties(&mut refits)?;
-        tried.extend_from_slice(&refits);
-        let before = grown.system.residual.iter();
-        let before: f64 = before.map(|value| value * value).sum();
-        let is_anchored = self.engine.base.anchor.is_some();
-        let mut best: Option<(Refit, Score, f64)> = None;
-        for (score, Tried { refit, cost, .. }) in near.into_iter().zip(refits) {
-            let may_be = refit.has_converged() && self.is_possible(&refit.model);
-            if !may_be || (is_anchored && !self.is_sound(&refit.model)) {
-                continue;
+        tried.extend(refits.into_iter().collect::<Result<Vec<Tried>>>()?);
+        loop {
+            let weighed = tried.iter().enumerate().filter_map(|(place, tried)| {
+                let score = near.iter().find(|score| score.effect == tried.effect)?;
+                let weighed = self.weighed(grown, score, tried)?;
+                Some((place, weighed))
+            });
+            let weighed: Vec<(usize, (Score, f64))> = weighed.collect();
+            // of equals the first
+            let best = weighed
+                .iter()
+                .reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
+            let Some((place, (score, criterion))) = best else {
+                return Ok(None);
+            };
+            let best = &tried[*place];
+            if best.is_refined || rough.is_some_and(|is_enough| is_enough(&best.refit)) {
+                return Ok(Some((best.refit.clone(), score.clone())));
             }
-            // what anchors hold back counts too: directions that they bound are not free
-            let gained = match is_anchored {
-                true => self.engine.cost(&grown.refit) - self.engine.cost(&refit),
-                false => before - cost,
-            };
-            let mut own = Score {
-                score: gained,
-                ..score.clone()
-            };
-            let criterion = self.criterion(&own);
-            if best.as_ref().is_none_or(|(_, _, other)| criterion > *other) {
-                own.score = if is_anchored {
-                    gained
-                } else {
-                    score.score.max(gained)
+            let width = open_squares(least_fall, best.cost) / 2.0;
+            let ties = weighed.iter().filter(|(place, (_, other))| {
+                !tried[*place].is_refined && *other >= criterion - width
+            });
+            let ties: Vec<usize> = ties.map(|(place, _)| *place).collect();
+            for place in ties {
+                let (refit, cost) = self.refined(&tried[place].refit.model)?;
+                tried[place] = Tried {
+                    effect: tried[place].effect,
+                    refit,
+                    cost,
+                    is_refined: true,
                 };
-                best = Some((refit, own, criterion));
             }
         }
-        Ok(best.map(|(fitted, score, _)| (fitted, score)))
     }
 
-    /// Fits those to the last digit that are as good as the best as far as their searches went: the last digits decide.
-    fn refine_ties(&self, refits: &mut [Tried]) -> Result<()> {
-        let costs = refits.iter().filter(|own| own.refit.has_converged());
-        let least = costs.map(|own| own.cost).fold(f64::INFINITY, f64::min);
-        let is_tie = |own: &&mut Tried| own.refit.has_converged() && own.cost < least + TIE;
-        let ties: Vec<&mut Tried> = refits.iter_mut().filter(is_tie).collect();
-        if ties.len() < 2 {
-            return Ok(());
+    /// What a contender explains, and the criterion by which contenders are compared; none where it has no numbers, or impossible ones.
+    fn weighed(&self, grown: &Grown, score: &Score, tried: &Tried) -> Option<(Score, f64)> {
+        let refit = &tried.refit;
+        let is_anchored = self.engine.base.anchor.is_some();
+        let may_be = refit.has_converged() && self.is_possible(&refit.model);
+        if !may_be || (is_anchored && !self.is_sound(&refit.model)) {
+            return None;
         }
-        for own in ties {
-            own.refit = self.engine.refit(self.effects, &own.refit.model)?;
-            own.cost = self.cost(&own.refit);
-        }
-        Ok(())
+        // what anchors hold back counts too: directions that they bound are not free
+        let gained = match is_anchored {
+            true => self.engine.cost(&grown.refit) - self.engine.cost(refit),
+            false => {
+                let before = grown.system.residual.iter();
+                before.map(|value| value * value).sum::<f64>() - tried.cost
+            }
+        };
+        let of_gain = Score {
+            score: gained,
+            ..score.clone()
+        };
+        let criterion = self.criterion(&of_gain);
+        let explained = match is_anchored {
+            true => gained,
+            false => score.score.max(gained),
+        };
+        let explained = Score {
+            score: explained,
+            ..of_gain
+        };
+        Some((explained, criterion))
+    }
+
+    /// The refit of a model to the last digit, with its cost.
+    fn refined(&self, model: &Model) -> Result<(Refit, f64)> {
+        let refit = |model: &Model| self.engine.refit(self.effects, model);
+        let fitted = self.with_steps_at_rows(refit(model)?, &refit)?;
+        let cost = self.cost(&fitted);
+        Ok((fitted, cost))
     }
 
     /// The best refit of a model with one more effect: an event at its best rows, a play driven from
@@ -142,7 +169,9 @@ impl Selector<'_> {
             });
             let (engine, effects) = (self.engine, self.effects);
             let refit = |model: &Model| engine.refit_on(&engine.whole, effects, model, least_fall);
-            let known = engine.known_with(&with.causes).map(refit).transpose()?;
+            let known = engine.known_with(&with.causes);
+            let known = known.filter(|known| self.are_shapes_open(&known.causes, &with.causes));
+            let known = known.map(refit).transpose()?;
             let fitted = match known.filter(Refit::has_converged) {
                 Some(known) => known,
                 None => refit(&with)?,
@@ -151,13 +180,28 @@ impl Selector<'_> {
             let cost = self.cost(&fitted);
             Ok((fitted, cost))
         });
-        let refits: Vec<(Refit, f64)> = refits.into_iter().collect::<Result<_>>()?;
+        let mut refits: Vec<(Refit, f64)> = refits.into_iter().collect::<Result<_>>()?;
+        if let (Some(share), [one, other]) = (least_fall, refits.as_mut_slice())
+            && (one.1 - other.1).abs() < open_squares(share, one.1.min(other.1))
+        {
+            for side in [one, other] {
+                *side = self.refined(&side.0.model)?;
+            }
+        }
         // of equals the first
         let best = refits
             .into_iter()
             .reduce(|a, b| if b.1 < a.1 { b } else { a });
         best.ok_or(DiagnosisError::NoShape {
             effect: effect.name(),
+        })
+    }
+
+    /// Whether causes differ at most in shapes that a refit moves.
+    fn are_shapes_open(&self, causes: &[Cause], others: &[Cause]) -> bool {
+        causes.iter().zip(others).all(|(one, other)| {
+            let shape = self.effects[one.effect].spec().shape;
+            one.shape == other.shape || shape.is_continuous()
         })
     }
 
@@ -185,4 +229,9 @@ impl Selector<'_> {
         system.set_residual(&refit.residual);
         system.residual.iter().map(|value| value * value).sum()
     }
+}
+
+/// Squares that a search may still be above its minimum where it ended at a step that lowered the cost by less than a share.
+fn open_squares(least_fall: f64, cost: f64) -> f64 {
+    (FALLS_LEFT * least_fall * cost).max(TIE)
 }

@@ -8,9 +8,10 @@ use haptical_judge::{
 };
 
 use crate::engine::{Refit, SlowEnergy, System};
+use crate::select::contend::RoughIsEnough;
 use crate::select::{Grown, Refused, Score, Selector, Tried, excess};
 use crate::thresholds::chance::MOST_CAUSES;
-use crate::thresholds::fit::{COMPARED, MOVED_FAR, ROUGH};
+use crate::thresholds::fit::MOVED_FAR;
 use crate::thresholds::selection::{
     DYNAMIC_RANGE, NEARLY_NOTHING, REFIT_OVER_SCAN, REFUSALS, STILL_MUCH,
 };
@@ -60,8 +61,12 @@ impl Growth<'_, '_> {
     fn has_moved_far(&self, grown: &Grown) -> bool {
         self.may_stop
             && !grown.refit.model.causes.is_empty()
-            && excess(&grown.after).0 < NEARLY_NOTHING * excess(self.before).0
-            && self.selector.engine.moved(&grown.refit.model.bare) >= MOVED_FAR
+            && self.is_far_and_explained(&grown.refit, &grown.after)
+    }
+
+    fn is_far_and_explained(&self, refit: &Refit, after: &[SlowEnergy]) -> bool {
+        excess(after).0 < NEARLY_NOTHING * excess(self.before).0
+            && self.selector.engine.moved(&refit.model.bare) >= MOVED_FAR
     }
 
     /// Whether a pick is none of what the laws of those before it may get wrong.
@@ -89,7 +94,7 @@ impl Growth<'_, '_> {
     }
 }
 
-/// Whether an effect is one with the rounding of what the causes so far explain, whatever its refit makes of it.
+/// Whether an effect cannot be told from the rounding of what the causes so far explain, whatever its refit makes of it.
 fn is_rounding(score: &Score, grown: &Grown) -> bool {
     REFIT_OVER_SCAN * score.score < DYNAMIC_RANGE * grown.explained.iter().sum::<f64>()
 }
@@ -119,12 +124,16 @@ impl Forward for Growth<'_, '_> {
             }
             return Ok(Vec::new());
         }
-        let least_fall = match self.may_stop && grown.refit.model.causes.is_empty() {
-            true => ROUGH,
-            false => COMPARED,
+        let mut tried = std::mem::take(&mut self.tried);
+        let is_enough = |refit: &Refit| {
+            let system = self.selector.system_of(refit);
+            let after = system.slow_energy(&system.residual);
+            self.is_far_and_explained(refit, &after)
         };
-        let (selector, tried) = (&self.selector, &mut self.tried);
-        let best = selector.best(grown, &scan, tried, least_fall)?;
+        let is_first = self.may_stop && grown.refit.model.causes.is_empty();
+        let rough = is_first.then_some(&is_enough as &RoughIsEnough<'_>);
+        let best = self.selector.best(grown, &scan, &mut tried, rough)?;
+        self.tried = tried;
         self.refused.note(&self.tried, &scan);
         Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
@@ -151,14 +160,6 @@ impl Forward for Growth<'_, '_> {
             return Ok(Ruling::Refused);
         }
         let mut with = grown.with(next, system, after, &score);
-        // what contended was only compared; where all is computed anew, that is enough
-        if !self.has_moved_far(&with) {
-            with.refine(self.selector)?;
-            if !with.refit.has_converged() {
-                Tried::note_end(&mut self.tried, score.effect, &with.refit);
-                return Ok(Ruling::Refused);
-            }
-        }
         if !keeps_its_law {
             with.provisional.push(score);
         }

@@ -71,14 +71,6 @@ impl Grown {
             provisional: self.provisional.clone(),
         }
     }
-
-    /// Refits the causes to the last digit.
-    fn refine(&mut self, selector: &Selector<'_>) -> Result<()> {
-        self.refit = selector.engine.refit(selector.effects, &self.refit.model)?;
-        self.system = selector.system_of(&self.refit);
-        self.after = self.system.slow_energy(&self.system.residual);
-        Ok(())
-    }
 }
 
 /// Picks that were not taken.

@@ -8,7 +8,6 @@ use super::{Grown, Selector, excess};
 use crate::engine::{Cause, Refit};
 use crate::select::{Score, Tried};
 use crate::thresholds::chance::SHARE_OF_REST;
-use crate::thresholds::fit::COMPARED;
 use crate::{DiagnosisError, Result};
 
 impl Selector<'_> {
@@ -123,7 +122,7 @@ impl Forward for Extension<'_, '_> {
         }
         let mut scan = self.selector.scan(&with.system, &with.refit.model);
         scan.retain(|score| (self.among)(self.selector, score.effect));
-        let best = (self.selector).best(with, &scan, &mut self.tried, COMPARED)?;
+        let best = (self.selector).best(with, &scan, &mut self.tried, None)?;
         Ok(Proposal::of_best(best, |(_, score)| score.score))
     }
 
@@ -134,12 +133,7 @@ impl Forward for Extension<'_, '_> {
         if !self.selector.is_more_than_chance(&score, &after)? {
             return Ok(Ruling::Ended);
         }
-        let mut next = with.with(refit, system, after, &score);
-        next.refine(self.selector)?;
-        if !next.refit.has_converged() {
-            return Ok(Ruling::Ended);
-        }
         self.tried.clear();
-        Ok(Ruling::Taken(next))
+        Ok(Ruling::Taken(with.with(refit, system, after, &score)))
     }
 }

@@ -41,9 +41,9 @@ impl SignalBands {
         let others = others.map(|column| column.rows_range(places.clone()).into_owned());
         let mut table = DMatrix::zeros(count, columns + 2 + held);
         let all = basis.chain([line, readings]).chain(others);
-        for (mut column, own) in table.column_iter_mut().zip(all) {
-            for ((entry, own), size) in column.iter_mut().zip(own.iter()).zip(sizes) {
-                *entry = own / size;
+        for (mut into, from) in table.column_iter_mut().zip(all) {
+            for ((entry, value), size) in into.iter_mut().zip(from.iter()).zip(sizes) {
+                *entry = value / size;
             }
         }
         let bounds = match is_long {
@@ -65,8 +65,8 @@ impl SignalBands {
             way[(columns + k, parameters + k)] = 1.0;
         }
         let of_band = |pair: &[usize]| {
-            let own = table.rows(pair[0], pair[1] - pair[0]);
-            way.tr_mul(&(own.transpose() * own * &way))
+            let modes = table.rows(pair[0], pair[1] - pair[0]);
+            way.tr_mul(&(modes.transpose() * modes * &way))
         };
         Self {
             grams: bounds.windows(2).map(of_band).collect(),

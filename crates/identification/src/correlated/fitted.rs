@@ -184,7 +184,7 @@ impl Fitted {
             let values = &way * &self.values;
             let spanned = &self.inverse_factor * way.transpose();
             let covariance = spanned.tr_mul(&spanned);
-            let mut own = DMatrix::zeros(way.nrows(), way.nrows());
+            let mut products = DMatrix::zeros(way.nrows(), way.nrows());
             for first in (0..sizes.len()).step_by(AT_ONCE) {
                 let sizes = &sizes[first..(first + AT_ONCE).min(sizes.len())];
                 let entry = |row: usize, column: usize| {
@@ -206,9 +206,9 @@ impl Fitted {
                     let room = (1.0 - shares[row]).max(LEAST_ROOM);
                     part.row_mut(row).scale_mut(rest / room.sqrt());
                 }
-                own.gemm(1.0, &part.transpose(), &part, 1.0);
+                products.gemm(1.0, &part.transpose(), &part, 1.0);
             }
-            meat += &spanned * own * spanned.transpose();
+            meat += &spanned * products * spanned.transpose();
         }
         let count = self.parameters;
         let way = self.to_parameters(rows);

@@ -36,9 +36,9 @@ impl Group {
             .filter(|&column| entries(column).any(|entry| entry != 0.0))
             .collect();
         let mut unit = DMatrix::zeros(rows.len(), seen.len());
-        for (mut own, &column) in unit.column_iter_mut().zip(&seen) {
-            for (own, entry) in own.iter_mut().zip(entries(column)) {
-                *own = entry / norms[column];
+        for (mut into, &column) in unit.column_iter_mut().zip(&seen) {
+            for (into, entry) in into.iter_mut().zip(entries(column)) {
+                *into = entry / norms[column];
             }
         }
         let (vectors, roots) = directions(&unit)?;

@@ -18,6 +18,9 @@ pub struct HeldEffect {
     pub gradient: Vec<f64>,
 }
 
+/// What the residuals say of a parameter of plausible size, in variances of the noise, below which they say nothing: a millionth of
+/// its plausible variance.
+const LEAST_KNOWN: f64 = 1e-6;
 /// Added to the unit diagonal of the scatter: directions of held parameters that the fit makes up say nothing.
 const RIDGE: f64 = 1e-10;
 
@@ -29,20 +32,24 @@ impl HeldEffect {
     #[must_use]
     pub fn second_moment(&self, some: &[usize], sizes: &[f64]) -> Option<Matrix> {
         let count = some.len();
-        // what the fit makes up as a whole leaves rounding, of either sign
-        let says = |k: usize| self.information[(k, k)] > 0.0 && self.scatter[(k, k)] > 0.0;
+        // where the fit reproduces all that a parameter does, what is left is rounding, of either sign
+        let known: Vec<bool> = (some.iter().zip(sizes))
+            .map(|(&k, size)| {
+                self.information[(k, k)] * size * size > LEAST_KNOWN && self.scatter[(k, k)] > 0.0
+            })
+            .collect();
         let in_sizes = |of: &Matrix| {
-            DMatrix::from_fn(count, count, |a, b| match says(some[a]) && says(some[b]) {
+            DMatrix::from_fn(count, count, |a, b| match known[a] && known[b] {
                 true => of[(some[a], some[b])] * sizes[a] * sizes[b],
                 false => 0.0,
             })
         };
         let (information, scatter) = (in_sizes(&self.information), in_sizes(&self.scatter));
-        let gradient = DVector::from_fn(count, |k, _| match says(some[k]) {
+        let gradient = DVector::from_fn(count, |k, _| match known[k] {
             true => self.gradient[some[k]] * sizes[k],
             false => 0.0,
         });
-        let deviation = |k: usize| match says(some[k]) {
+        let deviation = |k: usize| match known[k] {
             true => scatter[(k, k)].sqrt(),
             false => 1.0,
         };
@@ -54,11 +61,11 @@ impl HeldEffect {
         let unit = Cholesky::new(unit)?;
         let over = DMatrix::from_fn(count, count, |a, b| information[(a, b)] / deviations[a]);
         let scaled = DVector::from_fn(count, |k, _| gradient[k] / deviations[k]);
-        let mut known = over.tr_mul(&unit.solve(&over));
+        let mut precision = over.tr_mul(&unit.solve(&over));
         for k in 0..count {
-            known[(k, k)] += 1.0;
+            precision[(k, k)] += 1.0;
         }
-        let moment = Cholesky::new(known)?.inverse();
+        let moment = Cholesky::new(precision)?.inverse();
         let mean = &moment * over.tr_mul(&unit.solve(&scaled));
         let whole = DMatrix::from_fn(count, count, |a, b| {
             sizes[a] * sizes[b] * (moment[(a, b)] + mean[a] * mean[b])
@@ -95,26 +102,29 @@ mod tests {
         );
     }
 
-    /// Rounding of either sign beside a parameter of which the readings say something.
+    /// Rounding of either sign, next to a parameter of which the readings say something: also where products of two such are larger than
+    /// their squares.
     #[test]
     fn rounding_says_nothing_and_hides_nothing() {
         for rounding in [-1e-20, 0.0, 1e-20] {
-            let two = |first: f64| {
-                Matrix::from_fn(2, 2, |row, column| match (row, column) {
+            let three = |first: f64| {
+                Matrix::from_fn(3, 3, |row, column| match (row, column) {
                     (0, 0) => first,
+                    (1, 2) | (2, 1) => 2.0 * rounding,
                     _ => rounding,
                 })
             };
             let effect = HeldEffect {
-                sensitivity: two(0.0),
-                information: two(4.0),
-                scatter: two(9.0),
-                gradient: vec![-6.0, rounding],
+                sensitivity: three(0.0),
+                information: three(4.0),
+                scatter: three(9.0),
+                gradient: vec![-6.0, rounding, rounding],
             };
-            let found = effect.second_moment(&[0, 1], &[2.0, 3.0]).unwrap();
+            let found = effect.second_moment(&[0, 1, 2], &[2.0, 3.0, 1.0]).unwrap();
             let alone = effect.second_moment(&[0], &[2.0]).unwrap();
             assert!((found[(0, 0)] - alone[(0, 0)]).abs() < 1e-8, "{rounding}");
             assert!((found[(1, 1)] - 9.0).abs() < 1e-6, "{rounding}");
+            assert!((found[(2, 2)] - 1.0).abs() < 1e-6, "{rounding}");
         }
     }
 

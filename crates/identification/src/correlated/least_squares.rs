@@ -168,8 +168,8 @@ pub(super) struct Scaled {
 pub(super) fn row_products(rows: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Vec<f64> {
     let moved = rows * matrix;
     let mut products = vec![0.0; rows.nrows()];
-    for (own, moved) in rows.column_iter().zip(moved.column_iter()) {
-        for ((product, a), b) in products.iter_mut().zip(own.iter()).zip(moved.iter()) {
+    for (column, moved) in rows.column_iter().zip(moved.column_iter()) {
+        for ((product, a), b) in products.iter_mut().zip(column.iter()).zip(moved.iter()) {
             *product += a * b;
         }
     }

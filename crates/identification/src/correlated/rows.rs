@@ -48,9 +48,9 @@ impl Rows {
         let mut stacked = DMatrix::zeros(sizes.sum(), count);
         let mut first = 0;
         for group in &groups {
-            let own = &group.coordinates;
-            stacked.rows_mut(first, own.nrows()).copy_from(own);
-            first += own.nrows();
+            let part = &group.coordinates;
+            stacked.rows_mut(first, part.nrows()).copy_from(part);
+            first += part.nrows();
         }
         if stacked.nrows() < count {
             return None;
@@ -95,10 +95,10 @@ impl Rows {
         }
         let solved = normal.solved()?;
         let scaled = both.map(|(group, sizes)| {
-            let own = solved.of_group(group);
+            let solved = solved.of_group(group);
             Scaled {
-                residuals: own.scaled_residuals(group, sizes),
-                rooms: own.rooms(group, sizes),
+                residuals: solved.scaled_residuals(group, sizes),
+                rooms: solved.rooms(group, sizes),
             }
         });
         Some(scaled.collect())
@@ -117,9 +117,9 @@ fn rows_of_groups(problem: &OrderedProblem<'_>) -> (Vec<Vec<usize>>, Vec<Range<u
     let mut is_of_none = vec![true; problem.residuals.len()];
     let mut places = Vec::with_capacity(problem.signals.len());
     for signal in problem.signals {
-        let own = &mut rows[signal.group];
-        places.push(own.len()..own.len() + signal.rows.len());
-        own.extend_from_slice(&signal.rows);
+        let of_group = &mut rows[signal.group];
+        places.push(of_group.len()..of_group.len() + signal.rows.len());
+        of_group.extend_from_slice(&signal.rows);
         signal.rows.iter().for_each(|&row| is_of_none[row] = false);
     }
     let others: Vec<usize> = (0..is_of_none.len())

@@ -43,10 +43,10 @@ impl Sizes {
         let mut solved = rows.solved(&found.of_group)?;
         for index in 0..rows.groups.len() {
             let signals = problem.signals.iter().zip(&rows.places);
-            let mut own = signals
+            let mut of_group = signals
                 .filter(|(signal, _)| signal.group == index)
                 .peekable();
-            let Some(&(first, _)) = own.peek() else {
+            let Some(&(first, _)) = of_group.peek() else {
                 continue;
             };
             let search = Search {
@@ -54,7 +54,7 @@ impl Sizes {
                 rows,
                 index,
                 at: &first.at,
-                signals: own.map(|(_, places)| places.clone()).collect(),
+                signals: of_group.map(|(_, places)| places.clone()).collect(),
             };
             for _ in 0..MOST {
                 let Some(covariate) = search.best(&solved[index], &found.uneven) else {
@@ -80,8 +80,8 @@ impl Sizes {
     pub(super) fn by_row(&self, rows: &Rows) -> Vec<f64> {
         let count = self.of_group.iter().map(Vec::len).sum();
         let mut sizes = vec![1.0; count];
-        for (group, own) in rows.groups.iter().zip(&self.of_group) {
-            for (&row, &size) in group.rows.iter().zip(own) {
+        for (group, of_group) in rows.groups.iter().zip(&self.of_group) {
+            for (&row, &size) in group.rows.iter().zip(of_group) {
                 sizes[row] = size;
             }
         }
@@ -194,12 +194,12 @@ impl Search<'_> {
         others: &Normal,
         (bins, factors): (&[Products], &[f64]),
     ) -> Option<GroupSolved> {
-        let mut own = bins.first()?.none();
+        let mut louder = bins.first()?.none();
         for (bin, factor) in bins.iter().zip(factors) {
-            own.add(bin, *factor);
+            louder.add(bin, *factor);
         }
         let mut all = others.clone();
-        all.add(group, &own);
+        all.add(group, &louder);
         Some(all.solved()?.of_group(group))
     }
 
@@ -227,9 +227,9 @@ impl Search<'_> {
         let next = (std::f64::consts::FRAC_PI_2 * correlation).sin();
         let scale = (1.0 - next * next).sqrt();
         let of_signal = |places: &Range<usize>| {
-            let own = &residuals[places.clone()];
-            let first = own.first().copied();
-            let others = own
+            let of_signal = &residuals[places.clone()];
+            let first = of_signal.first().copied();
+            let others = of_signal
                 .windows(2)
                 .map(|pair| (pair[1] - next * pair[0]) / scale);
             first.into_iter().chain(others).collect()

@@ -261,3 +261,71 @@ fn a_signal_whose_drift_is_a_parameter_has_no_line_besides() {
     let half = half_widths(&of(false).components, 1)[0];
     assert!(half > 1.0, "{half}");
 }
+
+/// An encoder that sees two parameters and a sensor that sees all five. Entries that are nothing but not zero let the encoder see all
+/// of them: its columns then span as little, and every answer stays.
+#[test]
+fn a_sensor_is_worked_out_in_the_columns_that_it_sees() {
+    const ROWS: usize = 300;
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let waves: Vec<Vec<f64>> = (0..6)
+        .map(|_| (0..2 * ROWS).map(|_| normal()).collect())
+        .collect();
+    let mut memory = 0.0;
+    let readings: Vec<f64> = (0..2 * ROWS)
+        .map(|row| {
+            memory = 0.8 * memory + normal();
+            // louder in a part of the range
+            if row % ROWS > 200 {
+                4.0 * memory
+            } else {
+                memory
+            }
+        })
+        .collect();
+    let ramp: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
+    let answer = |unseen: f64| {
+        // five parameters of the fit, and one that it held
+        let matrix = Matrix::from_fn(2 * ROWS, 6, |row, column| match row < ROWS && column > 1 {
+            true => unseen,
+            false => waves[column][row],
+        });
+        let fitted = Matrix::from_fn(2 * ROWS, 5, |row, column| matrix[(row, column)]);
+        let reduction = haptical_identification::Reduction::new(&fitted, &readings).unwrap();
+        let all: Vec<usize> = (0..5).collect();
+        let values = reduction.solve(&all, 0.0, 1e-12).unwrap().values;
+        let made = fitted.times(&values).unwrap();
+        let residuals: Vec<f64> = made.iter().zip(&readings).map(|(a, b)| a - b).collect();
+        let found = correlated_noise(&OrderedProblem {
+            derivatives: &matrix,
+            fitted: 5,
+            residuals: &residuals,
+            signals: &signals(&[0, 1], ROWS),
+            covariates: std::slice::from_ref(&ramp),
+            noise: NoiseScale::Estimated,
+            known: None,
+        });
+        found.unwrap()
+    };
+    let (sparse, dense) = (answer(0.0), answer(1e-200));
+    assert!(!sparse.uneven.is_empty() && !sparse.correlated.is_empty());
+    assert_eq!(sparse.uneven.len(), dense.uneven.len());
+    let halves = [&sparse, &dense].map(|found| half_widths(&found.components, 5));
+    for k in 0..5 {
+        assert!(
+            (halves[0][k] / halves[1][k] - 1.0).abs() < 1e-9,
+            "{k}: {halves:?}"
+        );
+        assert!(
+            (sparse.step[k] - dense.step[k]).abs() < 1e-9 * halves[0][k],
+            "{k}"
+        );
+    }
+    for (one, other) in sparse.sizes.iter().zip(&dense.sizes) {
+        assert!((one / other - 1.0).abs() < 1e-9);
+    }
+    let [one, other] = [sparse.held.unwrap(), dense.held.unwrap()];
+    assert!((one.information[(0, 0)] / other.information[(0, 0)] - 1.0).abs() < 1e-9);
+    assert!((one.scatter[(0, 0)] / other.scatter[(0, 0)] - 1.0).abs() < 1e-9);
+}

@@ -353,3 +353,26 @@ fn large_residuals_take_tens_of_steps() {
         assert!(compared.cost < 1.01 * fit.cost, "{last}: {}", compared.cost);
     }
 }
+
+/// Two columns that are nearly one, and a start close to the minimum: the damping of a far start would hold the weak direction back.
+#[test]
+fn a_search_that_begins_close_ends_in_two_steps() {
+    let turned = |row: usize| (row as f64 * 0.7).sin();
+    let readings: Vec<f64> = (0..40).map(|row| (row as f64 * 1.9).cos()).collect();
+    let problem = Closure {
+        parameters: 2,
+        rows: 40,
+        evaluate: |p: &[f64]| {
+            let slopes = |row: usize| vec![1.0, 1.0 + 1e-3 * turned(row)];
+            let made = |row: usize| p[0] * slopes(row)[0] + p[1] * slopes(row)[1];
+            let residuals = (0..40).map(|row| made(row) - readings[row]).collect();
+            Ok((residuals, (0..40).map(slopes).collect()))
+        },
+    };
+    let there = solve(&problem, &[0.0, 0.0], &[0, 1], &Settings::default()).unwrap();
+    // along the weak direction
+    let start = [there.parameters[0] + 10.0, there.parameters[1] - 10.0];
+    let close = solve(&problem, &start, &[0, 1], &Settings::default()).unwrap();
+    assert!(close.iterations <= 2, "{}", close.iterations);
+    assert!((close.parameters[0] - there.parameters[0]).abs() < 1e-6);
+}

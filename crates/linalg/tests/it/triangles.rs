@@ -1,6 +1,6 @@
 //! A triangle is that of all rows: R^T R = J^T J, R^T q = J^T r, |q|^2 + rest = |r|^2.
 
-use haptical_linalg::{LinalgError, Matrix, Triangle};
+use haptical_linalg::{LinalgError, Matrix, Reduction, Triangle};
 use proptest::prelude::*;
 
 use crate::support::{cases, matrix};
@@ -97,4 +97,52 @@ fn a_triangle_refuses_numbers_that_overflow_and_slices_that_do_not_fit() {
     let other = Triangle::new(2);
     let refused = Triangle::new(1).merge(&other).unwrap_err();
     assert!(matches!(refused, LinalgError::Shape { .. }));
+}
+
+/// Rows of zeros make a matrix tall, which is reduced by its triangle first: what it says stays the same, of dependent columns too.
+#[test]
+fn a_tall_matrix_says_what_its_rows_say() {
+    let number = |row: usize, column: usize| ((row * (column + 3) + column) as f64).powi(2).sin();
+    for is_dependent in [false, true] {
+        let mut columns: Vec<Vec<f64>> = (0..4)
+            .map(|column| (0..20).map(|row| number(row, column)).collect())
+            .collect();
+        if is_dependent {
+            columns[3] = (0..20)
+                .map(|row| 2.0 * columns[0][row] - columns[1][row])
+                .collect();
+        }
+        let rhs: Vec<f64> = (0..20).map(|row| number(row, 5)).collect();
+        let reduced = |rows: usize| {
+            let entry = |of: &[f64], row: usize| of.get(row).copied().unwrap_or(0.0);
+            let matrix = Matrix::from_fn(rows, 4, |row, column| entry(&columns[column], row));
+            let rhs: Vec<f64> = (0..rows).map(|row| entry(&rhs, row)).collect();
+            Reduction::new(&matrix, &rhs).unwrap()
+        };
+        let (short, tall) = (reduced(20), reduced(600));
+        let all: Vec<usize> = (0..4).collect();
+        let [one, other] = [&short, &tall].map(|of| of.solve(&all, 0.0, 1e-10).unwrap());
+        assert_eq!(one.rank, if is_dependent { 3 } else { 4 });
+        assert_eq!((one.rank, tall.rows()), (other.rank, 600));
+        assert!((one.explained_square - other.explained_square).abs() < 1e-12);
+        let norms = short.column_norms().iter().zip(tall.column_norms());
+        assert!(
+            norms
+                .clone()
+                .all(|(one, other)| (one - other).abs() < 1e-14)
+        );
+        if is_dependent {
+            continue;
+        }
+        let values = one.values.iter().zip(&other.values);
+        assert!(
+            values
+                .clone()
+                .all(|(one, other)| (one - other).abs() < 1e-12)
+        );
+        let [one, other] = [&short, &tall].map(|of| of.covariance(&all, 1e-10).unwrap());
+        for k in 0..4 {
+            assert!((one[(k, k)] / other[(k, k)] - 1.0).abs() < 1e-12, "{k}");
+        }
+    }
 }
