@@ -287,9 +287,10 @@ fn a_sensor_is_worked_out_in_the_columns_that_it_sees() {
     let ramp: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
     let answer = |unseen: f64| {
         // five parameters of the fit, and one that it held
-        let matrix = Matrix::from_fn(2 * ROWS, 6, |row, column| match row < ROWS && column > 1 {
-            true => unseen,
-            false => waves[column][row],
+        let is_seen = |row: usize, column: usize| row >= ROWS || [1, 3].contains(&column);
+        let matrix = Matrix::from_fn(2 * ROWS, 6, |row, column| match is_seen(row, column) {
+            true => waves[column][row],
+            false => unseen,
         });
         let fitted = Matrix::from_fn(2 * ROWS, 5, |row, column| matrix[(row, column)]);
         let reduction = haptical_identification::Reduction::new(&fitted, &readings).unwrap();
