@@ -218,7 +218,7 @@ pub(crate) mod fit {
     pub(crate) const LEAST_FALL: f64 = 0.01;
     /// Share of the cost by which a step of a slow search lowers it at least, where its minimum is only compared with others; and
     /// where all is computed anew once a cause is known. Cost: what is kept is refitted to `LEAST_FALL`.
-    pub(crate) const COMPARED: f64 = 1e-4;
+    pub(crate) const COMPARED: f64 = haptical_identification::Settings::COMPARED;
     pub(crate) const ROUGH: f64 = 1e-3;
     /// Standard deviations that a step may move a cause's number by where the cost no longer falls. Choice, as `LEAST_FALL`.
     pub(crate) const STILL_SD: f64 = 0.1;

@@ -62,15 +62,15 @@ impl Default for Settings {
     }
 }
 
-/// Share of the cost that a step of a slow search lowers it by at least, where the minimum is only compared.
-const COMPARED: f64 = 1e-4;
-
 impl Settings {
+    /// Share of the cost that a step of a slow search lowers it by at least, where the minimum is only compared.
+    pub const COMPARED: f64 = 1e-4;
+
     /// The same for a minimum that others are only compared with.
     #[must_use]
     pub fn to_compare(&self) -> Self {
         Self {
-            least_fall: Some(self.least_fall.unwrap_or(COMPARED)),
+            least_fall: Some(self.least_fall.unwrap_or(Self::COMPARED)),
             ..self.clone()
         }
     }

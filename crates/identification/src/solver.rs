@@ -41,7 +41,7 @@ const FORGETTING: [f64; 2] = [0.8, 1.0];
 const HOPELESS_DAMPING: f64 = 1e3;
 
 /// Promised fall, as a share of the cost, below which a search begins close to a minimum, and its first damping there. That of
-/// [`Settings::initial_damping`] would hold back a weak direction until it has fallen far enough, which takes six steps.
+/// [`Settings::initial_damping`] would hold back a weak direction until it has fallen by a third a step.
 const CLOSE: f64 = 0.01;
 const WEAK_DAMPING: f64 = 1e-12;
 

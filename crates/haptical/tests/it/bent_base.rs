@@ -39,7 +39,7 @@ fn a_cause_that_bends_the_base_model_is_named_and_corrected() {
         let unseen = cause
             .held_out
             .as_ref()
-            .and_then(|own| own.reduction_percent);
+            .and_then(|held_out| held_out.reduction_percent);
         assert!(
             unseen.is_some_and(|closed| closed > 98.0),
             "{seed}: {unseen:?}"

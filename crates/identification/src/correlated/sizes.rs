@@ -293,20 +293,20 @@ impl Search<'_> {
     /// Bins of a covariate with equally many rows; none of one that does not move.
     fn bins(&self, covariate: usize) -> Option<Bins> {
         let values = &self.problem.covariates[covariate];
-        let own: Option<Vec<f64>> = (self.at.iter())
+        let values: Option<Vec<f64>> = (self.at.iter())
             .map(|&row| values.get(row).copied())
             .collect();
-        let own = own.filter(|own| own.iter().all(|value| value.is_finite()))?;
-        let mut order: Vec<usize> = (0..own.len()).collect();
-        order.sort_by(|&a, &b| own[a].total_cmp(&own[b]));
-        let (first, last) = (own[*order.first()?], own[*order.last()?]);
+        let values = values.filter(|values| values.iter().all(|value| value.is_finite()))?;
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
+        let (first, last) = (values[*order.first()?], values[*order.last()?]);
         if last <= first {
             return None;
         }
-        let count = (own.len() / ROWS_OF_BIN).clamp(BINS[0], BINS[1]);
-        let mut of_place = vec![0; own.len()];
+        let count = (values.len() / ROWS_OF_BIN).clamp(BINS[0], BINS[1]);
+        let mut of_place = vec![0; values.len()];
         for (rank, &place) in order.iter().enumerate() {
-            of_place[place] = rank * count / own.len();
+            of_place[place] = rank * count / values.len();
         }
         Some(Bins { of_place, count })
     }
