@@ -117,10 +117,14 @@ pub(crate) fn diagnose(
 ) -> Result<Diagnosis> {
     check_recording(device, recording, &[])?;
     let model = options.model.unwrap_or(device);
-    let context = Context::new(model, recording, &[])?;
+    let is_known = moving.as_ref().is_some_and(|moving| !is_open(moving));
+    let context = match is_known {
+        true => Context::of_drives(model, recording)?,
+        false => Context::new(model, recording, &[])?,
+    };
     let changed = match &moving {
-        Some(moving) => between_runs(&context, moving, options)?,
-        None => None,
+        Some(moving) if is_open(moving) => between_runs(&context, moving, options)?,
+        _ => None,
     };
     let is_moving = moving.is_some() && changed.is_none();
     let force = match changed.or(moving) {
@@ -182,6 +186,11 @@ pub(crate) fn diagnose(
     })
 }
 
+/// Whether the equations of motion leave a gap without a name.
+fn is_open(moving: &ForceAnswer) -> bool {
+    moving.not_tested.is_none() && moving.significant && !moving.is_explained()
+}
+
 /// A payload that changed between the runs of a moving arm whose equations of motion leave a gap without a name: the change is asked for
 /// alone, so that what the model lacks in all runs alike, friction above all, does not count (docs/diagnosis-force.md, "Payload").
 fn between_runs(
@@ -189,8 +198,7 @@ fn between_runs(
     moving: &ForceAnswer,
     options: &Options<'_>,
 ) -> Result<Option<ForceAnswer>> {
-    let is_open = moving.not_tested.is_none() && moving.significant && !moving.is_explained();
-    if !is_open || context.runs.len() < 2 {
+    if context.runs.len() < 2 {
         return Ok(None);
     }
     let others = names().filter(|name| *name != PAYLOAD.name);

@@ -43,7 +43,13 @@ impl Interval {
 pub fn quantile(values: &[f64], p: f64) -> Result<f64, MetricsError> {
     check_values("values", values, 1)?;
     check_range("p", p, (0.0..=1.0).contains(&p), "from 0 to 1")?;
-    Ok(sorted_quantile(&sorted(values), p))
+    let mut values = values.to_vec();
+    let position = (values.len() - 1) as f64 * p;
+    let below = (position.floor() as usize).min(values.len() - 1);
+    let (_, low, above) = values.select_nth_unstable_by(below, f64::total_cmp);
+    let low = *low;
+    let high = above.iter().copied().min_by(f64::total_cmp);
+    Ok(between(low, high.unwrap_or(low), position - below as f64))
 }
 
 /// Median of the values, in their unit: the quantile at 0.5.
@@ -83,8 +89,11 @@ pub(crate) fn sorted_quantile(sorted: &[f64], p: f64) -> f64 {
     let position = (sorted.len() - 1) as f64 * p;
     let below = (position.floor() as usize).min(sorted.len() - 1);
     let above = (below + 1).min(sorted.len() - 1);
-    let fraction = position - below as f64;
-    let (low, high) = (sorted[below], sorted[above]);
+    between(sorted[below], sorted[above], position - below as f64)
+}
+
+/// What lies this fraction of the way from one value to the next larger one.
+fn between(low: f64, high: f64, fraction: f64) -> f64 {
     // The weighted form does not overflow, and the two guards keep it exact on ties and ends.
     if low == high || fraction == 0.0 {
         low

@@ -177,7 +177,8 @@ impl Predicted<'_> {
             .map(|own| is_fixed(&own.term).then_some(0.0))
             .collect();
         let system = System::new(&columns, &known);
-        let rest = within_limits(&system, base, &recorded, &mut fixed).rest;
+        let found = within_limits(&system, base, &system.along(&recorded), &mut fixed);
+        let rest = found.beside(&system, &recorded).rest;
         let rms = |rest: &[f64]| (dot(rest, rest) / rest.len() as f64).sqrt();
         let (first, second) = rest.split_at(first_rows);
         let channels = own.channels.len();

@@ -39,8 +39,8 @@ pub use examine::{examine, is_moving_arm};
 pub use examined::{ChannelFit, Examined, Finding, NearRival};
 pub use identify::{
     BaseParameter, BodyDynamics, Dynamics, Estimated, FrictionLaw, Instruments, JointDynamics,
-    NOISE_SEED, Residual, identify_drives, identify_dynamics, stacked_percent, torques_left,
-    with_dynamics,
+    NOISE_SEED, Residual, compared_dynamics, identify_drives, identify_dynamics, stacked_percent,
+    torques_left, with_dynamics,
 };
 pub use loads::link_torques;
 pub use recorded::torque_nm_without_effects;

@@ -164,6 +164,10 @@ impl Joint<'_> {
         let verdict = judged(is_gap, closed, &causes);
         let mut warnings = self.series.warnings.clone();
         warnings.extend((!has_converged).then(|| NOT_CONVERGED.to_owned()));
+        warnings.extend(self.selection.fitted_rows.map(|fitted| {
+            let rows = self.series.len();
+            format!("the servo's laws were fitted to {fitted} of {rows} rows, in stretches over the log; what they leave is that of all rows")
+        }));
         JointAnswer {
             next: next(verdict, &causes, closed),
             causes: if is_gap { causes } else { Vec::new() },

@@ -1,11 +1,12 @@
 //! The log of one joint: what it was commanded, where it was, and when.
 
 use std::fmt;
+use std::ops::Range;
 
 use crate::thresholds::{
     DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, LONGEST_STEP_S, MOST_LAG_S,
     OPPOSITE, SAME_MOTION, SHORTEST_S, STILL_COUNTS, STILL_RANGE, STOPPED_COMMAND, STOPPED_COUNTS,
-    STOPPED_S, STOPPED_SHARE, WRAP,
+    STOPPED_S, STOPPED_SHARE, STRETCHES_OF_FIT, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -298,10 +299,60 @@ impl Series {
     }
 
     /// The piece that starts at or before an index.
-    pub(crate) fn pieces(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    pub(crate) fn pieces(&self) -> impl Iterator<Item = Range<usize>> + '_ {
         let ends = self.starts.iter().skip(1).copied();
         let ends = ends.chain(std::iter::once(self.len()));
         self.starts.iter().copied().zip(ends).map(|(a, b)| a..b)
+    }
+
+    /// Of a series that is longer than so many rows about as many, and which they are: of each of [`STRETCHES_OF_FIT`] equal parts the rows
+    /// in which its command moves most.
+    pub(crate) fn stretches(&self, rows: usize) -> Option<(Self, Vec<Range<usize>>)> {
+        let (all, length) = (self.len(), rows / STRETCHES_OF_FIT);
+        if all <= rows || length == 0 {
+            return None;
+        }
+        let is_next = |row: usize| row > 0 && self.starts.binary_search(&row).is_err();
+        let mut way = vec![0.0; all + 1];
+        for row in 0..all {
+            let step = match is_next(row) {
+                true => (self.command[row] - self.command[row - 1]).abs(),
+                false => 0.0,
+            };
+            way[row + 1] = way[row] + step;
+        }
+        let of_part = |part: usize| {
+            let own = part * all / STRETCHES_OF_FIT..(part + 1) * all / STRETCHES_OF_FIT;
+            let moved = |first: &usize| way[first + length] - way[*first];
+            let firsts = (own.start..=own.end - length).step_by((length / 4).max(1));
+            let most = firsts.max_by(|a, b| moved(a).total_cmp(&moved(b)));
+            most.map(|first| first..first + length)
+        };
+        let kept: Vec<Range<usize>> = (0..STRETCHES_OF_FIT).filter_map(of_part).collect();
+        let rows: Vec<usize> = kept.iter().cloned().flatten().collect();
+        let take = |column: &[f64]| -> Vec<f64> { rows.iter().map(|&row| column[row]).collect() };
+        let is_start = |&at: &usize| at == 0 || rows[at] != rows[at - 1] + 1 || !is_next(rows[at]);
+        let some = Self {
+            row: rows.iter().map(|&row| self.row[row]).collect(),
+            run: rows.iter().map(|&row| self.run[row]).collect(),
+            time_s: take(&self.time_s),
+            command: take(&self.command),
+            response: take(&self.response),
+            velocity: self.velocity.as_deref().map(take),
+            torque: self.torque.as_deref().map(take),
+            others: self.others.iter().map(|own| take(own)).collect(),
+            load_nm: self.load_nm.as_deref().map(take),
+            starts: (0..rows.len()).filter(is_start).collect(),
+            step_s: self.step_s,
+            count: self.count,
+            warnings: Vec::new(),
+        };
+        Some((some, kept))
+    }
+
+    /// So many rows, or those of so many seconds where they are more.
+    pub(crate) fn rows_of(&self, rows: usize, time_s: f64) -> usize {
+        rows.max((time_s / self.step_s) as usize)
     }
 
     /// Whether the command moves by more than a few counts.

@@ -8,11 +8,12 @@ use haptical_judge::{
     without_needless,
 };
 
+use crate::effect::droop;
 use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
 use crate::thresholds::{
-    AS_GOOD, FEWEST_SPEAKING, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, REFUSED, START_DAMPING,
-    START_LAG_S, SURE_SD,
+    AS_GOOD, FEWEST_SPEAKING, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, MOST_FITTED_ROWS,
+    MOST_FITTED_S, REFUSED, START_DAMPING, START_LAG_S, SURE_SD,
 };
 
 /// A model with what it leaves of rows that its fit did not see, part by part.
@@ -100,13 +101,52 @@ pub(crate) struct Selection {
     /// With a lag that has a mass, and no delay.
     pub(crate) heavy_alone: Option<Judged>,
     pub(crate) droop_size: f64,
+    /// Rows that they were fitted to, where those are not all.
+    pub(crate) fitted_rows: Option<usize>,
 }
 
-/// Chooses laws: the core fitted together, gain and droop where they are missed, then each left out in turn.
+/// Chooses laws; of a long log by stretches of it, and what they leave of its other rows is unseen too.
 pub(crate) fn select(series: &Series) -> Selection {
-    let problem = Problem::new(series);
+    let most = series.rows_of(MOST_FITTED_ROWS, MOST_FITTED_S);
+    let Some((some, stretches)) = series.stretches(most) else {
+        return select_by(&Problem::new(series), series);
+    };
+    let angles = droop::moving(series);
+    let mut found = select_by(&Problem::with_droop(&some, &angles), &some);
+    let mut is_fitted = vec![false; series.len()];
+    stretches
+        .into_iter()
+        .for_each(|rows| is_fitted[rows].fill(true));
+    let problem = Problem::with_droop(series, &angles);
+    let alone = [
+        &mut found.delay_alone,
+        &mut found.lag_alone,
+        &mut found.heavy_alone,
+    ];
+    for judged in alone.into_iter().flatten().chain([&mut found.chosen]) {
+        let predicted = problem.predicted(judged.terms, &judged.fit);
+        let residual = series.response.iter().zip(predicted);
+        let residual: Vec<f64> = residual.map(|(own, predicted)| own - predicted).collect();
+        for (unseen, part) in judged.unseen.iter_mut().zip(parts(series.len())) {
+            let others = part.filter(|row| !is_fitted[*row]);
+            *unseen += others.map(|row| residual[row].powi(2)).sum::<f64>();
+        }
+        judged.fit.residual = residual;
+    }
+    let of_stretches: f64 = found.before.iter().sum();
+    let error = |row: usize| series.response[row] - series.command[row];
+    let before = parts(series.len()).map(|part| part.map(|row| error(row).powi(2)).sum());
+    found.before = before.collect();
+    let larger = found.before.iter().sum::<f64>() / of_stretches.max(1e-300);
+    found.kept.iter_mut().for_each(|own| own.1 *= larger);
+    found.fitted_rows = Some(some.len());
+    found
+}
+
+/// Chooses laws by all rows: the core fitted together, gain and droop where they are missed, then each left out in turn.
+fn select_by(problem: &Problem<'_>, series: &Series) -> Selection {
     let mut chooser = Chooser {
-        problem: &problem,
+        problem,
         parts: parts(series.len()).collect(),
         // sines of the joint's own angle follow a gain too, and a known torque follows no gain
         further: match series.load_nm {
@@ -174,6 +214,7 @@ pub(crate) fn select(series: &Series) -> Selection {
         before: before.unseen,
         kept,
         chosen,
+        fitted_rows: None,
     }
 }
 
@@ -377,4 +418,60 @@ impl Chooser<'_, '_> {
 /// Contiguous parts of a log of the same number of rows.
 pub(crate) fn parts(rows: usize) -> impl Iterator<Item = Range<usize>> {
     (0..FOLDS).map(move |part| part * rows / FOLDS..(part + 1) * rows / FOLDS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::JointLog;
+
+    /// A joint that follows 70 ms late in 2000 s of 50 rows a second, of which it rests every second 20 s.
+    fn long(off_at_rest: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let time_s: Vec<f64> = (0..100_000).map(|row| 0.02 * f64::from(row)).collect();
+        let course = |t: f64| {
+            let moved_s = 20.0 * (t / 40.0).floor() + t.rem_euclid(40.0).min(20.0);
+            0.6 * (1.3 * moved_s).sin() + 0.3 * (2.9 * moved_s).cos()
+        };
+        let command: Vec<f64> = time_s.iter().map(|t| course(*t)).collect();
+        let rests = |t: f64| t.rem_euclid(40.0) > 20.5;
+        let off = |t: f64| if rests(t) { off_at_rest } else { 0.0 };
+        let response = time_s.iter().map(|t| course(t - 0.07) + off(*t));
+        let response = response.collect();
+        (time_s, command, response)
+    }
+
+    fn selection((time_s, command, response): &(Vec<f64>, Vec<f64>, Vec<f64>)) -> Selection {
+        let log = JointLog {
+            time_s: Some(time_s),
+            command: Some(command),
+            response,
+            ..JointLog::default()
+        };
+        select(&Series::new(&log).unwrap())
+    }
+
+    #[test]
+    fn a_long_log_is_fitted_by_stretches_of_its_motion_and_judged_by_all_of_it() {
+        let log = long(0.0);
+        let found = selection(&log);
+        assert_eq!(found.fitted_rows, Some(MOST_FITTED_ROWS));
+        assert_eq!(found.chosen.fit.residual.len(), log.0.len());
+        let late = found.delay_alone.as_ref().unwrap();
+        assert!((late.fit.shape.delay_s - 0.07).abs() < 1e-4, "{late:?}");
+        let before: f64 = found.before.iter().sum();
+        let kept: f64 = found.kept.iter().map(|own| own.1).sum();
+        // lines between rows cut the corners where the motion begins and ends
+        let left = found.chosen.unseen_squares() / before;
+        assert!(left < 3e-3, "{left}");
+        assert!((kept / before - 1.0).abs() < 0.1, "{kept} of {before}");
+    }
+
+    #[test]
+    fn what_is_off_beside_the_stretches_is_left() {
+        let log = long(0.2);
+        let found = selection(&log);
+        let squares = 0.2_f64.powi(2) * 0.5 * log.0.len() as f64;
+        let left = found.chosen.unseen_squares();
+        assert!((left / squares - 1.0).abs() < 0.2, "{left} of {squares}");
+    }
 }

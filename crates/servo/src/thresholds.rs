@@ -29,6 +29,11 @@ pub(crate) const DEGREES_PER_RADIAN: f64 = 180.0 / std::f64::consts::PI;
 
 /// Contiguous parts of a log that are held out in turn.
 pub(crate) const FOLDS: usize = 8;
+/// Rows of a long log that laws are fitted to, or seconds where those have more rows, in so many stretches; what the laws leave of its
+/// other rows is worked out once. More rows add little: what a law leaves of a real servo is no noise, and does not fall with their number.
+pub(crate) const MOST_FITTED_ROWS: usize = 4000;
+pub(crate) const MOST_FITTED_S: f64 = 40.0;
+pub(crate) const STRETCHES_OF_FIT: usize = 2 * FOLDS;
 /// A delay or a lag beyond this is no servo's \[s\].
 pub(crate) const MOST_LAG_S: f64 = 0.3;
 /// What an effect must close of the gap's squares on unseen rows.
@@ -117,6 +122,10 @@ pub(crate) const SEARCH_ROUNDS: usize = 400;
 /// Fall of the squares that the parabola through the last points promises, in variances of the noise, below which a search ends: numbers are
 /// within a tenth of their standard deviations.
 pub(crate) const LEAST_FALL: f64 = 0.01;
+/// The same of searches from several starts, on so many rows at most, or those of so many seconds, from the best of which all rows go on.
+pub(crate) const ROUGH_FALL: f64 = 1.0;
+pub(crate) const ROUGH_ROWS: usize = 1200;
+pub(crate) const ROUGH_S: f64 = 12.0;
 
 // `change::sums`
 /// Past readings of the position in the regression.
@@ -137,6 +146,9 @@ pub(crate) const VELOCITY_LAGS: std::ops::Range<isize> = -3..2;
 pub(crate) const GAIN_FACTORS: [f64; 6] = [0.125, 0.25, 0.5, 2.0, 4.0, 8.0];
 /// Part of the log at either end in which no change of a level is looked for.
 pub(crate) const LEVEL_EDGE: usize = 20;
+/// Points over a log at which a change is looked for first, at most, and how much finer each look about the likeliest is than the one before.
+pub(crate) const SCAN_POINTS: usize = 150;
+pub(crate) const FINER: usize = 8;
 /// Rows that are looked at besides a grid.
 pub(crate) const LEVEL_REPEATS: usize = 12;
 

@@ -8,6 +8,7 @@ use haptical_model::{Device, Recording};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::problem::residuals::lengths;
+use crate::problem::some_rows::some_of_long;
 use crate::steps::device::fit_once;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
@@ -18,6 +19,8 @@ use crate::{
 /// Reweightings with one loss, in two steps and in the joint fit, which begins with the others' weights.
 const ROUNDS: usize = 15;
 const JOINT_ROUNDS: usize = 5;
+/// Reweightings by all rows of a long recording, whose weights some of them have shown.
+const ROUNDS_OF_ALL: usize = 12;
 /// Change of a weight's root that is worth another fit.
 const SETTLED: f64 = 1e-2;
 /// Chance that noise alone lets some reading of a channel count as wild.
@@ -200,9 +203,67 @@ pub(crate) fn judge_residuals(
     (scales, weights)
 }
 
+/// Weights that were found.
+struct Reweighted {
+    scales: Vec<RobustChannel>,
+    weights: Weights,
+    /// Whether they stand still.
+    settled: bool,
+}
+
+/// Fits one after the other, each with weights by what the one before left.
+struct Reweighting<'a> {
+    device: &'a Device,
+    present: &'a [Channel],
+    rounds: usize,
+    fitted: Option<FittedDevice>,
+}
+
+impl Reweighting<'_> {
+    /// In stages, each of a loss with rounds until the weights stand still, but so many at most.
+    fn reweighted(
+        &mut self,
+        rows: &Recording,
+        mut weights: Weights,
+        stages: &[(Loss, &Options, usize)],
+    ) -> Result<Reweighted, CalibrationError> {
+        let (mut scales, mut settled) = (Vec::new(), false);
+        for (loss, options, limit) in stages {
+            for _ in 0..*limit {
+                // weights change little from round to round, and the values with them: each search begins where the last one ended; random
+                // places are tried in the first round, and in the last fit
+                let before = self.fitted.as_ref().map(|fitted| &fitted.device);
+                let options = &match before {
+                    None => options.to_weigh(),
+                    Some(_) => Options {
+                        starts: 0,
+                        ..(*options).clone()
+                    },
+                };
+                let fitted = fit_once(self.device, rows, self.present, &weights, options, before)?;
+                self.rounds += 1;
+                let wanted;
+                (scales, wanted) = judge(&fitted, rows, *loss)?;
+                settled = weights.change_to(&wanted) < SETTLED;
+                weights = wanted;
+                self.fitted = Some(fitted);
+                if settled {
+                    break;
+                }
+            }
+        }
+        Ok(Reweighted {
+            scales,
+            weights,
+            settled,
+        })
+    }
+}
+
 /// Fits with a robust loss: Huber's first, then the one asked for, each until the weights stand still, in two
 /// steps, which is quick; the joint fit then starts from those weights. The first weights are those of the
-/// nominal device's residuals, among which wild readings stand out already.
+/// nominal device's residuals, among which wild readings stand out already. Of a long recording the weights are found
+/// on some of its rows, and then on all from the fit to those.
 pub(crate) fn fit(
     device: &Device,
     recording: &Recording,
@@ -228,8 +289,6 @@ pub(crate) fn fit(
         weights: Weights::stated(device, &present),
         robust: None,
     };
-    let (_, mut weights) = judge(&nominal, recording, Loss::Huber)?;
-    weights.factor.clear();
     let mut stages = vec![(Loss::Huber, &quick, ROUNDS)];
     if loss != Loss::Huber {
         stages.push((loss, &quick, ROUNDS));
@@ -237,42 +296,38 @@ pub(crate) fn fit(
     if options.method == CalibrationMethod::Joint {
         stages.push((loss, &whole, JOINT_ROUNDS));
     }
-    let fit_with = |weights: &Weights, options: &Options, start: Option<&Device>| {
-        fit_once(device, recording, &present, weights, options, start)
+    let mut search = Reweighting {
+        device,
+        present: &present,
+        rounds: 0,
+        fitted: None,
     };
-    let mut rounds = 0;
-    let (mut scales, mut settled) = (Vec::new(), false);
-    // weights change little from round to round, and the values with them: each search begins where the last one ended
-    let mut before: Option<Device> = None;
-    for (loss, options, limit) in stages {
-        for _ in 0..limit {
-            // random places are tried in the first round, and in the last fit
-            let options = &match before {
-                None => options.to_weigh(),
-                Some(_) => Options {
-                    starts: 0,
-                    ..options.clone()
-                },
-            };
-            let fitted = fit_with(&weights, options, before.as_ref())?;
-            rounds += 1;
-            let wanted;
-            (scales, wanted) = judge(&fitted, recording, loss)?;
-            settled = weights.change_to(&wanted) < SETTLED;
-            weights = wanted;
-            before = Some(fitted.device);
-            if settled {
-                break;
-            }
-        }
+    let some = some_of_long(recording);
+    let first = some.as_ref().unwrap_or(recording);
+    let (_, mut weights) = judge(&nominal, first, Loss::Huber)?;
+    weights.factor.clear();
+    let mut found = search.reweighted(first, weights, &stages)?;
+    // weights that stand still on some rows are near those of all
+    if some.is_some()
+        && let (Some(fitted), Some(&(loss, options, _))) = (search.fitted.take(), stages.last())
+    {
+        let (_, weights) = judge(&fitted, recording, loss)?;
+        found = search.reweighted(recording, weights, &[(loss, options, ROUNDS_OF_ALL)])?;
     }
+    let Reweighted {
+        scales,
+        mut weights,
+        settled,
+    } = found;
+    let rounds = search.rounds;
     // the last fit's intervals: those of the weighted readings, times the loss's own factor
     for scale in &scales {
         if let Some(factor) = weights.factor.get_mut(&scale.channel) {
             *factor *= scale.variance_factor.sqrt();
         }
     }
-    let mut fitted = fit_with(&weights, &options, before.as_ref())?;
+    let start = search.fitted.as_ref().map(|fitted| &fitted.device);
+    let mut fitted = fit_once(device, recording, &present, &weights, &options, start)?;
     fitted.weights = weights;
     let outliers = far_out(&fitted.residuals(recording)?, recording, &scales);
     fitted.robust = Some(Robustness {

@@ -79,7 +79,7 @@ impl TransmissionTerms {
 
 /// The evidence for each form, from its linearisation about zero error (exact for polynomials;
 /// eccentricities are linear to (r / D)^2). `readings` and `differences` (output minus reading) are
-/// one joint's samples; forms with too many parameters for the samples are left out.
+/// one joint's samples, of which at most [`MOST_SAMPLES`] are asked; forms with too many parameters for the samples are left out.
 ///
 /// # Errors
 /// Refusals of the linear algebra.
@@ -90,8 +90,11 @@ pub(crate) fn weigh(
     readings: &[f64],
     differences: &[f64],
 ) -> Result<Vec<EvidenceEntry>, CalibrationError> {
-    let rows = readings.len();
     let range = range_of(readings);
+    let every = readings.len().div_ceil(MOST_SAMPLES).max(1);
+    let thinned = |all: &[f64]| -> Vec<f64> { all.iter().step_by(every).copied().collect() };
+    let (readings, differences) = (&thinned(readings)[..], &thinned(differences)[..]);
+    let rows = readings.len();
     let mut entries = Vec::new();
     for &terms in forms {
         let columns = terms.free_parameters();
@@ -133,6 +136,8 @@ pub(crate) fn weigh(
     Ok(entries)
 }
 
+/// Samples that are asked, evenly spread: a form that so many do not support is worth less than the digits of the others.
+const MOST_SAMPLES: usize = 20_000;
 /// Samples that one thread works out at a time.
 const SAMPLES_AT_ONCE: usize = 1024;
 

@@ -79,7 +79,8 @@ fn largest_move(clean: &FittedDevice, other: &FittedDevice) -> f64 {
 
 #[test]
 fn a_fifth_of_wild_distances_moves_no_parameter() {
-    for (rows, seed) in [(200, 1), (200, 2), (1500, 3)] {
+    // weights of the longest are found on some of its rows
+    for (rows, seed) in [(200, 1), (200, 2), (1500, 3), (6000, 4)] {
         let Some((nominal, recording)) = recorded(rows, seed) else {
             return;
         };

@@ -56,29 +56,60 @@ pub(crate) fn without_dropouts(
 ) -> Option<(Recording, Vec<Dropouts>)> {
     recording.time_s.as_ref()?;
     let runs = runs_of(recording);
-    let mut without = recording.clone();
     let mut found = Vec::new();
+    // a copy of the recording is made once there is a reason
+    let mut without: Option<Recording> = None;
+    let mut each = |(of, index): (Columns, usize), angles: Option<&[f64]>, channel: (&str, _)| {
+        let Some(column) = of.of(recording).get(index).and_then(Option::as_ref) else {
+            return;
+        };
+        let mut column = column.clone();
+        let taken = taken_out(&mut column, &runs, angles, channel);
+        if !taken.is_empty() {
+            let without = without.get_or_insert_with(|| recording.clone());
+            of.of_mut(without)[index] = Some(column);
+            found.extend(taken);
+        }
+    };
     for joint in 0..device.joints.len() {
         let angles = &recording.joint[joint][..];
-        let torque = without.torque_nm.get_mut(joint).and_then(Option::as_mut);
-        if let Some(column) = torque {
-            let channel = format!("torque{}", joint + 1);
-            let channel = (&channel[..], Some(joint));
-            found.extend(taken_out(column, &runs, Some(angles), channel));
-        }
-        let output = without.output.get_mut(joint).and_then(Option::as_mut);
-        if let Some(column) = output {
-            let channel = format!("out{}", joint + 1);
-            found.extend(taken_out(column, &runs, None, (&channel, Some(joint))));
-        }
+        let place = Some(joint);
+        let channel = format!("torque{}", joint + 1);
+        each((Columns::Torque, joint), Some(angles), (&channel, place));
+        let channel = format!("out{}", joint + 1);
+        each((Columns::Output, joint), None, (&channel, place));
     }
-    for (index, column) in without.cable_m.iter_mut().enumerate() {
+    for index in 0..recording.cable_m.len() {
         let channel = Channel::Cable { index }.name();
-        if let Some(column) = column {
-            found.extend(taken_out(column, &runs, None, (&channel, None)));
+        each((Columns::Cable, index), None, (&channel, None));
+    }
+    without.map(|without| (without, found))
+}
+
+/// Channels that are looked at.
+#[derive(Clone, Copy)]
+enum Columns {
+    Torque,
+    Output,
+    Cable,
+}
+
+impl Columns {
+    fn of(self, recording: &Recording) -> &[Option<Vec<f64>>] {
+        match self {
+            Self::Torque => &recording.torque_nm,
+            Self::Output => &recording.output,
+            Self::Cable => &recording.cable_m,
         }
     }
-    (!found.is_empty()).then_some((without, found))
+
+    fn of_mut(self, recording: &mut Recording) -> &mut [Option<Vec<f64>>] {
+        match self {
+            Self::Torque => &mut recording.torque_nm,
+            Self::Output => &mut recording.output,
+            Self::Cable => &mut recording.cable_m,
+        }
+    }
 }
 
 /// Takes readings that are none out of a column; of torques, for which the angles of their joint are given, also held and wild ones, and

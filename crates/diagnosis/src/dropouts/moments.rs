@@ -1,6 +1,5 @@
 //! Moments at which a channel reads one value.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 use haptical_metrics::median;
@@ -21,14 +20,12 @@ pub(super) fn moments(column: &[f64], runs: &[Range<usize>]) -> Option<(Vec<usiz
 
 /// The value that most readings share.
 fn most_frequent(column: &[f64]) -> Option<f64> {
-    let mut counts: BTreeMap<u64, usize> = BTreeMap::new();
-    for value in column.iter().filter(|value| value.is_finite()) {
-        // a zero has two signs
-        *counts.entry((value + 0.0).to_bits()).or_default() += 1;
-    }
-    let most = counts.into_iter().max_by_key(|(_, count)| *count);
-    most.filter(|(_, count)| *count >= LEAST_DROPOUTS)
-        .map(|(bits, _)| f64::from_bits(bits))
+    let finite = column.iter().filter(|value| value.is_finite());
+    // a zero has two signs
+    let mut bits: Vec<u64> = finite.map(|value| (value + 0.0).to_bits()).collect();
+    bits.sort_unstable();
+    let most = bits.chunk_by(|a, b| a == b).max_by_key(|same| same.len())?;
+    (most.len() >= LEAST_DROPOUTS).then(|| f64::from_bits(most[0]))
 }
 
 /// Rows that read a value for a moment. None where these moments come where the channel is about that value anyway: then it is one that

@@ -15,12 +15,9 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// Frames at given output angles; nothing for a device without links.
+    /// Frames at given output angles, of a device that has links.
     pub(super) fn new(device: &Device, output: &[Vec<f64>], rows: usize) -> Self {
         let mut frames = Self::default();
-        if !device.has_links() {
-            return frames;
-        }
         // rows 0 to the one that a row hangs on end in the frame that the row's joint moves in
         let moved: Vec<Moved> = (1..device.links.len())
             .filter_map(|row| Moved::new(device, row))

@@ -25,7 +25,7 @@ pub(super) fn loads(
     force_n: Option<&[Vector3<f64>]>,
 ) -> Result<Option<Loads>, ContextError> {
     let mut statics = Statics::new(device);
-    if !device.has_links() || (!statics.has_weights() && force_n.is_none()) {
+    if !statics.has_weights() && force_n.is_none() {
         return Ok(None);
     }
     let rows = output.first().map_or(0, Vec::len);

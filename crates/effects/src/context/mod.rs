@@ -123,6 +123,24 @@ impl<'a> Context<'a> {
         recording: &'a Recording,
         streams: &[Stream],
     ) -> Result<Self, ContextError> {
+        Self::of(device, recording, streams, device.has_links())
+    }
+
+    /// For what follows the motion of the drives and their recorded torques alone, where nothing else was measured: without poses, loads
+    /// and moments, as of a device without links.
+    ///
+    /// # Errors
+    /// [`ContextError`] for a row at which the device has no value.
+    pub fn of_drives(device: &'a Device, recording: &'a Recording) -> Result<Self, ContextError> {
+        Self::of(device, recording, &[], false)
+    }
+
+    fn of(
+        device: &'a Device,
+        recording: &'a Recording,
+        streams: &[Stream],
+        has_links: bool,
+    ) -> Result<Self, ContextError> {
         let rows = recording.len();
         let runs = runs_of(recording);
         let step = step_of_range(device, recording, &runs);
@@ -135,7 +153,6 @@ impl<'a> Context<'a> {
         let joints = device.joints.len();
         let mut output = vec![Vec::with_capacity(rows); joints];
         let mut slope = output.clone();
-        let has_links = device.has_links();
         let mut twist = vec![Vec::with_capacity(rows); if has_links { joints } else { 0 }];
         let (mut position, mut rotation, mut tracked) = (Vec::new(), Vec::new(), Vec::new());
         // a place that the device lacks: the channels' problem says which
@@ -146,12 +163,17 @@ impl<'a> Context<'a> {
         for row in 0..rows {
             recording.read_joints(row, &mut readings);
             evaluation.choose_hand(device.hand_at(recording, row));
-            evaluation
-                .move_to(&readings)
-                .map_err(|source| ContextError::Row {
-                    line: recording.line.get(row).copied().unwrap_or(0),
-                    source,
-                })?;
+            let moved = match has_links {
+                true => evaluation.move_to(&readings),
+                false => {
+                    let mut each = readings.iter().enumerate();
+                    each.try_for_each(|(joint, own)| evaluation.move_joint(joint, *own))
+                }
+            };
+            moved.map_err(|source| ContextError::Row {
+                line: recording.line.get(row).copied().unwrap_or(0),
+                source,
+            })?;
             for (joint, (output, slope)) in output.iter_mut().zip(&mut slope).enumerate() {
                 output.push(evaluation.output_rad(joint));
                 slope.push(evaluation.output_slope(joint));
@@ -173,20 +195,26 @@ impl<'a> Context<'a> {
         let time_s = recording.time_s.as_deref();
         let motion = time_s.map(|time_s| motions(recording, time_s, &runs));
         let cable = cable_geometry(device, &streams, &position, time_s, &runs);
-        let frames = Frames::new(device, &output, rows);
+        let frames = match has_links {
+            true => Frames::new(device, &output, rows),
+            false => Frames::default(),
+        };
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
         let force = force.filter(|force| force.len() == rows);
         let load_reach = if ordered { load_reach } else { 0 };
         let averaged = |column: &Vec<f64>| smooth_twice(column, load_reach, &runs);
         let force_n = force.map(|force| by_axes(&force, averaged));
-        let loads = loads(
-            device,
-            recording,
-            &output,
-            &frames.origin,
-            force_n.as_deref(),
-        )?;
+        let loads = match has_links {
+            true => loads(
+                device,
+                recording,
+                &output,
+                &frames.origin,
+                force_n.as_deref(),
+            )?,
+            false => None,
+        };
         let at_rest = |joint: usize| loads.as_ref().map(|loads| loads.torque_nm[joint].clone());
         let recorded = |joint: usize| recording.torque_nm.get(joint)?.as_ref();
         let read = |joint| Some(averaged(recorded(joint)?));

@@ -44,7 +44,12 @@ pub fn attached_at<'r>(
     let base = bare(at);
     let channels = channels(&base, recording).unwrap_or_default();
     let streams = streams(&base, &channels);
-    let mut context = Context::new(&base, recording, &streams)?;
+    // friction follows speeds and recorded torques
+    let is_friction = |own: &OwnEffect| own.effect.spec().name == JOINT_FRICTION;
+    let mut context = match streams.is_empty() && own.iter().all(is_friction) {
+        true => Context::of_drives(&base, recording)?,
+        false => Context::new(&base, recording, &streams)?,
+    };
     let mut with = recording.clone();
     with.added.clear();
     let mean_degc = context.reference_degc;

@@ -3,7 +3,9 @@
 use haptical_diagnosis::{BESIDE_TORQUES, Diagnosis};
 use haptical_effects::{Family, spec};
 use haptical_model::{Device as Model, DeviceEffect, FrictionNumber, Recording};
-use haptical_motion::{Dynamics, identify_drives, identify_dynamics, torques_left, with_dynamics};
+use haptical_motion::{
+    Dynamics, compared_dynamics, identify_drives, identify_dynamics, torques_left, with_dynamics,
+};
 
 use super::corrected::{tell_left, text};
 use crate::device::Device;
@@ -101,9 +103,11 @@ impl Task<'_> {
             true => &[Kind::Drives, Kind::Bodies],
             false => &[Kind::Drives],
         };
+        // without a second recording the fit that predicts best is made anew, to the whole log
+        let is_last = validate.is_some();
         let fits = kinds
             .iter()
-            .map(|kind| (*kind, self.fitted(*kind, &fitted, diagnosis)));
+            .map(|kind| (*kind, self.fitted((*kind, is_last), &fitted, diagnosis)));
         let fits: Vec<_> = fits.collect();
         let edge_hz = fits
             .iter()
@@ -129,10 +133,10 @@ impl Task<'_> {
         let Some(best) = best.1 else {
             return Ok(None);
         };
-        // without a second recording the fit was of a part of the log
         let of_all = fits.into_iter().find(|(kind, _)| *kind == best);
-        let of_all = of_all.filter(|_| validate.is_some()).map(|(_, fit)| fit);
-        let (model, found) = of_all.unwrap_or_else(|| self.fitted(best, all, diagnosis))?;
+        let of_all = of_all.filter(|_| is_last).map(|(_, fit)| fit);
+        let again = || self.fitted((best, true), all, diagnosis);
+        let (model, found) = of_all.unwrap_or_else(again)?;
         let has_delay = delays(&model) != delays(&self.device.model);
         diagnosis.corrected = Some(model);
         let written = text(self.device, diagnosis).map_err(|error| error.to_string())?;
@@ -151,10 +155,10 @@ impl Task<'_> {
         }))
     }
 
-    /// The device with what was fitted to a recording.
+    /// The device with what was fitted to a recording; a fit that is not the last is compared with others alone.
     fn fitted(
         self,
-        kind: Kind,
+        (kind, is_last): (Kind, bool),
         recording: &Recording,
         diagnosis: &Diagnosis,
     ) -> Result<(Model, Dynamics), String> {
@@ -163,16 +167,22 @@ impl Task<'_> {
         let torques = self.without_effects(&model, recording)?;
         let (model, found) = match kind {
             Kind::Bodies => {
-                let found = identify_dynamics(&model, &torques, None, None).map_err(words)?;
-                (model, found)
+                let found = match is_last {
+                    true => identify_dynamics(&model, &torques, None, None),
+                    false => compared_dynamics(&model, &torques, false),
+                };
+                (model, found.map_err(words)?)
             }
             Kind::Drives => {
                 let bodies = diagnosis.bodies.iter().filter(|_| is_of_torques(diagnosis));
                 let model = bodies.fold(model, |model, change| {
                     change.applied(&model).unwrap_or(model)
                 });
-                let found = identify_drives(&model, &torques).map_err(words)?;
-                (model, found)
+                let found = match is_last {
+                    true => identify_drives(&model, &torques),
+                    false => compared_dynamics(&model, &torques, true),
+                };
+                (model, found.map_err(words)?)
             }
         };
         let mut filled = with_dynamics(&model, &found).map_err(|error| error.to_string())?;

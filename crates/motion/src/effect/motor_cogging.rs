@@ -2,6 +2,8 @@
 
 use std::rc::Rc;
 
+use haptical_linalg::dot;
+
 use super::{Candidate, Candidates, Context, Effect, ends};
 use crate::fit::problem::Problem;
 use crate::thresholds::effect::{
@@ -32,7 +34,7 @@ fn candidates<'c>(context: Context<'c>, rest: &[f64]) -> Vec<Candidate<'c>> {
             false => HIGHEST_ORDER,
         };
         let count = (((highest - lowest) / step).max(0.0) as usize).min(MOST_ORDERS);
-        let mut scan = scan(problem, q, rest, (lowest, step, count));
+        let mut scan = scan(problem, (channel, q), rest, (lowest, step, count));
         scan.sort_by(|a, b| b.0.total_cmp(&a.0));
         scan.truncate(COGGING_KEPT);
         scan.iter()
@@ -52,35 +54,53 @@ fn sines(q: &[f64], order: f64) -> [Vec<f64>; 2] {
     [sine, cosine]
 }
 
-/// What evenly spaced orders take off the rest, each with its order. Sines and cosines are turned on from one order to the next.
-fn scan(
-    problem: &Problem,
+/// Sines and cosines of evenly spaced orders, one after the other; they are turned on from one order to the next.
+fn each_wave(
     q: &[f64],
-    rest: &[f64],
     (lowest, step, count): (f64, f64, usize),
-) -> Vec<(f64, f64)> {
+    mut visit: impl FnMut(f64, &[Vec<f64>; 2]),
+) {
     let mut signals = sines(q, lowest);
     let [sine_of_step, cosine_of_step] = sines(q, step);
-    let mut found = Vec::with_capacity(count + 1);
     for k in 0..=count {
-        found.push((power(problem, &signals, rest), lowest + k as f64 * step));
+        visit(lowest + k as f64 * step, &signals);
         let [sines, cosines] = &mut signals;
         let turns = sine_of_step.iter().zip(&cosine_of_step);
         for ((sine, cosine), (s, c)) in sines.iter_mut().zip(cosines).zip(turns) {
             (*sine, *cosine) = (*sine * c + *cosine * s, *cosine * c - *sine * s);
         }
     }
-    found
 }
 
-/// What a sine and a cosine take off the rest, the base model left out of it.
-fn power(problem: &Problem, signals: &[Vec<f64>; 2], rest: &[f64]) -> f64 {
-    let part = |signal: &Vec<f64>| {
-        let row = problem.states.filtered(signal);
-        let square = haptical_linalg::dot(&row, &row);
-        haptical_linalg::dot(&row, rest).powi(2) / square.max(0.02 * rest.len() as f64)
-    };
-    signals.iter().map(part).sum()
+/// What evenly spaced orders take off the rest, the base model left out of it, each with its order.
+fn scan(
+    problem: &Problem,
+    (channel, q): (usize, &[f64]),
+    rest: &[f64],
+    orders: (f64, f64, usize),
+) -> Vec<(f64, f64)> {
+    let states = &problem.states;
+    let squares = problem.wave_squares[channel].get_or_init(|| {
+        let mut all = Vec::with_capacity(orders.2 + 1);
+        let square = |signal: &Vec<f64>| {
+            let row = states.filtered(signal);
+            dot(&row, &row)
+        };
+        each_wave(q, orders, |_, signals| {
+            all.push([square(&signals[0]), square(&signals[1])]);
+        });
+        all
+    });
+    let spread = states.spread(rest);
+    let mut found = Vec::with_capacity(orders.2 + 1);
+    each_wave(q, orders, |order, signals| {
+        let part = |of: usize| {
+            let square = squares[found.len()][of].max(0.02 * rest.len() as f64);
+            dot(&signals[of], &spread).powi(2) / square
+        };
+        found.push((part(0) + part(1), order));
+    });
+    found
 }
 
 fn at(context: Context<'_>, joint: usize, order: f64, step: f64) -> Option<Candidate<'_>> {

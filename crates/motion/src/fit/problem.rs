@@ -1,5 +1,6 @@
 //! A recording's torques as whitened rows, with what rigid bodies say of them.
 
+use std::cell::OnceCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -65,6 +66,8 @@ pub(crate) struct Problem {
     pub(crate) file_effects: FileEffects,
     /// Weight of each row: one over the standard deviation of what is not known of it.
     weights: Vec<f64>,
+    /// Of each channel, once they are asked for, the squares of the rows of waves along its joint's angle ([`crate::effect`]).
+    pub(crate) wave_squares: Vec<OnceCell<Vec<[f64; 2]>>>,
 }
 
 impl Problem {
@@ -148,7 +151,9 @@ impl Problem {
             carried: None,
             file_effects: FileEffects::default(),
             weights: Vec::new(),
+            wave_squares: Vec::new(),
         };
+        problem.wave_squares = vec![OnceCell::new(); problem.channels.len()];
         problem.file_effects = FileEffects::new(&problem, recording);
         let rows = problem.states.rows();
         let sds = problem.row_sd.iter();
@@ -306,6 +311,11 @@ impl Problem {
 
     /// Whitened rows of the recorded torques less those of the nominal bodies; `early_s`: how long before the positions.
     pub(crate) fn recorded(&self, early_s: f64) -> Vec<f64> {
+        self.recorded_beside(&self.nominal_rows(), early_s)
+    }
+
+    /// The same, given [`Self::nominal_rows`].
+    pub(crate) fn recorded_beside(&self, nominal: &Column, early_s: f64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.channel_rows());
         for (channel, &joint) in self.channels.iter().enumerate() {
             let weights = &self.weights[channel * self.states.rows()..];
@@ -315,9 +325,13 @@ impl Problem {
             let own = torque.iter().zip(weights);
             all.extend(own.map(|(value, weight)| weight * (value - offset)));
         }
-        self.of_joints(&self.nominal_torque())
-            .add_to(&mut all, -1.0);
+        nominal.add_to(&mut all, -1.0);
         all
+    }
+
+    /// Whitened rows of [`Self::nominal_torque`].
+    pub(crate) fn nominal_rows(&self) -> Column {
+        self.of_joints(&self.nominal_torque())
     }
 
     /// Torques of the nominal bodies with their armatures, and of effects of the device's file but friction, at the fine steps.
@@ -380,18 +394,16 @@ impl Problem {
                 (into.iter_mut().zip(&regressor)).for_each(|(into, value)| *into += weight * value);
             }
         }
-        let entry = |column: usize, channel: usize, row: usize| {
-            sums[(row * joints + self.channels[channel]) * columns + column]
-                * self.weights[channel * rows + row]
-        };
-        let column = |column: usize| {
-            let channels = 0..self.channels.len();
-            channels
-                .flat_map(|channel| (0..rows).map(move |row| (channel, row)))
-                .map(|(channel, row)| entry(column, channel, row))
-                .collect()
-        };
-        self.inertial = (0..columns).map(column).collect();
+        self.inertial = vec![vec![0.0; self.channel_rows()]; columns];
+        for (channel, &joint) in self.channels.iter().enumerate() {
+            for row in 0..rows {
+                let at = channel * rows + row;
+                let own = &sums[(row * joints + joint) * columns..][..columns];
+                for (into, value) in self.inertial.iter_mut().zip(own) {
+                    into[at] = value * self.weights[at];
+                }
+            }
+        }
         Ok(())
     }
 }

@@ -34,6 +34,36 @@ pub(crate) struct Solved {
     pub(crate) energy: f64,
 }
 
+/// Coefficients of a system, before what they leave of a target is worked out.
+#[derive(Debug, Clone)]
+pub(crate) struct Coefficients {
+    free: Vec<usize>,
+    information: Information,
+    /// Of all columns.
+    pub(crate) solution: Vec<f64>,
+}
+
+impl Coefficients {
+    /// The solution, with what it leaves of the target.
+    pub(crate) fn beside(self, system: &System, target: &[f64]) -> Solved {
+        let mut rest = target.to_vec();
+        for (column, value) in system.columns.iter().zip(&self.solution) {
+            if *value != 0.0 {
+                column.add_to(&mut rest, -value);
+            }
+        }
+        let known = self.free.iter();
+        let known = known.map(|index| system.known[*index] * self.solution[*index].powi(2));
+        Solved {
+            energy: 0.5 * (dot(&rest, &rest) + known.sum::<f64>()),
+            free: self.free,
+            information: self.information,
+            solution: self.solution,
+            rest,
+        }
+    }
+}
+
 /// What columns would explain beside a solution.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Gain {
@@ -84,6 +114,16 @@ impl System {
         }
     }
 
+    /// Puts another column in the place of one.
+    pub(crate) fn replace(&mut self, index: usize, column: Rc<Column>) {
+        self.columns[index] = column;
+        for other in 0..self.columns.len() {
+            let product = self.columns[index].times(&self.columns[other]);
+            self.products[(index, other)] = product;
+            self.products[(other, index)] = product;
+        }
+    }
+
     /// The same with what is known counted so many times.
     pub(crate) fn counting_known(mut self, times: f64) -> Self {
         self.known.iter_mut().for_each(|own| *own *= times);
@@ -112,6 +152,17 @@ impl System {
 
     /// Least squares for a target, some coefficients at given values.
     pub(crate) fn solve(&self, target: &[f64], fixed: &[Option<f64>]) -> Solved {
+        self.coefficients(&self.along(target), fixed)
+            .beside(self, target)
+    }
+
+    /// Products of the columns with a target.
+    pub(crate) fn along(&self, target: &[f64]) -> Vec<f64> {
+        self.columns.iter().map(|own| own.dot(target)).collect()
+    }
+
+    /// The coefficients of least squares, some at given values, for a target whose products with the columns are given.
+    pub(crate) fn coefficients(&self, along: &[f64], fixed: &[Option<f64>]) -> Coefficients {
         let count = self.columns.len();
         let fixed_at = |index: usize| fixed.get(index).copied().flatten();
         let free: Vec<usize> = (0..count)
@@ -120,29 +171,24 @@ impl System {
         let mut solution: Vec<f64> = (0..count)
             .map(|index| fixed_at(index).unwrap_or(0.0))
             .collect();
-        let mut rest = target.to_vec();
-        for (column, value) in self.columns.iter().zip(&solution) {
-            if *value != 0.0 {
-                column.add_to(&mut rest, -value);
-            }
-        }
         let entry = |a: usize, b: usize| {
             let known = if a == b { self.known[free[a]] } else { 0.0 };
             self.products[(free[a], free[b])] + known
         };
         let information = Information::new(free.len(), entry);
-        let along = information.along(|a| self.columns[free[a]].dot(&rest));
+        let held: Vec<usize> = (0..count).filter(|index| solution[*index] != 0.0).collect();
+        let along = information.along(|a| {
+            let of_held = held.iter();
+            let of_held = of_held.map(|own| self.products[(free[a], *own)] * solution[*own]);
+            along[free[a]] - of_held.sum::<f64>()
+        });
         for (index, value) in free.iter().zip(information.coefficients(along)) {
             solution[*index] = value;
-            self.columns[*index].add_to(&mut rest, -value);
         }
-        let known = (free.iter()).map(|index| self.known[*index] * solution[*index].powi(2));
-        Solved {
-            energy: 0.5 * (dot(&rest, &rest) + known.sum::<f64>()),
+        Coefficients {
             free,
             information,
             solution,
-            rest,
         }
     }
 
@@ -275,6 +321,20 @@ mod tests {
         let solved = free.solve(&[1.0, 2.0, 3.0, 5.0], &[]);
         let found = free.scatter(&solved, &[0], (2.0, 3.0))[(0, 0)];
         assert!((found - 0.5).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn a_column_in_the_place_of_another_is_fitted_as_if_it_had_been_there() {
+        let columns = [[1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [1.0, 0.0, 3.0]];
+        let [one, two, three] = columns.map(|own| all(&own));
+        let mut system = System::new(&[one.clone(), two], &[None, Some(2.0)]);
+        system.replace(1, three.clone());
+        let wanted = System::new(&[one, three], &[None, Some(2.0)]);
+        let target = [1.0, 2.0, 4.0];
+        assert_eq!(
+            system.solve(&target, &[]).solution,
+            wanted.solve(&target, &[]).solution
+        );
     }
 
     #[test]

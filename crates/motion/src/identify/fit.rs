@@ -49,10 +49,10 @@ pub(crate) fn settle(problem: &mut Problem, numbers: &[Number]) -> Result<Settle
         let delay = numbers.iter().position(|own| *own == Number::Delay);
         let mut rest = Vec::new();
         let mut fall = f64::INFINITY;
+        let mut system = System::new(&all, &vec![None; all.len()]);
         for _ in 0..DELAY_STEPS {
-            let system = System::new(&all, &vec![None; all.len()]);
             let solved = system.solve(&problem.recorded(early_s), &[]);
-            rest = solved.rest.clone();
+            rest.clone_from(&solved.rest);
             fall = 0.0;
             let Some(place) = delay else { break };
             let before_s = early_s;
@@ -65,7 +65,8 @@ pub(crate) fn settle(problem: &mut Problem, numbers: &[Number]) -> Result<Settle
             if fall < LEAST_FALL {
                 break;
             }
-            all[place] = Rc::new(crate::identify::numbers::delay(problem, early_s));
+            let slope = crate::identify::numbers::delay(problem, early_s);
+            system.replace(place, Rc::new(slope));
         }
         let rows = problem.states.rows();
         cost = -2.0 * friction::margin(problem, &friction);

@@ -8,7 +8,7 @@ use haptical_model::Recording;
 
 use crate::signal::samples::Samples;
 use crate::thresholds::identify::{
-    COMMANDS_LEAVE, LONGEST_LAG_S, PERIOD_LEAVES, PERIOD_SAMPLES, SHORTER_LAG_LEAVES,
+    COMMAND_ROWS, COMMANDS_LEAVE, LONGEST_LAG_S, PERIOD_LEAVES, PERIOD_SAMPLES, SHORTER_LAG_LEAVES,
 };
 
 /// Where the regressor has a twin without its noise.
@@ -106,12 +106,15 @@ fn commands(recording: &Recording, samples: &Samples) -> Option<(Recording, Inst
             return None;
         }
         // mean square beside the command of so many rows before, about its mean
+        let every = own.len().div_ceil(COMMAND_ROWS);
         let left = |lag: usize| {
-            let difference: Vec<f64> = own[lag..].iter().zip(command).map(|(a, b)| a - b).collect();
-            variance(&difference)
+            let pairs = own[lag..].iter().zip(command).step_by(every);
+            let difference: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+            (lag, variance(&difference))
         };
-        let lag = (0..=longest).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-        if left(lag) > COMMANDS_LEAVE * variance(own) {
+        let lags = (0..=longest).map(left);
+        let (lag, least) = lags.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if least > COMMANDS_LEAVE * variance(own) {
             return None;
         }
         twin.joint[joint] = (0..own.len())

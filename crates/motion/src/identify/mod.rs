@@ -59,7 +59,7 @@ pub fn identify_dynamics(
     validate: Option<&Recording>,
     edge_hz: Option<f64>,
 ) -> Result<Dynamics, MotionError> {
-    identify(device, (recording, validate), edge_hz, false)
+    identify(device, (recording, validate), edge_hz, Scope::ALL)
 }
 
 /// Identifies what a device file holds of friction, armatures and offsets of a device's drives; its bodies are those of its file.
@@ -67,21 +67,56 @@ pub fn identify_dynamics(
 /// # Errors
 /// As [`identify_dynamics`].
 pub fn identify_drives(device: &Device, recording: &Recording) -> Result<Dynamics, MotionError> {
-    identify(device, (recording, None), None, true)
+    identify(device, (recording, None), None, Scope::DRIVES)
+}
+
+/// What is identified, and how.
+#[derive(Debug, Clone, Copy)]
+struct Scope {
+    /// Drives alone.
+    of_drives: bool,
+    /// Whether it is asked what the noise of the positions does.
+    asks_for_bias: bool,
+}
+
+impl Scope {
+    const ALL: Self = Self {
+        of_drives: false,
+        asks_for_bias: true,
+    };
+    const DRIVES: Self = Self {
+        of_drives: true,
+        ..Self::ALL
+    };
+}
+
+/// By least squares alone, as fits are compared with each other: whether they bend by the noise of the positions is not asked.
+///
+/// # Errors
+/// As [`identify_dynamics`].
+pub fn compared_dynamics(
+    device: &Device,
+    recording: &Recording,
+    of_drives: bool,
+) -> Result<Dynamics, MotionError> {
+    let scope = Scope {
+        of_drives,
+        asks_for_bias: false,
+    };
+    identify(device, (recording, None), None, scope)
 }
 
 fn identify(
     device: &Device,
     logs: (&Recording, Option<&Recording>),
     edge_hz: Option<f64>,
-    of_drives: bool,
+    scope: Scope,
 ) -> Result<Dynamics, MotionError> {
-    let given = (edge_hz, of_drives);
-    let (first, loaded) = pass(device, logs, given, &Loaded::default())?;
+    let (first, loaded) = pass(device, logs, (edge_hz, scope), &Loaded::default())?;
     // what a joint carries is by the bodies of a first fit
     match loaded.joints.is_empty() {
         true => Ok(first),
-        false => Ok(pass(device, logs, (Some(first.edge_hz), of_drives), &loaded)?.0),
+        false => Ok(pass(device, logs, (Some(first.edge_hz), scope), &loaded)?.0),
     }
 }
 
@@ -89,9 +124,10 @@ fn identify(
 fn pass(
     device: &Device,
     (recording, validate): (&Recording, Option<&Recording>),
-    (edge_hz, of_drives): (Option<f64>, bool),
+    (edge_hz, scope): (Option<f64>, Scope),
     loaded: &Loaded,
 ) -> Result<(Dynamics, Loaded), MotionError> {
+    let of_drives = scope.of_drives;
     // offsets and delay are found anew, of drives alone the offsets
     let known = Arm::new(device)?;
     let arm = Arm {
@@ -114,6 +150,8 @@ fn pass(
     let edge_hz = problem.states.pass.edge_hz;
     let reading = Reading {
         edge_hz: Some(edge_hz),
+        // a log with the same times has no other rows to be set right
+        sets_right: problem.samples.sampling.is_some(),
         ..reading.clone()
     };
     let mut is_held = held(device, &arm);
@@ -137,8 +175,11 @@ fn pass(
     let base = Combinations::new(&numbers, &columns, &target, rows)?;
     let plain = least_squares(&base, &columns, &target, rows)?;
     let position_sd = problem.states.position_sd.clone();
-    let bias = of_noise(&known, &base, plain.values.as_slice(), &problem.states).ok();
-    let with = with_instruments(&known, &problem, &base, (&columns, &target));
+    let (mut bias, mut with) = (None, None);
+    if scope.asks_for_bias {
+        bias = of_noise(&known, &base, plain.values.as_slice(), &problem.states).ok();
+        with = with_instruments(&known, &problem, &base, (&columns, &target));
+    }
     let chosen = Chosen::new(plain, bias, with);
     let (estimate, bias) = (&chosen.estimate, chosen.bias.as_deref());
     let warnings = chosen.warning(&problem, (&numbers, &base));
@@ -153,6 +194,10 @@ fn pass(
         base: &by_base,
     };
     let validated = validate.map(|own| {
+        let reading = Reading {
+            sets_right: true,
+            ..reading
+        };
         let found = by.on(&arm, own, reading);
         found.map_err(|error| error.to_string())
     });

@@ -28,6 +28,7 @@ use crate::examined::is_beyond_noise;
 use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
+use crate::fit::system::System;
 use crate::thresholds::examine::LEFT_BY_LAW;
 use crate::thresholds::plausible;
 use crate::thresholds::select::{
@@ -469,12 +470,12 @@ fn corrected<'c>(frame: &Frame<'_>, before: &State<'c>, next: State<'c>) -> Stat
 fn with<'c>(frame: &Frame<'_>, state: &State<'c>, further: Candidate<'c>) -> Option<State<'c>> {
     let mut taken = state.taken.clone();
     taken.push(further);
-    let columns = columns_of(&taken);
+    let system = frame.with(&columns_of(&taken));
     let mut early_s = state.early_s;
     if taken.iter().any(Candidate::is_delay_of_all) {
-        early_s = Some(delay(frame, &taken, &columns, early_s.unwrap_or(0.0)));
+        early_s = Some(delay(frame, &taken, &system, early_s.unwrap_or(0.0)));
     }
-    let fitted = frame.fitted(&columns, early_s);
+    let fitted = frame.fitted_with(system, early_s);
     let mut first = 0;
     for own in &taken {
         let coefficients = &fitted.effects()[first..first + own.columns.len()];
@@ -508,12 +509,12 @@ fn is_taken(taken: &[Candidate<'_>], candidate: &Candidate<'_>) -> bool {
 }
 
 /// The delay that leaves least beside the base model and the other effects: Newton's steps, each from torques shifted by it.
-fn delay(frame: &Frame<'_>, taken: &[Candidate<'_>], columns: &[Rc<Column>], start_s: f64) -> f64 {
+fn delay(frame: &Frame<'_>, taken: &[Candidate<'_>], system: &System, start_s: f64) -> f64 {
     let before = taken.iter().take_while(|own| !own.is_delay_of_all());
     let first: usize = before.map(|own| own.columns.len()).sum();
     let mut at = start_s;
     for _ in 0..8 {
-        let step = frame.fitted(columns, Some(at)).effects()[first];
+        let step = frame.coefficients(system, at)[first];
         at = (at + step).clamp(-LONGEST_DELAY_S, LONGEST_DELAY_S);
         if step.abs() < DELAY_TOLERANCE * frame.problem.samples.step_s {
             break;

@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 
 use haptical_linalg::dot;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 
 use super::local_polynomial::LocalPolynomial;
 use crate::thresholds::signal::{LINE_SAMPLES, LINE_SHARE};
@@ -28,16 +30,14 @@ pub(crate) fn line(column: &[f64], local: &LocalPolynomial, step_s: f64) -> Opti
     if count < LINE_SAMPLES / 8 || whole <= 0.0 {
         return None;
     }
-    let ordinate = |order: usize| {
-        // Goertzel's recurrence
-        let turn = TAU * order as f64 / count as f64;
-        let twice = 2.0 * turn.cos();
-        let [last, before] = (rest.iter()).fold([0.0, 0.0], |[last, before], value| {
-            [value + twice * last - before, last]
-        });
-        (last * last + before * before - twice * last * before) * 2.0 / count as f64
-    };
-    let ordinates: Vec<f64> = (0..=count / 2).map(ordinate).collect();
+    let mut waves: Vec<Complex<f64>> = rest.iter().map(Complex::from).collect();
+    FftPlanner::new()
+        .plan_fft_forward(count)
+        .process(&mut waves);
+    let ordinates = waves[..=count / 2].iter();
+    let ordinates: Vec<f64> = ordinates
+        .map(|own| own.norm_sqr() * 2.0 / count as f64)
+        .collect();
     let inner = 1..ordinates.len().saturating_sub(1);
     let highest = inner.max_by(|a, b| ordinates[*a].total_cmp(&ordinates[*b]))?;
     let held: f64 = ordinates[highest - 1..=highest + 1].iter().sum();

@@ -4,7 +4,7 @@ use haptical_linalg::dot;
 
 use crate::signal::local_polynomial::LocalPolynomial;
 use crate::thresholds::signal::{
-    LEAST_NOISE_SEGMENT, NOISE_ROUNDING, NOISE_SEGMENT, NOISE_SEGMENT_S,
+    LEAST_NOISE_SEGMENT, NOISE_ROUNDING, NOISE_SEGMENT, NOISE_SEGMENT_S, NOISE_SEGMENTS,
 };
 
 /// A noise of two parts, one white and one with a memory, an autoregression of the first order.
@@ -22,18 +22,22 @@ impl Noise {
     /// Of columns whose noise is white, by what is next to a local polynomial: medians over short segments, those left aside where a reading
     /// stands still to the last digit.
     pub(crate) fn white<'c>(
-        columns: impl Iterator<Item = &'c [f64]>,
+        columns: impl Iterator<Item = &'c [f64]> + Clone,
         local: &LocalPolynomial,
     ) -> Self {
         let segment = (NOISE_SEGMENT_S / local.step_s).round() as usize;
         let segment = segment.clamp(LEAST_NOISE_SEGMENT, NOISE_SEGMENT);
+        let inner = |column: &[f64]| column.len().saturating_sub(2 * local.half);
+        let segments: usize = columns.clone().map(|own| inner(own) / segment).sum();
+        let every = segments.div_ceil(NOISE_SEGMENTS).max(1);
         let mut squares = Vec::new();
         for column in columns {
-            let inner = local.half..column.len().saturating_sub(local.half);
-            let rest: Vec<f64> = inner.map(|k| column[k] - local.at(0, column, k)).collect();
             let largest = column.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-            for own in rest.chunks_exact(segment) {
-                let square = dot(own, own) / segment as f64;
+            for number in (0..inner(column) / segment).step_by(every) {
+                let first = local.half + number * segment;
+                let rows = first..first + segment;
+                let own: Vec<f64> = rows.map(|k| column[k] - local.at(0, column, k)).collect();
+                let square = dot(&own, &own) / segment as f64;
                 if square > (NOISE_ROUNDING * largest).powi(2) {
                     squares.push(square);
                 }

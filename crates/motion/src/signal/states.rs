@@ -9,7 +9,9 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
-use crate::thresholds::signal::{FINE_STEPS, MOST_JOINT_ROWS, SLIDING_NOISE, SMOOTHED_BEYOND};
+use crate::thresholds::signal::{
+    FINE_STEPS, MOST_JOINT_ROWS, SLIDING_NOISE, SMOOTHED_BEYOND, STRETCH_ROWS,
+};
 
 /// Positions, velocities and accelerations of one side of the drives, joint by joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,10 +77,8 @@ impl States {
         let half = first.unsigned_abs();
         let every = (pass.row_s() / fine_s).round().max(1.0) as usize;
         let fine_steps = |length: usize| length.saturating_sub(2 * local.half).div_ceil(stride);
-        let possible: usize = (samples.pieces.iter())
-            .map(|piece| fine_steps(piece.length).saturating_sub(2 * half) / every)
-            .sum();
-        let every = every * possible.div_ceil(MOST_JOINT_ROWS).max(1);
+        let lengths = samples.pieces.iter().map(|own| fine_steps(own.length));
+        let stretches = stretches(&lengths.collect::<Vec<_>>(), half, every);
         let joints = samples.pieces.first()?.motor.len();
         let empty = || Side {
             q: vec![Vec::new(); joints],
@@ -108,29 +108,25 @@ impl States {
         let noise = position_sds(samples, &LocalPolynomial::new(step_s, 0.5 / step_s));
         let of = |sd: &f64| sharpest(step_s, SMOOTHED_BEYOND * edge_hz, *sd);
         let sharp: Vec<LocalPolynomial> = noise.iter().map(of).collect();
-        for (number, piece) in samples.pieces.iter().enumerate() {
-            let count = fine_steps(piece.length);
-            if count <= 2 * half {
-                continue;
-            }
+        for (number, steps) in stretches {
+            let piece = &samples.pieces[number];
             let base = states.time_s.len();
             let at = |k: usize| local.half + k * stride;
             for joint in 0..joints {
                 let motor = &piece.motor[joint];
-                states
-                    .motor
-                    .extend(joint, &local, motor, (0..count).map(at));
-                let sliding = (0..count).map(|k| sharp[joint].at(1, motor, at(k)));
+                let along = || steps.clone().map(at);
+                states.motor.extend(joint, &local, motor, along());
+                let sliding = along().map(|at| sharp[joint].at(1, motor, at));
                 states.sliding[joint].extend(sliding);
                 let link = (links[joint].as_ref()).map_or(motor, |link| &link.pieces[number]);
-                states.link.extend(joint, &local, link, (0..count).map(at));
+                states.link.extend(joint, &local, link, along());
             }
-            for k in 0..count {
+            for k in steps.clone() {
                 states.time_s.push(piece.start_s + at(k) as f64 * step_s);
                 states.row_of.push(piece.first_row + at(k));
                 states.fine.push((number, at(k)));
             }
-            let inner = (half..count - half).step_by(every);
+            let inner = (half..steps.len() - half).step_by(every);
             states.centre.extend(inner.map(|k| base + k));
         }
         if states.centre.is_empty() {
@@ -203,6 +199,17 @@ impl States {
             .collect()
     }
 
+    /// What fine steps have to be multiplied with for the product of their rows with others: the transpose of [`Self::filtered`].
+    pub(crate) fn spread(&self, rows: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.steps()];
+        for (row, value) in rows.iter().enumerate() {
+            let (first, weights) = self.window(row);
+            let into = &mut all[first..first + weights.len()];
+            (into.iter_mut().zip(weights)).for_each(|(into, weight)| *into += value * weight);
+        }
+        all
+    }
+
     /// Rows of recorded torques; what belongs to the motion at a time was recorded `early_s` before it.
     pub(crate) fn torque(&self, samples: &Samples, joint: usize, early_s: f64) -> Vec<f64> {
         let torque = |piece: usize| samples.pieces[piece].torque[joint].as_deref();
@@ -225,6 +232,11 @@ impl States {
                 let (piece, sample) = self.fine[centre];
                 let own = column(piece);
                 let from = sample as isize - whole as isize + first;
+                let from_start = usize::try_from(from).ok();
+                let within = from_start.and_then(|from| own.get(from..from + weights.len()));
+                if let Some(within) = within {
+                    return dot(&weights, within);
+                }
                 // a shift may reach beyond the piece: the value at its end then
                 let last = own.len() as isize - 1;
                 let value = |k: usize| own[(from + k as isize).clamp(0, last) as usize];
@@ -323,6 +335,35 @@ impl Side {
     }
 }
 
+/// Pieces, by their lengths in fine steps, with the steps of each that are looked at: all of them, or of a log of more than
+/// `MOST_JOINT_ROWS` rows stretches that lie evenly over it. A row reaches `half` steps to either side, and rows are `every` steps apart.
+fn stretches(lengths: &[usize], half: usize, every: usize) -> Vec<(usize, Range<usize>)> {
+    let pieces = lengths.iter().enumerate();
+    let pieces = pieces.filter_map(|(number, length)| {
+        let inner = length.saturating_sub(2 * half);
+        (inner > 0).then_some((number, inner))
+    });
+    let rows = |inner: usize| inner.div_ceil(every);
+    let all: usize = pieces.clone().map(|(_, inner)| rows(inner)).sum();
+    if all <= MOST_JOINT_ROWS {
+        let whole = |(number, inner)| (number, 0..inner + 2 * half);
+        return pieces.map(whole).collect();
+    }
+    let share = MOST_JOINT_ROWS as f64 / all as f64;
+    pieces
+        .flat_map(|(number, inner)| {
+            let wanted = (share * rows(inner) as f64).ceil() as usize;
+            let count = wanted.div_ceil(STRETCH_ROWS);
+            let steps = ((wanted.div_ceil(count) - 1) * every + 1).min(inner / count);
+            // each in the middle of its part of the piece
+            (0..count).map(move |part| {
+                let first = (2 * part + 1) * inner / (2 * count) - steps.div_ceil(2);
+                (number, first..first + steps + 2 * half)
+            })
+        })
+        .collect()
+}
+
 /// The narrowest window through which the speed of noisy positions is quiet, at most that of a cutoff.
 fn sharpest(step_s: f64, cutoff_hz: f64, position_sd: f64) -> LocalPolynomial {
     let whole = LocalPolynomial::new(step_s, cutoff_hz);
@@ -383,6 +424,69 @@ mod tests {
     use super::*;
 
     const TURNOVER: f64 = 0.01;
+
+    #[test]
+    fn a_long_log_is_looked_at_in_stretches_that_lie_evenly_over_it() {
+        let whole = [(0, 0..200), (2, 0..40)];
+        assert_eq!(
+            stretches(&[200, 8, 40], 4, 4),
+            whole,
+            "too short to have a row"
+        );
+        let (half, every) = (16, 4);
+        let lengths = [400_000, 90, 100_000];
+        let found = stretches(&lengths, half, every);
+        let rows = |steps: &Range<usize>| (steps.len() - 2 * half).div_ceil(every);
+        let all: usize = found.iter().map(|(_, steps)| rows(steps)).sum();
+        assert!(
+            (MOST_JOINT_ROWS..MOST_JOINT_ROWS + 60).contains(&all),
+            "{all}"
+        );
+        for (number, length) in lengths.iter().enumerate() {
+            let own: Vec<&Range<usize>> = (found.iter().filter(|own| own.0 == number))
+                .map(|own| &own.1)
+                .collect();
+            let part = length / own.len();
+            for (k, steps) in own.iter().enumerate() {
+                assert!(rows(steps) <= STRETCH_ROWS && steps.end <= *length);
+                let middle = usize::midpoint(steps.start, steps.end);
+                assert!(
+                    middle.abs_diff(k * part + part / 2) <= half + 2,
+                    "{k} of {number}"
+                );
+            }
+            // centres of rows do not overlap
+            let apart = |pair: &[&Range<usize>]| pair[0].end - 2 * half <= pair[1].start;
+            assert!(own.windows(2).all(apart));
+        }
+    }
+
+    #[test]
+    fn spread_is_the_transpose_of_filtered() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let time_s: Vec<f64> = (0..1500).map(|k| 0.005 * f64::from(k)).collect();
+        let log = Recording {
+            line: (2..).take(time_s.len()).collect(),
+            joint: vec![time_s.iter().map(|t| t.sin()).collect()],
+            output: vec![None],
+            torque_nm: vec![Some(time_s.iter().map(|t| t.cos()).collect())],
+            time_s: Some(time_s),
+            ..Recording::default()
+        };
+        let states = States::new(&Samples::new(&log, false).unwrap(), 8.0).unwrap();
+        let mut normal = |count: usize| -> Vec<f64> {
+            (0..count)
+                .map(|_| StandardNormal.sample(&mut random))
+                .collect()
+        };
+        let (signal, rows) = (normal(states.steps()), normal(states.rows()));
+        let one = dot(&states.filtered(&signal), &rows);
+        let other = dot(&signal, &states.spread(&rows));
+        assert!(
+            (one - other).abs() < 1e-12 * states.steps() as f64,
+            "{one} {other}"
+        );
+    }
 
     /// Speed of a joint that slows down, sticks, and leaves at once in the other direction.
     fn speed(t: f64) -> f64 {

@@ -73,6 +73,8 @@ pub(crate) const PERIOD_LEAVES: f64 = 0.01;
 pub(crate) const SHORTER_LAG_LEAVES: f64 = 0.5;
 /// Share of the motion's variance that commands leave at most.
 pub(crate) const COMMANDS_LEAVE: f64 = 0.05;
+/// Rows that say how much later than its command a joint is, at most. Cost.
+pub(crate) const COMMAND_ROWS: usize = 20_000;
 /// Longest lag between command and position that is tried \[s\].
 pub(crate) const LONGEST_LAG_S: f64 = 0.2;
 

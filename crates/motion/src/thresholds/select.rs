@@ -31,6 +31,8 @@ pub(crate) const LONGEST_DELAY_S: f64 = 0.1;
 pub(crate) const LEAST_LAST_NATS: f64 = 12.0;
 
 // `select::fitted`
+/// Delays at which the recorded rows are kept. Cost.
+pub(crate) const TARGETS: usize = 4;
 /// Times that numbers beyond their limits are put at them.
 pub(crate) const LIMIT_ROUNDS: usize = 6;
 

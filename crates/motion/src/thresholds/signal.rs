@@ -48,8 +48,10 @@ pub(crate) const SMOOTHED_BEYOND: f64 = 2.0;
 pub(crate) const FINE_STEPS: f64 = 8.0;
 /// Noise that a speed may have where friction changes sides with it \[rad/s\], \[m/s\]: friction turns over within speeds that are larger.
 pub(crate) const SLIDING_NOISE: f64 = 1e-3;
-/// Most rows of a joint: longer logs keep every second one, or fewer.
-pub(crate) const MOST_JOINT_ROWS: usize = 12_000;
+/// Most rows of a joint, and rows of a stretch: of a longer log stretches are looked at that lie evenly over it. More rows add little: what a
+/// model leaves of a real arm is no noise, and does not fall with their number.
+pub(crate) const MOST_JOINT_ROWS: usize = 2_500;
+pub(crate) const STRETCH_ROWS: usize = 100;
 
 // `signal::link`
 /// The difference between an encoder on a link and that of its motor is smoothed up to the cutoff over two to this power at least.
@@ -63,6 +65,8 @@ pub(crate) const DIFFERENCE_SDS: f64 = 3.0;
 pub(crate) const NOISE_SEGMENT: usize = 48;
 pub(crate) const NOISE_SEGMENT_S: f64 = 0.24;
 pub(crate) const LEAST_NOISE_SEGMENT: usize = 12;
+/// Segments that are looked at, at most: their median is known to 1 % then.
+pub(crate) const NOISE_SEGMENTS: usize = 1000;
 /// A rest of a column that is this share of its values is rounding: a joint at rest shows no noise of its counts.
 pub(crate) const NOISE_ROUNDING: f64 = 1e-12;
 

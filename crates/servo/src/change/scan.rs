@@ -1,12 +1,14 @@
 //! The likelihood of each change at each row: generalised likelihood ratios of a regression (Basseville & Nikiforov, Detection of
 //! Abrupt Changes, 1993, 2.4 and 7.2).
 
+use std::collections::BTreeMap;
+
 use haptical_linalg::NormalEquations;
 
 use super::sums::{Prefix, Regression, fitted, rows, with_step};
 use crate::thresholds::{
-    GAIN_FACTORS, LEVEL_EDGE, LEVEL_REPEATS, LONG_REST_S, PAST_READINGS, PLACE_NATS, PLACE_SHARE,
-    SAME_NATS, SAME_SHARE,
+    FINER, GAIN_FACTORS, LEVEL_EDGE, LEVEL_REPEATS, LONG_REST_S, PAST_READINGS, PLACE_NATS,
+    PLACE_SHARE, SAME_NATS, SAME_SHARE, SCAN_POINTS,
 };
 
 /// A change where it is likeliest.
@@ -82,13 +84,18 @@ impl<'r> Scan<'r> {
     fn grid(&self, part: usize, further: &[usize]) -> Vec<usize> {
         let rows = self.regression.rows;
         let edge = (rows / part).max(3 * self.regression.regressors());
-        let step = self.regression.step;
         let inner = edge..rows.saturating_sub(edge);
         let further = further.iter().copied().filter(|row| inner.contains(row));
-        let mut grid: Vec<usize> = inner.clone().step_by(step).chain(further).collect();
+        let mut grid: Vec<usize> = inner.clone().step_by(self.apart()).chain(further).collect();
         grid.sort_unstable();
         grid.dedup();
         grid
+    }
+
+    /// Rows between those at which a change is looked for first.
+    fn apart(&self) -> usize {
+        let step = self.regression.step;
+        step * (self.regression.rows / (step * SCAN_POINTS)).max(1)
     }
 
     /// The likeliest row by a function of it, and how far on either side it is nearly as likely.
@@ -98,28 +105,33 @@ impl<'r> Scan<'r> {
         (part, further): (usize, &[usize]),
         nats: &dyn Fn(usize) -> f64,
     ) -> Option<Likely> {
-        let coarse: Vec<(usize, f64)> = self
+        let inner = PAST_READINGS + 1..self.regression.rows - PAST_READINGS - 1;
+        let mut tried: BTreeMap<usize, f64> = self
             .grid(part, further)
             .into_iter()
             .map(|row| (row, nats(row)))
             .collect();
-        let by_nats = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
-        let &(near, _) = coarse.iter().max_by(by_nats)?;
-        let step = self.regression.step;
-        let rows = self.regression.rows;
-        let fine: Vec<(usize, f64)> = (near.saturating_sub(step).max(PAST_READINGS + 1)
-            ..=(near + step).min(rows - PAST_READINGS - 2))
-            .map(|row| (row, nats(row)))
-            .collect();
-        let &(at, best) = fine.iter().max_by(by_nats)?;
-        // from the best row outwards, finely and then on the grid, as long as it is nearly as likely
-        let backward = fine.iter().rev().skip_while(|(row, _)| *row > at);
-        let backward = backward.chain(coarse.iter().rev().skip_while(|(row, _)| *row >= fine[0].0));
-        let forward = fine.iter().skip_while(|(row, _)| *row < at);
-        let end = fine[fine.len() - 1].0;
-        let forward = forward.chain(coarse.iter().skip_while(|(row, _)| *row <= end));
-        let walk = |towards: &mut dyn Iterator<Item = &(usize, f64)>, less: f64| {
-            let near = towards.take_while(|(_, nats)| *nats >= best - less);
+        let likeliest = |tried: &BTreeMap<usize, f64>| {
+            let best = tried.iter().max_by(|a, b| a.1.total_cmp(b.1));
+            best.map(|(row, nats)| (*row, *nats))
+        };
+        // ever finer about the likeliest
+        let mut apart = self.apart();
+        while apart > 1 {
+            let (near, _) = likeliest(&tried)?;
+            let finer = (apart / FINER).max(1);
+            let from = near.saturating_sub(apart).max(inner.start);
+            for row in (from..=(near + apart).min(inner.end - 1)).step_by(finer) {
+                tried.entry(row).or_insert_with(|| nats(row));
+            }
+            apart = finer;
+        }
+        let (at, best) = likeliest(&tried)?;
+        // from the best row outwards as long as it is nearly as likely
+        let backward = tried.range(..=at).rev();
+        let forward = tried.range(at..);
+        let walk = |towards: &mut dyn Iterator<Item = (&usize, &f64)>, less: f64| {
+            let near = towards.take_while(|(_, nats)| **nats >= best - less);
             near.last().map_or(at, |(row, _)| *row)
         };
         // errors that are not quite white make all of it larger than it is
@@ -133,7 +145,8 @@ impl<'r> Scan<'r> {
             walk(&mut forward.clone(), same),
         ];
         let at = if (rested - from) as f64 * self.regression.step_s > LONG_REST_S {
-            let shown = (rested..=rested + step).take_while(|&row| nats(row) >= best - same);
+            let shown =
+                (rested..=rested + self.apart()).take_while(|&row| nats(row) >= best - same);
             shown.last().unwrap_or(rested)
         } else {
             usize::midpoint(from, rested)

@@ -11,7 +11,7 @@ use haptical_linalg::{Information, dot};
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::noise::rounding;
-use crate::thresholds::{FASTER, MOST_LAG_S, SPEED_S};
+use crate::thresholds::{FASTER, LEAST_FALL, MOST_LAG_S, ROUGH_FALL, ROUGH_ROWS, ROUGH_S, SPEED_S};
 
 use self::evaluator::Evaluator;
 use self::search::AXES;
@@ -84,6 +84,8 @@ pub(crate) struct Fit {
 pub(crate) struct Problem<'s> {
     series: &'s Series,
     ones: Vec<f64>,
+    /// Angles that the droop depends on, the joint's own first.
+    angles: Vec<bool>,
     droop: Vec<Vec<f64>>,
 }
 
@@ -100,6 +102,7 @@ impl<'s> Problem<'s> {
         Self {
             ones: offset::column(series.len()),
             droop: droop::columns(series, angles),
+            angles: angles.to_vec(),
             series,
         }
     }
@@ -181,30 +184,8 @@ impl<'s> Problem<'s> {
         let wide = errors[errors.len() * 9 / 10] - errors[errors.len() / 10];
         // the speed of a servo that crosses the motion in a quarter of a second
         let quick = 4.0 * crate::log::range(&series.command).max(1e-6);
-        let (starts, steps) = match start {
-            Some(shape) => (vec![shape], [0.01, 0.01, 0.05 * wide, 0.2 / quick, 0.005]),
-            None => {
-                let at = |delay_s, lag_s, share: f64| Shape {
-                    delay_s,
-                    lag_s,
-                    inertia_s: 0.0,
-                    half_width: share * wide,
-                    slowness: 0.0,
-                };
-                let mut starts = vec![
-                    at(0.04, 0.03, 0.05),
-                    at(0.02, 0.1, 0.3),
-                    at(0.1, 0.01, 0.45),
-                ];
-                // a joint that is always at its limit is far from any of these
-                let limited = terms.saturation.then(|| self.slower_than_command());
-                starts.extend(limited.flatten().map(|slowness| Shape {
-                    slowness,
-                    ..at(0.005, 0.005, 0.0)
-                }));
-                (starts, [0.03, 0.03, 0.15 * wide, 0.5 / quick, 0.01])
-            }
-        };
+        let near = [0.01, 0.01, 0.05 * wide, 0.2 / quick, 0.005];
+        let far = [0.03, 0.03, 0.15 * wide, 0.5 / quick, 0.01];
         let range = crate::log::range(&series.command);
         let most = [
             MOST_LAG_S,
@@ -213,6 +194,51 @@ impl<'s> Problem<'s> {
             20.0 / quick,
             MOST_LAG_S,
         ];
+        let starts = match start {
+            Some(shape) => return self.lowest((terms, held), &[shape], (near, most), LEAST_FALL),
+            None => self.starts(terms, wide),
+        };
+        let few = series.stretches(series.rows_of(ROUGH_ROWS, ROUGH_S));
+        if let Some((few, _)) = few.filter(|_| held.is_none()) {
+            let rough = Problem::with_droop(&few, &self.angles);
+            let start = rough.lowest((terms, &None), &starts, (far, most), ROUGH_FALL);
+            return self.lowest((terms, held), &[start.shape], (near, most), LEAST_FALL);
+        }
+        self.lowest((terms, held), &starts, (far, most), LEAST_FALL)
+    }
+
+    /// Shapes that a search of nothing known begins with.
+    fn starts(&self, terms: Terms, wide: f64) -> Vec<Shape> {
+        let at = |delay_s, lag_s, share: f64| Shape {
+            delay_s,
+            lag_s,
+            inertia_s: 0.0,
+            half_width: share * wide,
+            slowness: 0.0,
+        };
+        let mut starts = vec![
+            at(0.04, 0.03, 0.05),
+            at(0.02, 0.1, 0.3),
+            at(0.1, 0.01, 0.45),
+        ];
+        // a joint that is always at its limit is far from any of these
+        let limited = terms.saturation.then(|| self.slower_than_command());
+        starts.extend(limited.flatten().map(|slowness| Shape {
+            slowness,
+            ..at(0.005, 0.005, 0.0)
+        }));
+        starts
+    }
+
+    /// The lowest fit that searches from some shapes find; `steps`: the first ones, and how far from zero.
+    fn lowest(
+        &self,
+        (terms, held): (Terms, &Held),
+        starts: &[Shape],
+        (steps, most): ([f64; AXES], [f64; AXES]),
+        least_fall: f64,
+    ) -> Fit {
+        let series = self.series;
         let free = [
             terms.delay,
             terms.lag,
@@ -226,6 +252,7 @@ impl<'s> Problem<'s> {
             most,
             rows: (series.len() - held.as_ref().map_or(0, ExactSizeIterator::len)) as f64,
             least_variance: rounding(series).powi(2),
+            least_fall,
         };
         let mut evaluator = Evaluator::new(self, terms, held);
         let mut squares = |at: [f64; AXES]| evaluator.fit(shape_of(at, terms)).squares;

@@ -2,7 +2,7 @@
 
 use haptical_linalg::NormalEquations;
 
-use crate::thresholds::{LEAST_FALL, SEARCH_ROUNDS};
+use crate::thresholds::SEARCH_ROUNDS;
 
 /// What may move, by how much at first, how far from zero, and the rows and least variance of the noise that a value is of.
 #[derive(Debug)]
@@ -12,6 +12,8 @@ pub(crate) struct Limits {
     pub(crate) most: [f64; AXES],
     pub(crate) rows: f64,
     pub(crate) least_variance: f64,
+    /// Fall in variances of the noise below which a search ends.
+    pub(crate) least_fall: f64,
 }
 
 /// Numbers of a shape.
@@ -70,7 +72,7 @@ pub(crate) fn compass(
             false => {
                 let (by, fall) = parabola((at, best), &steps, &sides, value);
                 let variance = (best / limits.rows).max(limits.least_variance);
-                if fall < LEAST_FALL * variance {
+                if fall < limits.least_fall * variance {
                     return Lowest {
                         at,
                         value: best,
@@ -144,6 +146,7 @@ mod tests {
         most: [10.0; AXES],
         rows: 1000.0,
         least_variance: 0.0,
+        least_fall: 0.01,
     };
 
     /// A valley along which one number gives what another takes: steps along the axes alone halve long before its lowest point.
