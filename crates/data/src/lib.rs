@@ -36,6 +36,8 @@ mod read;
 mod ros;
 mod shape;
 mod size;
+#[cfg(feature = "rosbag2")]
+mod sqlite;
 mod write;
 
 pub use edit::{LogColumn, LogEdits, edit_log};

@@ -4,18 +4,15 @@
 //! `rosbag2_storage_sqlite3` of ROS 2 makes them in all its versions.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek, SeekFrom, Write};
-
-use rusqlite::limits::Limit;
-use rusqlite::{Connection, OpenFlags};
+use std::fs::File;
+use std::io::Read;
 
 use super::topics::Topics;
 use super::{LARGEST_RECORD_BYTES, Message, Messages, is_wanted, not_a_log};
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
+use crate::sqlite::{Broken, Cell, Database, Record, Table, Value};
 
-/// Bytes of a file's head that say whether it is written ahead: then 2, else 1 (SQLite's file format, section 1.3).
-const WRITE_AHEAD: [u64; 2] = [18, 19];
 /// How a compressed message begins.
 const ZSTD_MAGIC: [u8; 4] = *b"\x28\xb5\x2f\xfd";
 
@@ -36,38 +33,28 @@ pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<
         return Err(not_a_log(name, what, next));
     }
     let file = copy(reader, name)?;
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    let bag = Connection::open_with_flags(file.path(), flags);
-    let bag = bag.map_err(|error| damaged(name, &error))?;
-    let most = i32::try_from(LARGEST_RECORD_BYTES).unwrap_or(i32::MAX);
-    let limited = bag.set_limit(Limit::SQLITE_LIMIT_LENGTH, most);
-    limited.map_err(|error| damaged(name, &error))?;
-    // what a stranger's file declares is not run
-    let unsure = bag.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON");
-    unsure.map_err(|error| damaged(name, &error))?;
-    if !has_tables(&bag).map_err(|error| damaged(name, &error))? {
+    let damaged = |Broken(what)| {
+        Place::file(name).error(Fault::Damaged {
+            format: "SQLite",
+            what,
+        })
+    };
+    let mut bag = Database::open(file, LARGEST_RECORD_BYTES).map_err(damaged)?;
+    let of_topics = bag.table("topics").map_err(damaged)?;
+    let of_messages = bag.table("messages").map_err(damaged)?;
+    let (Some(of_topics), Some(of_messages)) = (of_topics, of_messages) else {
         let what =
             "an SQLite database without the tables `topics` and `messages` of a bag of ROS 2";
         let next = "give the .db3 file that `ros2 bag record` wrote";
         return Err(not_a_log(name, what.to_owned(), next));
-    }
-    let topics = topics(&bag).map_err(|error| damaged(name, &error))?;
-    let wanted: Vec<String> = topics.keys().map(i64::to_string).collect();
-    let query = format!(
-        "SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({}) ORDER BY timestamp",
-        wanted.join(",")
-    );
-    let mut statement = bag.prepare(&query).map_err(|error| damaged(name, &error))?;
-    let mut rows = statement.query([]).map_err(|error| damaged(name, &error))?;
-    while let Some(row) = rows.next().map_err(|error| damaged(name, &error))? {
-        let parts = row.get::<_, i64>(0).and_then(|topic| {
-            let data = row.get_ref(2)?.as_blob()?;
-            Ok((topic, row.get::<_, i64>(1)?, data))
-        });
-        let (topic, recorded_ns, data) = parts.map_err(|error| damaged(name, &error))?;
+    };
+    let topics = topics(&mut bag, &of_topics).map_err(damaged)?;
+    let rows = rows(&mut bag, &of_messages, &topics).map_err(damaged)?;
+    for (recorded_ns, topic, cell) in rows {
         let Some(topic) = topics.get(&topic) else {
             continue;
         };
+        let data = data(&mut bag, &of_messages, cell).map_err(damaged)?;
         if data.starts_with(&ZSTD_MAGIC) {
             let what = "the messages are compressed one by one, which is not read".to_owned();
             let next = "convert it: rosbags-convert --src BAG --dst NEW, where BAG is its folder";
@@ -78,52 +65,84 @@ pub(super) fn read_topics(reader: impl Read, mut found: Messages<'_>) -> Result<
             encoding: &topic.encoding,
             topic: &topic.name,
             recorded_ns,
-            data,
+            data: &data,
         })?;
     }
     Ok(found.topics)
 }
 
-/// A copy that SQLite opens: what is read may be a pipe. It stands alone, without the log of one that is written ahead.
-fn copy(mut reader: impl Read, name: &str) -> Result<tempfile::NamedTempFile, DataError> {
+/// A copy to go back and forth in: what is read may be a pipe.
+fn copy(mut reader: impl Read, name: &str) -> Result<File, DataError> {
     let unreadable = |source| Place::file(name).error(Fault::Unreadable { source });
-    let mut file = tempfile::NamedTempFile::new().map_err(unreadable)?;
+    let mut file = tempfile::tempfile().map_err(unreadable)?;
     std::io::copy(&mut reader, &mut file).map_err(unreadable)?;
-    for place in WRITE_AHEAD {
-        let written = (file.seek(SeekFrom::Start(place))).and_then(|_| file.write_all(&[1]));
-        written.map_err(unreadable)?;
-    }
-    file.flush().map_err(unreadable)?;
     Ok(file)
 }
 
-fn has_tables(bag: &Connection) -> rusqlite::Result<bool> {
-    let query = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('topics', 'messages')";
-    let tables: i64 = bag.query_row(query, [], |row| row.get(0))?;
-    Ok(tables == 2)
-}
-
 /// The topics that count, by their numbers.
-fn topics(bag: &Connection) -> rusqlite::Result<BTreeMap<i64, Topic>> {
-    let mut statement = bag.prepare("SELECT id, name, type, serialization_format FROM topics")?;
-    let rows = statement.query_map([], |row| {
+fn topics(bag: &mut Database<File>, table: &Table) -> Result<BTreeMap<i64, Topic>, Broken> {
+    let mut topics = BTreeMap::new();
+    for cell in bag.rows(table)? {
+        let mut row = bag.record(cell)?;
+        let id = integer(bag, (table, &mut row), "id")?;
         let topic = Topic {
-            name: row.get(1)?,
-            schema: row.get(2)?,
-            encoding: row.get(3)?,
+            name: text(bag, (table, &mut row), "name")?,
+            schema: text(bag, (table, &mut row), "type")?,
+            encoding: text(bag, (table, &mut row), "serialization_format")?,
         };
-        Ok((row.get(0)?, topic))
-    })?;
-    let counts = |row: &rusqlite::Result<(i64, Topic)>| match row {
-        Ok((_, topic)) => is_wanted(&topic.schema),
-        Err(_) => true,
-    };
-    rows.filter(counts).collect()
+        if is_wanted(&topic.schema) {
+            topics.insert(id, topic);
+        }
+    }
+    Ok(topics)
 }
 
-fn damaged(name: &str, error: &rusqlite::Error) -> DataError {
-    Place::file(name).error(Fault::Damaged {
-        format: "SQLite",
-        what: error.to_string(),
-    })
+/// Messages of the topics by the time of recording: that, the topic, and where the row is.
+fn rows(
+    bag: &mut Database<File>,
+    table: &Table,
+    topics: &BTreeMap<i64, Topic>,
+) -> Result<Vec<(i64, i64, Cell)>, Broken> {
+    let mut found = Vec::new();
+    for cell in bag.rows(table)? {
+        let mut row = bag.record(cell)?;
+        let topic = integer(bag, (table, &mut row), "topic_id")?;
+        if topics.contains_key(&topic) {
+            let recorded_ns = integer(bag, (table, &mut row), "timestamp")?;
+            found.push((recorded_ns, topic, cell));
+        }
+    }
+    // messages of one time stay in the order of their numbers
+    found.sort_by_key(|row| row.0);
+    Ok(found)
+}
+
+fn data(bag: &mut Database<File>, table: &Table, cell: Cell) -> Result<Vec<u8>, Broken> {
+    let mut row = bag.record(cell)?;
+    match bag.named((table, &mut row), "data")? {
+        Value::Blob(data) => Ok(data),
+        _ => Err(Broken("`data` of a message is no blob".to_owned())),
+    }
+}
+
+fn integer(
+    bag: &mut Database<File>,
+    row: (&Table, &mut Record),
+    column: &str,
+) -> Result<i64, Broken> {
+    match bag.named(row, column)? {
+        Value::Integer(value) => Ok(value),
+        _ => Err(Broken(format!("`{column}` is no whole number"))),
+    }
+}
+
+fn text(
+    bag: &mut Database<File>,
+    row: (&Table, &mut Record),
+    column: &str,
+) -> Result<String, Broken> {
+    match bag.named(row, column)? {
+        Value::Text(value) => Ok(value),
+        _ => Err(Broken(format!("`{column}` is no text"))),
+    }
 }
