@@ -6,7 +6,7 @@ use std::ops::Range;
 use crate::thresholds::{
     DEGREES_PER_RADIAN, FEWEST_COUNTS, FEWEST_ROWS, GAP_STEPS, LONGEST_STEP_S, MOST_LAG_S,
     OPPOSITE, SAME_MOTION, SHORTEST_S, STILL_COUNTS, STILL_RANGE, STOPPED_COMMAND, STOPPED_COUNTS,
-    STOPPED_S, STOPPED_SHARE, STRETCHES_OF_FIT, WRAP,
+    STOPPED_S, STOPPED_SHARE, WRAP,
 };
 
 /// Columns of one joint, row by row; a row without a reading is `NaN`.
@@ -168,6 +168,8 @@ pub(crate) struct Series {
     pub(crate) load_nm: Option<Vec<f64>>,
     /// First index of each piece.
     pub(crate) starts: Vec<usize>,
+    /// Rows that a fit counts: not those at the start of a stretch that was cut out, where nobody knows what the joint is on its way to.
+    pub(crate) scored: Vec<Range<usize>>,
     /// Median time between rows.
     pub(crate) step_s: f64,
     /// Smallest change of a reading: a count of its sensor.
@@ -204,6 +206,7 @@ impl Series {
             others: others.map(|column| take(column)).collect(),
             load_nm: log.load_nm.filter(|column| is_filled(&column)).map(take),
             starts: Vec::new(),
+            scored: std::iter::once(0..rows.len()).collect(),
             step_s: 0.0,
             count: 0.0,
             warnings: Vec::new(),
@@ -305,11 +308,12 @@ impl Series {
         self.starts.iter().copied().zip(ends).map(|(a, b)| a..b)
     }
 
-    /// Of a series that is longer than so many rows about as many, and which they are: of each of [`STRETCHES_OF_FIT`] equal parts the rows
-    /// in which its command moves most.
-    pub(crate) fn stretches(&self, rows: usize) -> Option<(Self, Vec<Range<usize>>)> {
-        let (all, length) = (self.len(), rows / STRETCHES_OF_FIT);
-        if all <= rows || length == 0 {
+    /// Of a series that is longer than so many rows about as many, and which of its rows a fit counts: of each of so many equal parts the
+    /// stretch in which its command moves most. The first `MOST_LAG_S` of a stretch lead into it.
+    pub(crate) fn stretches(&self, rows: usize, parts: usize) -> Option<(Self, Vec<Range<usize>>)> {
+        let (all, length) = (self.len(), rows / parts);
+        let lead = (MOST_LAG_S / self.step_s).round() as usize;
+        if all <= rows || length <= 2 * lead {
             return None;
         }
         let is_next = |row: usize| row > 0 && self.starts.binary_search(&row).is_err();
@@ -322,16 +326,17 @@ impl Series {
             way[row + 1] = way[row] + step;
         }
         let of_part = |part: usize| {
-            let own = part * all / STRETCHES_OF_FIT..(part + 1) * all / STRETCHES_OF_FIT;
+            let own = part * all / parts..(part + 1) * all / parts;
             let moved = |first: &usize| way[first + length] - way[*first];
             let firsts = (own.start..=own.end - length).step_by((length / 4).max(1));
             let most = firsts.max_by(|a, b| moved(a).total_cmp(&moved(b)));
             most.map(|first| first..first + length)
         };
-        let kept: Vec<Range<usize>> = (0..STRETCHES_OF_FIT).filter_map(of_part).collect();
+        let kept: Vec<Range<usize>> = (0..parts).filter_map(of_part).collect();
         let rows: Vec<usize> = kept.iter().cloned().flatten().collect();
         let take = |column: &[f64]| -> Vec<f64> { rows.iter().map(|&row| column[row]).collect() };
         let is_start = |&at: &usize| at == 0 || rows[at] != rows[at - 1] + 1 || !is_next(rows[at]);
+        let ends = (0..kept.len()).map(|stretch| stretch * length + lead..(stretch + 1) * length);
         let some = Self {
             row: rows.iter().map(|&row| self.row[row]).collect(),
             run: rows.iter().map(|&row| self.run[row]).collect(),
@@ -343,11 +348,18 @@ impl Series {
             others: self.others.iter().map(|own| take(own)).collect(),
             load_nm: self.load_nm.as_deref().map(take),
             starts: (0..rows.len()).filter(is_start).collect(),
+            scored: ends.collect(),
             step_s: self.step_s,
             count: self.count,
             warnings: Vec::new(),
         };
-        Some((some, kept))
+        let counted = kept.into_iter().map(|own| own.start + lead..own.end);
+        Some((some, counted.collect()))
+    }
+
+    /// Rows that a fit counts.
+    pub(crate) fn scored_rows(&self) -> usize {
+        self.scored.iter().map(ExactSizeIterator::len).sum()
     }
 
     /// So many rows, or those of so many seconds where they are more.

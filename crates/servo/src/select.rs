@@ -13,7 +13,7 @@ use crate::fit::{Fit, Problem, Shape, Terms};
 use crate::log::Series;
 use crate::thresholds::{
     AS_GOOD, FEWEST_SPEAKING, FOLDS, LEAST_DROOP_SHARE, LEAST_SHARE, MOST_FITTED_ROWS,
-    MOST_FITTED_S, REFUSED, START_DAMPING, START_LAG_S, SURE_SD,
+    MOST_FITTED_S, REFUSED, START_DAMPING, START_LAG_S, STRETCHES_OF_FIT, SURE_SD,
 };
 
 /// A model with what it leaves of rows that its fit did not see, part by part.
@@ -108,7 +108,7 @@ pub(crate) struct Selection {
 /// Chooses laws; of a long log by stretches of it, and what they leave of its other rows is unseen too.
 pub(crate) fn select(series: &Series) -> Selection {
     let most = series.rows_of(MOST_FITTED_ROWS, MOST_FITTED_S);
-    let Some((some, stretches)) = series.stretches(most) else {
+    let Some((some, stretches)) = series.stretches(most, STRETCHES_OF_FIT) else {
         return select_by(&Problem::new(series), series);
     };
     let angles = droop::moving(series);
@@ -118,12 +118,8 @@ pub(crate) fn select(series: &Series) -> Selection {
         .into_iter()
         .for_each(|rows| is_fitted[rows].fill(true));
     let problem = Problem::with_droop(series, &angles);
-    let alone = [
-        &mut found.delay_alone,
-        &mut found.lag_alone,
-        &mut found.heavy_alone,
-    ];
-    for judged in alone.into_iter().flatten().chain([&mut found.chosen]) {
+    // what a fit to the stretches leaves of all rows
+    let of_all = |judged: &mut Judged| {
         let predicted = problem.predicted(judged.terms, &judged.fit);
         let residual = series.response.iter().zip(predicted);
         let residual: Vec<f64> = residual.map(|(own, predicted)| own - predicted).collect();
@@ -132,30 +128,34 @@ pub(crate) fn select(series: &Series) -> Selection {
             *unseen += others.map(|row| residual[row].powi(2)).sum::<f64>();
         }
         judged.fit.residual = residual;
+    };
+    let of_stretches = Problem::with_droop(&some, &angles);
+    let chooser = Chooser::new(&of_stretches, &some);
+    let without = found.kept.iter().map(|(law, _)| {
+        let terms = law.set(found.chosen.terms, false);
+        chooser.judged(terms, Some(found.chosen.fit.shape))
+    });
+    let mut without: Vec<Judged> = without.collect();
+    let alone = [
+        &mut found.delay_alone,
+        &mut found.lag_alone,
+        &mut found.heavy_alone,
+    ];
+    let others = alone.into_iter().flatten().chain(&mut without);
+    others.chain([&mut found.chosen]).for_each(of_all);
+    for (kept, without) in found.kept.iter_mut().zip(&without) {
+        kept.1 = Gain::between(&without.unseen, &found.chosen.unseen).sum;
     }
-    let of_stretches: f64 = found.before.iter().sum();
     let error = |row: usize| series.response[row] - series.command[row];
     let before = parts(series.len()).map(|part| part.map(|row| error(row).powi(2)).sum());
     found.before = before.collect();
-    let larger = found.before.iter().sum::<f64>() / of_stretches.max(1e-300);
-    found.kept.iter_mut().for_each(|own| own.1 *= larger);
-    found.fitted_rows = Some(some.len());
+    found.fitted_rows = Some(some.scored_rows());
     found
 }
 
 /// Chooses laws by all rows: the core fitted together, gain and droop where they are missed, then each left out in turn.
 fn select_by(problem: &Problem<'_>, series: &Series) -> Selection {
-    let mut chooser = Chooser {
-        problem,
-        parts: parts(series.len()).collect(),
-        // sines of the joint's own angle follow a gain too, and a known torque follows no gain
-        further: match series.load_nm {
-            Some(_) => vec![Law::Gain, Law::Droop],
-            None => vec![Law::Droop, Law::Gain],
-        },
-        has_load: series.load_nm.is_some(),
-        total: 0.0,
-    };
+    let mut chooser = Chooser::new(problem, series);
     let core = Terms {
         offset: true,
         delay: true,
@@ -329,6 +329,22 @@ impl Needless for Chooser<'_, '_> {
     }
 }
 
+impl<'p, 's> Chooser<'p, 's> {
+    fn new(problem: &'p Problem<'s>, series: &Series) -> Self {
+        Self {
+            problem,
+            parts: parts(series.len()).collect(),
+            // sines of the joint's own angle follow a gain too, and a known torque follows no gain
+            further: match series.load_nm {
+                Some(_) => vec![Law::Gain, Law::Droop],
+                None => vec![Law::Droop, Law::Gain],
+            },
+            has_load: series.load_nm.is_some(),
+            total: 0.0,
+        }
+    }
+}
+
 impl Chooser<'_, '_> {
     /// A model on unseen rows: what enters linearly is fitted anew without each part, the shape to all rows.
     fn judged(&self, terms: Terms, start: Option<Shape>) -> Judged {
@@ -407,10 +423,7 @@ impl Chooser<'_, '_> {
     fn unseen(&self, folds: &[Fit]) -> Vec<f64> {
         let pairs = self.parts.iter().zip(folds);
         pairs
-            .map(|(part, fit)| {
-                let residual = &fit.residual[part.clone()];
-                residual.iter().map(|value| value * value).sum()
-            })
+            .map(|(part, fit)| self.problem.squares(&fit.residual, part))
             .collect()
     }
 }
@@ -454,16 +467,31 @@ mod tests {
     fn a_long_log_is_fitted_by_stretches_of_its_motion_and_judged_by_all_of_it() {
         let log = long(0.0);
         let found = selection(&log);
-        assert_eq!(found.fitted_rows, Some(MOST_FITTED_ROWS));
+        // sixteen stretches, each without what leads into it
+        assert_eq!(found.fitted_rows, Some(MOST_FITTED_ROWS - 16 * 15));
         assert_eq!(found.chosen.fit.residual.len(), log.0.len());
         let late = found.delay_alone.as_ref().unwrap();
         assert!((late.fit.shape.delay_s - 0.07).abs() < 1e-4, "{late:?}");
         let before: f64 = found.before.iter().sum();
-        let kept: f64 = found.kept.iter().map(|own| own.1).sum();
-        // lines between rows cut the corners where the motion begins and ends
-        let left = found.chosen.unseen_squares() / before;
-        assert!(left < 3e-3, "{left}");
-        assert!((kept / before - 1.0).abs() < 0.1, "{kept} of {before}");
+        let [(Law::Timing, gained)] = found.kept[..] else {
+            panic!("{:?}", found.kept);
+        };
+        assert!((gained / before - 1.0).abs() < 0.02, "{gained} of {before}");
+    }
+
+    /// Most of a log at rest beside its command, and a delay where it moves: each has the share that it has of all rows.
+    #[test]
+    fn shares_are_those_of_all_rows() {
+        let (time_s, command, mut response) = long(0.0);
+        response.iter_mut().for_each(|at| *at += 0.2);
+        let found = selection(&(time_s, command, response));
+        let before: f64 = found.before.iter().sum();
+        let share = |law: Law| {
+            let mut own = found.kept.iter().filter(|own| own.0 == law);
+            own.next().map_or(0.0, |own| own.1 / before)
+        };
+        assert!(share(Law::Offset) > 0.9, "{:?}", found.kept);
+        assert!(share(Law::Timing) < 0.1, "{:?}", found.kept);
     }
 
     #[test]

@@ -126,6 +126,7 @@ pub(crate) const LEAST_FALL: f64 = 0.01;
 pub(crate) const ROUGH_FALL: f64 = 1.0;
 pub(crate) const ROUGH_ROWS: usize = 1200;
 pub(crate) const ROUGH_S: f64 = 12.0;
+pub(crate) const ROUGH_STRETCHES: usize = 4;
 
 // `change::sums`
 /// Past readings of the position in the regression.

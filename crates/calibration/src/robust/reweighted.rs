@@ -309,9 +309,9 @@ pub(crate) fn fit(
     let mut found = search.reweighted(first, weights, &stages)?;
     // weights that stand still on some rows are near those of all
     if some.is_some()
-        && let (Some(fitted), Some(&(loss, options, _))) = (search.fitted.take(), stages.last())
+        && let (Some(fitted), Some(&(loss, options, _))) = (&search.fitted, stages.last())
     {
-        let (_, weights) = judge(&fitted, recording, loss)?;
+        let (_, weights) = judge(fitted, recording, loss)?;
         found = search.reweighted(recording, weights, &[(loss, options, ROUNDS_OF_ALL)])?;
     }
     let Reweighted {

@@ -5,6 +5,9 @@ use haptical_model::{Device, Recording, Statics};
 
 use crate::ContextError;
 
+/// A place or a force in each row.
+type Rows = Vec<Vector3<f64>>;
+
 /// Loads at rest, by the model's statics.
 pub(super) struct Loads {
     /// Per joint and row.
@@ -21,8 +24,7 @@ pub(super) fn loads(
     device: &Device,
     recording: &Recording,
     output: &[Vec<f64>],
-    origin: &[Vec<Vector3<f64>>],
-    force_n: Option<&[Vector3<f64>]>,
+    (origin, force_n): (&[Rows], Option<&[Vector3<f64>]>),
 ) -> Result<Option<Loads>, ContextError> {
     let mut statics = Statics::new(device);
     if !statics.has_weights() && force_n.is_none() {

@@ -16,7 +16,7 @@ use std::ops::Range;
 use haptical_calibration::{Channel, Tracked};
 use haptical_model::kinematics::Twist;
 use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
-use haptical_model::{Device, Evaluation, Mount, Recording};
+use haptical_model::{Device, Evaluation, ModelError, Mount, Recording};
 
 use self::frames::Frames;
 use self::loads::loads;
@@ -113,6 +113,21 @@ fn warming(degc: Vec<f64>) -> (Vec<f64>, f64) {
     (warming.collect(), mean_degc)
 }
 
+/// Moves a device's joints to readings, and its links with them where they count.
+fn moved(
+    evaluation: &mut Evaluation<'_>,
+    readings: &[f64],
+    has_links: bool,
+) -> Result<(), ModelError> {
+    match has_links {
+        true => evaluation.move_to(readings),
+        false => {
+            let mut each = readings.iter().enumerate();
+            each.try_for_each(|(joint, own)| evaluation.move_joint(joint, *own))
+        }
+    }
+}
+
 impl<'a> Context<'a> {
     /// Evaluates the base device at every row.
     ///
@@ -163,14 +178,7 @@ impl<'a> Context<'a> {
         for row in 0..rows {
             recording.read_joints(row, &mut readings);
             evaluation.choose_hand(device.hand_at(recording, row));
-            let moved = match has_links {
-                true => evaluation.move_to(&readings),
-                false => {
-                    let mut each = readings.iter().enumerate();
-                    each.try_for_each(|(joint, own)| evaluation.move_joint(joint, *own))
-                }
-            };
-            moved.map_err(|source| ContextError::Row {
+            moved(&mut evaluation, &readings, has_links).map_err(|source| ContextError::Row {
                 line: recording.line.get(row).copied().unwrap_or(0),
                 source,
             })?;
@@ -195,26 +203,17 @@ impl<'a> Context<'a> {
         let time_s = recording.time_s.as_deref();
         let motion = time_s.map(|time_s| motions(recording, time_s, &runs));
         let cable = cable_geometry(device, &streams, &position, time_s, &runs);
-        let frames = match has_links {
-            true => Frames::new(device, &output, rows),
-            false => Frames::default(),
-        };
+        let frames = has_links.then(|| Frames::new(device, &output, rows));
+        let frames = frames.unwrap_or_default();
         let smoothed =
             |column: &Vec<f64>, reach| smooth(column, if ordered { reach } else { 0 }, &runs);
         let force = force.filter(|force| force.len() == rows);
         let load_reach = if ordered { load_reach } else { 0 };
         let averaged = |column: &Vec<f64>| smooth_twice(column, load_reach, &runs);
         let force_n = force.map(|force| by_axes(&force, averaged));
-        let loads = match has_links {
-            true => loads(
-                device,
-                recording,
-                &output,
-                &frames.origin,
-                force_n.as_deref(),
-            )?,
-            false => None,
-        };
+        let along = (&frames.origin[..], force_n.as_deref());
+        let loads = has_links.then(|| loads(device, recording, &output, along));
+        let loads = loads.transpose()?.flatten();
         let at_rest = |joint: usize| loads.as_ref().map(|loads| loads.torque_nm[joint].clone());
         let recorded = |joint: usize| recording.torque_nm.get(joint)?.as_ref();
         let read = |joint| Some(averaged(recorded(joint)?));

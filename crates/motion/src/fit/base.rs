@@ -9,6 +9,7 @@ use crate::arm::Deviation;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::fit::system::System;
+use crate::signal::states::States;
 use crate::thresholds::fit::{BRISTLE_S, LEADS_S, LOUD_ARMATURE, OTHER_FRICTION, TURNOVERS};
 use crate::thresholds::plausible;
 
@@ -321,11 +322,14 @@ fn delay(problem: &Problem, torque: &[Vec<f64>]) -> BaseColumn {
 
 /// What friction that builds up over a travel after each reversal is beside its direction: Dahl's
 /// `dz = (sign(dq) - z) |dq| / x dt` (Dahl 1968) less the sign.
-pub(crate) fn beyond_sign(q: &[f64], sign: &[f64], travel: f64) -> Vec<f64> {
+pub(crate) fn beyond_sign(states: &States, q: &[f64], sign: &[f64], travel: f64) -> Vec<f64> {
     let mut z = 0.0;
     (0..q.len())
         .map(|k| {
-            let step = if k > 0 { q[k] - q[k - 1] } else { 0.0 };
+            // where a stretch begins nobody knows where the joint came from
+            let follows = states.follows(k);
+            let step = if follows { q[k] - q[k - 1] } else { 0.0 };
+            z = if follows { z } else { 0.0 };
             // exact over a step in one direction
             let towards = if step == 0.0 { z } else { step.signum() };
             z = towards + (z - towards) * (-step.abs() / travel.max(1e-12)).exp();
@@ -350,7 +354,12 @@ fn coulomb(problem: &Problem, joint: usize, reversal: Reversal) -> Vec<BaseColum
     let by_lead = by_lead.map(|(speed, ddq)| steep(speed).1 * ddq / reversal.turnover);
     let fastest = (motor.dq[joint].iter()).fold(0.0_f64, |most, dq| most.max(dq.abs()));
     let direction = reversal.sign(problem, joint);
-    let bristle = beyond_sign(&motor.q[joint], &direction, BRISTLE_S * fastest);
+    let bristle = beyond_sign(
+        &problem.states,
+        &motor.q[joint],
+        &direction,
+        BRISTLE_S * fastest,
+    );
     let signals = [
         (Term::Bristle, bristle),
         (Term::Coulomb { joint }, direction),

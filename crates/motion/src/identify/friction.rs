@@ -47,7 +47,7 @@ impl FrictionLaw {
             Self::Speed(speed) => sign(&problem.states.sliding[joint], speed),
             Self::Travel(travel) => {
                 let q = &problem.states.motor.q[joint];
-                beyond_sign(q, &vec![0.0; q.len()], travel)
+                beyond_sign(&problem.states, q, &vec![0.0; q.len()], travel)
             }
         }
     }

@@ -128,17 +128,7 @@ fn pass(
     loaded: &Loaded,
 ) -> Result<(Dynamics, Loaded), MotionError> {
     let of_drives = scope.of_drives;
-    // offsets and delay are found anew, of drives alone the offsets
-    let known = Arm::new(device)?;
-    let arm = Arm {
-        offset: vec![0.0; device.joints.len()],
-        early_s: known
-            .early_s
-            .iter()
-            .map(|own| if of_drives { *own } else { 0.0 })
-            .collect(),
-        ..known.clone()
-    };
+    let arm = arm(device, of_drives)?;
     check(&arm, recording)?;
     let reading = Reading {
         edge_hz,
@@ -235,6 +225,19 @@ fn pass(
     let shown = Arm::new(&with_dynamics(device, &found)?)?;
     let loaded = Loaded::shown(&known, &problem, shown, estimate.inflation)?;
     Ok((found, loaded))
+}
+
+/// The arm whose offsets and delay are found anew, of drives alone the offsets.
+fn arm(device: &Device, of_drives: bool) -> Result<Arm, MotionError> {
+    let known = Arm::new(device)?;
+    let early_s = known.early_s.iter();
+    Ok(Arm {
+        offset: vec![0.0; device.joints.len()],
+        early_s: early_s
+            .map(|own| if of_drives { *own } else { 0.0 })
+            .collect(),
+        ..known
+    })
 }
 
 /// What a recording of joints of this arm must have.

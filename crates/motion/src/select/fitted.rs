@@ -18,12 +18,14 @@ pub(crate) struct Frame<'c> {
     pub(crate) base: &'c Base,
     system: System,
     nominal: Rc<Column>,
-    /// Targets that were asked for last, each with how long its torques are before the positions.
-    targets: Rc<RefCell<Vec<(f64, Rc<Target>)>>>,
+    /// Targets that were asked for last.
+    targets: Rc<RefCell<Vec<Rc<Target>>>>,
 }
 
 /// Rows to be explained.
 struct Target {
+    /// How long their torques are before the positions \[s\].
+    early_s: f64,
     rows: Vec<f64>,
     /// Their products with the columns of the base model.
     along: Vec<f64>,
@@ -57,16 +59,20 @@ impl<'c> Frame<'c> {
 
     fn target(&self, early_s: f64) -> Rc<Target> {
         let mut targets = self.targets.borrow_mut();
-        if let Some((_, known)) = targets.iter().find(|own| own.0 == early_s) {
+        if let Some(known) = targets.iter().find(|own| own.early_s == early_s) {
             return Rc::clone(known);
         }
         let rows = self.problem.recorded_beside(&self.nominal, early_s);
         let along = self.system.along(&rows);
-        let target = Rc::new(Target { rows, along });
+        let target = Rc::new(Target {
+            early_s,
+            rows,
+            along,
+        });
         if targets.len() == TARGETS {
             targets.remove(0);
         }
-        targets.push((early_s, Rc::clone(&target)));
+        targets.push(Rc::clone(&target));
         target
     }
 

@@ -9,3 +9,4 @@ pub(crate) mod noise;
 pub(crate) mod samples;
 pub(crate) mod sampling;
 pub(crate) mod states;
+pub(crate) mod stretches;

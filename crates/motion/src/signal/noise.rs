@@ -31,9 +31,14 @@ impl Noise {
         let segments: usize = columns.clone().map(|own| inner(own) / segment).sum();
         let every = segments.div_ceil(NOISE_SEGMENTS).max(1);
         let mut squares = Vec::new();
+        // segments of the columns before
+        let mut before = 0_usize;
         for column in columns {
             let largest = column.iter().fold(0.0_f64, |most, own| most.max(own.abs()));
-            for number in (0..inner(column) / segment).step_by(every) {
+            let own = inner(column) / segment;
+            let first = before.next_multiple_of(every) - before;
+            before += own;
+            for number in (first..own).step_by(every) {
                 let first = local.half + number * segment;
                 let rows = first..first + segment;
                 let own: Vec<f64> = rows.map(|k| column[k] - local.at(0, column, k)).collect();

@@ -9,9 +9,8 @@ use crate::signal::local_polynomial::LocalPolynomial;
 use crate::signal::low_pass::LowPass;
 use crate::signal::noise::Noise;
 use crate::signal::samples::Samples;
-use crate::thresholds::signal::{
-    FINE_STEPS, MOST_JOINT_ROWS, SLIDING_NOISE, SMOOTHED_BEYOND, STRETCH_ROWS,
-};
+use crate::signal::stretches::stretches;
+use crate::thresholds::signal::{FINE_STEPS, SLIDING_NOISE, SMOOTHED_BEYOND};
 
 /// Positions, velocities and accelerations of one side of the drives, joint by joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,6 +151,16 @@ impl States {
     /// Number of rows of a joint.
     pub(crate) fn rows(&self) -> usize {
         self.centre.len()
+    }
+
+    /// Whether a fine step follows the one before without a gap.
+    pub(crate) fn follows(&self, step: usize) -> bool {
+        let Some(before) = step.checked_sub(1) else {
+            return false;
+        };
+        let ((piece, sample), (of_before, last)) = (self.fine[step], self.fine[before]);
+        let apart_s = (sample as f64 - last as f64) * self.step_s;
+        piece == of_before && apart_s < 1.5 * self.fine_s
     }
 
     /// Number of fine steps.
@@ -335,35 +344,6 @@ impl Side {
     }
 }
 
-/// Pieces, by their lengths in fine steps, with the steps of each that are looked at: all of them, or of a log of more than
-/// `MOST_JOINT_ROWS` rows stretches that lie evenly over it. A row reaches `half` steps to either side, and rows are `every` steps apart.
-fn stretches(lengths: &[usize], half: usize, every: usize) -> Vec<(usize, Range<usize>)> {
-    let pieces = lengths.iter().enumerate();
-    let pieces = pieces.filter_map(|(number, length)| {
-        let inner = length.saturating_sub(2 * half);
-        (inner > 0).then_some((number, inner))
-    });
-    let rows = |inner: usize| inner.div_ceil(every);
-    let all: usize = pieces.clone().map(|(_, inner)| rows(inner)).sum();
-    if all <= MOST_JOINT_ROWS {
-        let whole = |(number, inner)| (number, 0..inner + 2 * half);
-        return pieces.map(whole).collect();
-    }
-    let share = MOST_JOINT_ROWS as f64 / all as f64;
-    pieces
-        .flat_map(|(number, inner)| {
-            let wanted = (share * rows(inner) as f64).ceil() as usize;
-            let count = wanted.div_ceil(STRETCH_ROWS);
-            let steps = ((wanted.div_ceil(count) - 1) * every + 1).min(inner / count);
-            // each in the middle of its part of the piece
-            (0..count).map(move |part| {
-                let first = (2 * part + 1) * inner / (2 * count) - steps.div_ceil(2);
-                (number, first..first + steps + 2 * half)
-            })
-        })
-        .collect()
-}
-
 /// The narrowest window through which the speed of noisy positions is quiet, at most that of a cutoff.
 fn sharpest(step_s: f64, cutoff_hz: f64, position_sd: f64) -> LocalPolynomial {
     let whole = LocalPolynomial::new(step_s, cutoff_hz);
@@ -424,42 +404,6 @@ mod tests {
     use super::*;
 
     const TURNOVER: f64 = 0.01;
-
-    #[test]
-    fn a_long_log_is_looked_at_in_stretches_that_lie_evenly_over_it() {
-        let whole = [(0, 0..200), (2, 0..40)];
-        assert_eq!(
-            stretches(&[200, 8, 40], 4, 4),
-            whole,
-            "too short to have a row"
-        );
-        let (half, every) = (16, 4);
-        let lengths = [400_000, 90, 100_000];
-        let found = stretches(&lengths, half, every);
-        let rows = |steps: &Range<usize>| (steps.len() - 2 * half).div_ceil(every);
-        let all: usize = found.iter().map(|(_, steps)| rows(steps)).sum();
-        assert!(
-            (MOST_JOINT_ROWS..MOST_JOINT_ROWS + 60).contains(&all),
-            "{all}"
-        );
-        for (number, length) in lengths.iter().enumerate() {
-            let own: Vec<&Range<usize>> = (found.iter().filter(|own| own.0 == number))
-                .map(|own| &own.1)
-                .collect();
-            let part = length / own.len();
-            for (k, steps) in own.iter().enumerate() {
-                assert!(rows(steps) <= STRETCH_ROWS && steps.end <= *length);
-                let middle = usize::midpoint(steps.start, steps.end);
-                assert!(
-                    middle.abs_diff(k * part + part / 2) <= half + 2,
-                    "{k} of {number}"
-                );
-            }
-            // centres of rows do not overlap
-            let apart = |pair: &[&Range<usize>]| pair[0].end - 2 * half <= pair[1].start;
-            assert!(own.windows(2).all(apart));
-        }
-    }
 
     #[test]
     fn spread_is_the_transpose_of_filtered() {

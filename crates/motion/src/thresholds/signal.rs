@@ -52,6 +52,8 @@ pub(crate) const SLIDING_NOISE: f64 = 1e-3;
 /// model leaves of a real arm is no noise, and does not fall with their number.
 pub(crate) const MOST_JOINT_ROWS: usize = 2_500;
 pub(crate) const STRETCH_ROWS: usize = 100;
+/// The golden ratio less 1: fractions of its multiples fill an interval evenly.
+pub(crate) const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 // `signal::link`
 /// The difference between an encoder on a link and that of its motor is smoothed up to the cutoff over two to this power at least.

@@ -41,7 +41,8 @@ impl Scan<'_> {
             windows.map(|window| {
                 let nats =
                     |row: usize| self.sides_of(row, &shifted, window).nats(self) + bonus[row];
-                let likely = self.placed(rows as f64, (DELAY_EDGE, &further), &nats)?;
+                let places = (DELAY_EDGE, &further[..], self.apart(window));
+                let likely = self.placed(rows as f64, places, &nats)?;
                 let row = likely.rows[1];
                 if window < all && !self.moves(row.saturating_sub(window)..row, row..row + window) {
                     return None;

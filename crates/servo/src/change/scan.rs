@@ -81,33 +81,34 @@ impl<'r> Scan<'r> {
     }
 
     /// Rows at which a change is looked for: a part of the log and its regression's memory off either end.
-    fn grid(&self, part: usize, further: &[usize]) -> Vec<usize> {
+    fn grid(&self, part: usize, further: &[usize], apart: usize) -> Vec<usize> {
         let rows = self.regression.rows;
         let edge = (rows / part).max(3 * self.regression.regressors());
         let inner = edge..rows.saturating_sub(edge);
         let further = further.iter().copied().filter(|row| inner.contains(row));
-        let mut grid: Vec<usize> = inner.clone().step_by(self.apart()).chain(further).collect();
+        let mut grid: Vec<usize> = inner.clone().step_by(apart).chain(further).collect();
         grid.sort_unstable();
         grid.dedup();
         grid
     }
 
-    /// Rows between those at which a change is looked for first.
-    fn apart(&self) -> usize {
+    /// Rows between those at which a change is looked for first: of one that shows within a window on either side, a quarter of that.
+    pub(super) fn apart(&self, window: usize) -> usize {
         let step = self.regression.step;
-        step * (self.regression.rows / (step * SCAN_POINTS)).max(1)
+        let most = self.regression.rows / SCAN_POINTS;
+        step * (most.min(window / 4) / step).max(1)
     }
 
     /// The likeliest row by a function of it, and how far on either side it is nearly as likely.
     pub(super) fn placed(
         &self,
         size: f64,
-        (part, further): (usize, &[usize]),
+        (part, further, apart): (usize, &[usize], usize),
         nats: &dyn Fn(usize) -> f64,
     ) -> Option<Likely> {
         let inner = PAST_READINGS + 1..self.regression.rows - PAST_READINGS - 1;
         let mut tried: BTreeMap<usize, f64> = self
-            .grid(part, further)
+            .grid(part, further, apart)
             .into_iter()
             .map(|row| (row, nats(row)))
             .collect();
@@ -116,24 +117,39 @@ impl<'r> Scan<'r> {
             best.map(|(row, nats)| (*row, *nats))
         };
         // ever finer about the likeliest
-        let mut apart = self.apart();
-        while apart > 1 {
+        let mut reach = apart;
+        while reach > 1 {
             let (near, _) = likeliest(&tried)?;
-            let finer = (apart / FINER).max(1);
-            let from = near.saturating_sub(apart).max(inner.start);
-            for row in (from..=(near + apart).min(inner.end - 1)).step_by(finer) {
+            let finer = (reach / FINER).max(1);
+            let from = near.saturating_sub(reach).max(inner.start);
+            for row in (from..=(near + reach).min(inner.end - 1)).step_by(finer) {
                 tried.entry(row).or_insert_with(|| nats(row));
             }
-            apart = finer;
+            reach = finer;
         }
         let (at, best) = likeliest(&tried)?;
-        // from the best row outwards as long as it is nearly as likely
+        // from the best row outwards as long as it is nearly as likely, between rows that are far from each other by halves
+        let step = self.regression.step;
+        let walk = |towards: &mut dyn Iterator<Item = (&usize, &f64)>, less: f64| {
+            let (mut within, mut beyond) = (at, None);
+            for (row, own) in towards {
+                if *own < best - less {
+                    beyond = Some(*row);
+                    break;
+                }
+                within = *row;
+            }
+            while let Some(end) = beyond.filter(|end| end.abs_diff(within) > step) {
+                let middle = usize::midpoint(within, end);
+                match nats(middle) >= best - less {
+                    true => within = middle,
+                    false => beyond = Some(middle),
+                }
+            }
+            within
+        };
         let backward = tried.range(..=at).rev();
         let forward = tried.range(at..);
-        let walk = |towards: &mut dyn Iterator<Item = (&usize, &f64)>, less: f64| {
-            let near = towards.take_while(|(_, nats)| **nats >= best - less);
-            near.last().map_or(at, |(row, _)| *row)
-        };
         // errors that are not quite white make all of it larger than it is
         let less = PLACE_NATS.max(PLACE_SHARE * best);
         let first = walk(&mut backward.clone(), less);
@@ -145,8 +161,7 @@ impl<'r> Scan<'r> {
             walk(&mut forward.clone(), same),
         ];
         let at = if (rested - from) as f64 * self.regression.step_s > LONG_REST_S {
-            let shown =
-                (rested..=rested + self.apart()).take_while(|&row| nats(row) >= best - same);
+            let shown = (rested..=rested + step).take_while(|&row| nats(row) >= best - same);
             shown.last().unwrap_or(rested)
         } else {
             usize::midpoint(from, rested)
@@ -174,9 +189,14 @@ impl<'r> Scan<'r> {
         with_step(&before.plus(&after, 1.0), &after)
     }
 
+    /// Where a change of a level is looked for.
+    fn of_all(&self) -> (usize, &[usize], usize) {
+        (LEVEL_EDGE, &self.wild, self.apart(self.regression.rows))
+    }
+
     /// The likeliest offset.
     pub(super) fn offset(&self) -> Option<Likely> {
-        self.placed(1.0, (LEVEL_EDGE, &self.wild), &|row| {
+        self.placed(1.0, self.of_all(), &|row| {
             self.nats(fitted(&self.of_level(row, 1.0)).rest_square())
         })
     }
@@ -189,7 +209,7 @@ impl<'r> Scan<'r> {
     /// The likeliest gain.
     pub(super) fn gain(&self) -> Option<Likely> {
         let found = GAIN_FACTORS.iter().filter_map(|&factor| {
-            self.placed(factor, (LEVEL_EDGE, &self.wild), &|row| {
+            self.placed(factor, self.of_all(), &|row| {
                 self.nats(fitted(&self.of_level(row, factor)).rest_square())
             })
         });

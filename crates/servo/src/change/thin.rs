@@ -47,6 +47,7 @@ impl Thinned {
             torque: None,
             others: Vec::new(),
             load_nm: None,
+            scored: std::iter::once(0..rows.len()).collect(),
             starts,
             step_s: by as f64 * series.step_s,
             count: series.count,

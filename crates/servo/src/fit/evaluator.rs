@@ -34,11 +34,10 @@ impl Stage {
 
 impl<'p> Evaluator<'p> {
     pub(super) fn new(problem: &'p Problem<'p>, terms: Terms, held: &Held) -> Self {
-        let rows = problem.series.len();
         Self {
             problem,
             terms,
-            columns: Columns::new(problem.columns(terms), rows, held),
+            columns: Columns::new(problem.columns(terms), &problem.series.scored, held),
             droop_means: problem.droop.iter().map(|column| mean(column)).collect(),
             delayed: Stage::default(),
             lagged: Stage::default(),

@@ -13,15 +13,28 @@ pub(crate) struct Columns<'c> {
     /// In the order of the solution; `None` is the one that is not fixed.
     columns: Vec<Option<&'c [f64]>>,
     products: Matrix,
-    /// Rows before and after those that are held out.
-    seen: [Range<usize>; 2],
+    /// Rows that are not held out.
+    seen: Vec<Range<usize>>,
 }
 
 impl<'c> Columns<'c> {
-    /// Of so many rows each.
-    pub(crate) fn new(columns: Vec<Option<&'c [f64]>>, rows: usize, held: &Held) -> Self {
-        let held = held.clone().unwrap_or(rows..rows);
-        let seen = [0..held.start.min(rows), held.end.min(rows)..rows];
+    /// On rows of which a part is held out.
+    pub(crate) fn new(
+        columns: Vec<Option<&'c [f64]>>,
+        scored: &[Range<usize>],
+        held: &Held,
+    ) -> Self {
+        let seen = match held {
+            None => scored.to_vec(),
+            Some(held) => scored
+                .iter()
+                .flat_map(|own| {
+                    let before = own.start..own.end.min(held.start);
+                    [before, own.start.max(held.end)..own.end]
+                })
+                .filter(|own| !own.is_empty())
+                .collect(),
+        };
         let products = Matrix::from_fn(columns.len(), columns.len(), |i, j| {
             match (columns[i], columns[j]) {
                 (Some(a), Some(b)) if j <= i => product(&seen, a, b),
@@ -72,16 +85,16 @@ impl<'c> Columns<'c> {
 
     /// Mean over the rows that are not held out.
     pub(crate) fn mean(&self, values: impl Fn(usize) -> f64) -> f64 {
-        let [before, after] = self.seen.clone();
-        let count = (before.len() + after.len()).max(1);
-        before.chain(after).map(values).sum::<f64>() / count as f64
+        let rows = self.seen.iter().cloned().flatten();
+        let count: usize = self.seen.iter().map(ExactSizeIterator::len).sum();
+        rows.map(values).sum::<f64>() / count.max(1) as f64
     }
 }
 
 /// Row by row in their order, so that it is the same with nothing held out as with an empty range.
-fn product(seen: &[Range<usize>; 2], a: &[f64], b: &[f64]) -> f64 {
-    let [before, after] = seen.clone();
-    let before = a[before.clone()].iter().zip(&b[before]);
-    let after = a[after.clone()].iter().zip(&b[after]);
-    before.chain(after).map(|(a, b)| a * b).sum()
+fn product(seen: &[Range<usize>], a: &[f64], b: &[f64]) -> f64 {
+    let pairs = seen
+        .iter()
+        .flat_map(|own| a[own.clone()].iter().zip(&b[own.clone()]));
+    pairs.map(|(a, b)| a * b).sum()
 }

@@ -11,7 +11,9 @@ use haptical_linalg::{Information, dot};
 use crate::effect::{droop, friction, offset};
 use crate::log::Series;
 use crate::noise::rounding;
-use crate::thresholds::{FASTER, LEAST_FALL, MOST_LAG_S, ROUGH_FALL, ROUGH_ROWS, ROUGH_S, SPEED_S};
+use crate::thresholds::{
+    FASTER, LEAST_FALL, MOST_LAG_S, ROUGH_FALL, ROUGH_ROWS, ROUGH_S, ROUGH_STRETCHES, SPEED_S,
+};
 
 use self::evaluator::Evaluator;
 use self::search::AXES;
@@ -198,7 +200,7 @@ impl<'s> Problem<'s> {
             Some(shape) => return self.lowest((terms, held), &[shape], (near, most), LEAST_FALL),
             None => self.starts(terms, wide),
         };
-        let few = series.stretches(series.rows_of(ROUGH_ROWS, ROUGH_S));
+        let few = series.stretches(series.rows_of(ROUGH_ROWS, ROUGH_S), ROUGH_STRETCHES);
         if let Some((few, _)) = few.filter(|_| held.is_none()) {
             let rough = Problem::with_droop(&few, &self.angles);
             let start = rough.lowest((terms, &None), &starts, (far, most), ROUGH_FALL);
@@ -250,7 +252,7 @@ impl<'s> Problem<'s> {
             free,
             steps,
             most,
-            rows: (series.len() - held.as_ref().map_or(0, ExactSizeIterator::len)) as f64,
+            rows: (series.scored_rows() - held.as_ref().map_or(0, ExactSizeIterator::len)) as f64,
             least_variance: rounding(series).powi(2),
             least_fall,
         };
@@ -303,6 +305,13 @@ impl<'s> Problem<'s> {
     /// The fit of the linear numbers, at given numbers of the shape.
     pub(crate) fn evaluate(&self, terms: Terms, shape: Shape, held: &Held) -> Fit {
         Evaluator::new(self, terms, held).fit(shape)
+    }
+
+    /// Squares of a residual on the rows of a part that a fit counts.
+    pub(crate) fn squares(&self, residual: &[f64], part: &Range<usize>) -> f64 {
+        let scored = self.series.scored.iter();
+        let own = scored.flat_map(|own| own.start.max(part.start)..own.end.min(part.end));
+        own.map(|row| residual[row] * residual[row]).sum()
     }
 
     /// How far the droop moves the joint \[rad\]: the standard deviation of its course.

@@ -29,11 +29,8 @@ fn at(context: Context<'_>, joint: usize, travel: f64) -> Option<Candidate<'_>> 
     if travel < SHORTEST_PRESLIDING_S * fastest(context, joint) {
         return None;
     }
-    let signal = beyond_sign(
-        &context.problem.states.motor.q[joint],
-        &context.sign(joint),
-        travel,
-    );
+    let states = &context.problem.states;
+    let signal = beyond_sign(states, &states.motor.q[joint], &context.sign(joint), travel);
     let found = context.of_signals(EFFECT.name, joint, &[signal], first("torque_nm"))?;
     let again = Rc::new(move |travel| at(context, joint, travel));
     Some(
