@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use xtask_paper::{experiment, tables};
-use xtask_peers::{bench_peers, bench_scaling, descriptions, instructions, moving};
+use xtask_peers::{bench_peers, bench_scaling, descriptions, instructions, moving, whole};
 
 /// Jobs of the Haptical project.
 #[derive(Debug, Parser)]
@@ -34,6 +34,8 @@ enum Job {
     SettleCheck(xtask_trials::SettleArguments),
     /// Compares ours with Ceres, SciPy and Pinocchio on the same files, where they are there.
     BenchPeers(bench_peers::Arguments),
+    /// Processor time and memory of whole commands over the rows of their logs.
+    BenchWhole(whole::Arguments),
     /// MuJoCo's system identification and diagnose on logs of a moving arm with withheld effects.
     PeersMoving(moving::Arguments),
     /// Compares kinematics, torques and exports of public URDFs and MJCFs with Pinocchio and MuJoCo; ends with an error where a
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
         Job::BlindCheck(arguments) => xtask_trials::check(&arguments),
         Job::SettleCheck(arguments) => xtask_trials::settle(&arguments),
         Job::BenchPeers(arguments) => bench_peers::bench(&arguments),
+        Job::BenchWhole(arguments) => whole::run(&arguments),
         Job::PeersMoving(arguments) => moving::run(&arguments),
         Job::Descriptions(arguments) => descriptions::run(&arguments),
         Job::BenchScaling(arguments) => bench_scaling::measure(&arguments),

@@ -11,3 +11,4 @@ pub mod bench_scaling;
 pub mod descriptions;
 pub mod instructions;
 pub mod moving;
+pub mod whole;

@@ -126,7 +126,7 @@ pub(crate) fn run(
         });
         progress.step();
     }
-    check_costs(work.name, &costs)?;
+    check_costs(work.name, plan.agreement, &costs)?;
     let champion = |contenders: &[Box<dyn Contender + '_>], family: &str, threads: usize| {
         (0..contenders.len())
             .filter(|&index| {

@@ -22,6 +22,7 @@ use std::rc::Rc;
 
 use anyhow::{Result, bail};
 
+use agreement::COST_AGREEMENT;
 use contender::{Contender, Label};
 use distance::{LARGE, Peers, SMALL, Work};
 use files::DataSet;
@@ -60,9 +61,10 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         true => &[SMALL],
         false => &[SMALL, LARGE],
     };
-    let plan = |rounds: usize| Plan {
-        rounds: if arguments.quick { 3 } else { rounds },
+    let plan = |work: &Work| Plan {
+        rounds: if arguments.quick { 3 } else { work.rounds },
         keep_disturbed: arguments.keep_disturbed,
+        agreement: COST_AGREEMENT.max(work.tolerance),
     };
     let mut sets = Vec::new();
     for work in works {
@@ -80,10 +82,10 @@ pub fn bench(arguments: &Arguments) -> Result<()> {
         scipy: start("SciPy", tools.scipy(), &files, &mut results),
     };
     for (index, (work, set)) in works.iter().zip(&sets).enumerate() {
-        distance::run(work, set, index, &peers, plan(work.rounds), &mut results)?;
+        distance::run(work, set, index, &peers, plan(work), &mut results)?;
     }
     drop(peers);
-    forward_kinematics(&tools, &file(POSES), plan(SMALL.rounds), &mut results)?;
+    forward_kinematics(&tools, &file(POSES), plan(&SMALL), &mut results)?;
     results.load_after = load::load_average();
     let quick = arguments.quick.then_some(" --quick");
     let kept = arguments.keep_disturbed.then_some(" --keep-disturbed");

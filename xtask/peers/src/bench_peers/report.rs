@@ -159,7 +159,7 @@ fn conditions(results: &Results, keep_disturbed: bool) -> String {
     let found = results.largest_difference;
     let load = |load: Option<f64>| load.map_or("unknown".to_owned(), |load| load.to_string());
     format!(
-        "Tolerance of the cost: {:e} for {}, {:e} for {}. Final costs agree to {COST_AGREEMENT:e}; poses and Jacobians to \
+        "Tolerance of the cost: {:e} for {}, {:e} for {}. Final costs agree to that, or to {COST_AGREEMENT:e} where it is less; poses and Jacobians to \
          {VALUE_AGREEMENT:e}{}. {discarded} rounds were discarded, because others had used more than {:.0} % of the \
          processors{}. Load average before and after: {} and {}. A ratio is the median of the rounds' ratios, its interval \
          that of their order statistics. Times of pose and Jacobian are for one pose.",

@@ -25,6 +25,8 @@ const PAUSE: Duration = Duration::from_millis(500);
 pub(crate) struct Plan {
     pub(crate) rounds: usize,
     pub(crate) keep_disturbed: bool,
+    /// Share of a cost within which final costs agree.
+    pub(crate) agreement: f64,
 }
 
 /// Two contenders' times in the rounds that count.
@@ -90,7 +92,7 @@ pub(crate) fn compare(
         let costs = labels.into_iter().zip(&answers);
         let costs = costs.filter_map(|(label, answer)| Some((label.full(), answer.cost?)));
         let costs: Vec<(String, f64)> = costs.collect();
-        check_costs(work, &costs)?;
+        check_costs(work, plan.agreement, &costs)?;
         if share.is_some_and(|share| share > DISTURBED) && !plan.keep_disturbed {
             comparison.discarded += 1;
             std::thread::sleep(PAUSE);

@@ -77,18 +77,18 @@ fn a_file_that_is_cut_off_is_refused() {
 #[test]
 fn costs_that_differ_are_refused_by_name() {
     let costs = |last: f64| [("ours".to_owned(), 200.0), ("theirs".to_owned(), last)];
-    check_costs("work", &costs(200.0 * (1.0 + 9e-10))).unwrap();
-    let error = check_costs("work", &costs(200.0 * (1.0 + 1e-8)))
+    check_costs("work", 1e-9, &costs(200.0 * (1.0 + 9e-10))).unwrap();
+    let error = check_costs("work", 1e-9, &costs(200.0 * (1.0 + 1e-8)))
         .unwrap_err()
         .to_string();
     assert!(error.contains("theirs: 200.000002"), "{error}");
     assert!(!error.contains("ours: 200 "), "{error}");
     // the lowest decides, whoever has it
-    let error = check_costs("work", &costs(200.0 * (1.0 - 1e-8)))
+    let error = check_costs("work", 1e-9, &costs(200.0 * (1.0 - 1e-8)))
         .unwrap_err()
         .to_string();
     assert!(error.contains("ours: 200 ("), "{error}");
-    assert!(check_costs("work", &costs(f64::NAN)).is_err());
+    assert!(check_costs("work", 1e-9, &costs(f64::NAN)).is_err());
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn all_of_ours_find_the_same() {
         costs.push((ours.label().name.clone(), answer.cost.unwrap()));
     }
     assert!(costs.len() >= 3);
-    check_costs("200 poses", &costs).unwrap();
+    check_costs("200 poses", 1e-9, &costs).unwrap();
     // 200 residuals of unit variance, 28 parameters
     assert!((100.0..260.0).contains(&costs[0].1), "{costs:?}");
 }
@@ -213,6 +213,7 @@ fn ratios_are_taken_pair_by_pair() {
     let plan = Plan {
         rounds: 3,
         keep_disturbed: true,
+        agreement: 1e-9,
     };
     // the machine slows down: the ratio of medians would be the same only by chance
     let (mut ours, mut other) = (told(1.0, &[1.0, 2.0, 10.0]), told(1.0, &[2.0, 6.0, 20.0]));
