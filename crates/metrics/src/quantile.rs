@@ -44,12 +44,11 @@ pub fn quantile(values: &[f64], p: f64) -> Result<f64, MetricsError> {
     check_values("values", values, 1)?;
     check_range("p", p, (0.0..=1.0).contains(&p), "from 0 to 1")?;
     let mut values = values.to_vec();
-    let position = (values.len() - 1) as f64 * p;
-    let below = (position.floor() as usize).min(values.len() - 1);
+    let (below, fraction) = place(values.len(), p);
     let (_, low, above) = values.select_nth_unstable_by(below, f64::total_cmp);
     let low = *low;
     let high = above.iter().copied().min_by(f64::total_cmp);
-    Ok(between(low, high.unwrap_or(low), position - below as f64))
+    Ok(between(low, high.unwrap_or(low), fraction))
 }
 
 /// Median of the values, in their unit: the quantile at 0.5.
@@ -86,10 +85,16 @@ pub(crate) fn sorted(values: &[f64]) -> Vec<f64> {
 
 /// Type 7 quantile of sorted, finite, non-empty values; `p` is from 0 to 1.
 pub(crate) fn sorted_quantile(sorted: &[f64], p: f64) -> f64 {
-    let position = (sorted.len() - 1) as f64 * p;
-    let below = (position.floor() as usize).min(sorted.len() - 1);
+    let (below, fraction) = place(sorted.len(), p);
     let above = (below + 1).min(sorted.len() - 1);
-    between(sorted[below], sorted[above], position - below as f64)
+    between(sorted[below], sorted[above], fraction)
+}
+
+/// Place of the value below a quantile among so many that are sorted, and how far the quantile is from there to the next.
+fn place(count: usize, p: f64) -> (usize, f64) {
+    let position = (count - 1) as f64 * p;
+    let below = (position.floor() as usize).min(count - 1);
+    (below, position - below as f64)
 }
 
 /// What lies this fraction of the way from one value to the next larger one.

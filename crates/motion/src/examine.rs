@@ -392,6 +392,7 @@ fn examined(
         after_nats,
         freedom: selection.fitted.freedom,
         edge_hz: problem.states.pass.edge_hz,
+        of_stretches: problem.states.of_stretches.clone(),
         numbers: base.columns.len(),
         tried: selection.tried,
         unseen: Vec::new(),

@@ -31,6 +31,8 @@ pub struct Examined {
     pub freedom: f64,
     /// Edge of the band that rows were taken of \[Hz\].
     pub edge_hz: f64,
+    /// What is said of a log of which stretches alone were looked at.
+    pub of_stretches: Option<String>,
     /// Numbers of the base model.
     pub numbers: usize,
     /// Effects at places that were tried.
@@ -449,6 +451,7 @@ mod tests {
             after_nats,
             freedom: 1000.0,
             edge_hz: 20.0,
+            of_stretches: None,
             numbers: 10,
             tried: 10,
             ..Examined::default()

@@ -178,7 +178,7 @@ impl Predicted<'_> {
             .collect();
         let system = System::new(&columns, &known);
         let found = within_limits(&system, base, &system.along(&recorded), &mut fixed);
-        let rest = found.beside(&system, &recorded).rest;
+        let rest = found.solved(&system, &recorded).rest;
         let rms = |rest: &[f64]| (dot(rest, rest) / rest.len() as f64).sqrt();
         let (first, second) = rest.split_at(first_rows);
         let channels = own.channels.len();

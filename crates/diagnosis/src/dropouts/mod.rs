@@ -6,6 +6,7 @@ mod moments;
 mod neighbours;
 mod wild;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use haptical_calibration::Channel;
@@ -57,76 +58,52 @@ pub(crate) fn without_dropouts(
     recording.time_s.as_ref()?;
     let runs = runs_of(recording);
     let mut found = Vec::new();
-    // a copy of the recording is made once there is a reason
-    let mut without: Option<Recording> = None;
-    let mut each = |(of, index): (Columns, usize), angles: Option<&[f64]>, channel: (&str, _)| {
-        let Some(column) = of.of(recording).get(index).and_then(Option::as_ref) else {
-            return;
-        };
-        let mut column = column.clone();
-        let taken = taken_out(&mut column, &runs, angles, channel);
-        if !taken.is_empty() {
-            let without = without.get_or_insert_with(|| recording.clone());
-            of.of_mut(without)[index] = Some(column);
+    // copied once there is a reason
+    let mut without = Cow::Borrowed(recording);
+    for joint in 0..device.joints.len() {
+        let channel = format!("torque{}", joint + 1);
+        let angles = &recording.joint[joint][..];
+        let column = recording.torque_nm.get(joint);
+        if let Some((column, taken)) =
+            taken_out(column, &runs, Some(angles), (&channel, Some(joint)))
+        {
+            without.to_mut().torque_nm[joint] = Some(column);
             found.extend(taken);
         }
-    };
-    for joint in 0..device.joints.len() {
-        let angles = &recording.joint[joint][..];
-        let place = Some(joint);
-        let channel = format!("torque{}", joint + 1);
-        each((Columns::Torque, joint), Some(angles), (&channel, place));
         let channel = format!("out{}", joint + 1);
-        each((Columns::Output, joint), None, (&channel, place));
+        let column = recording.output.get(joint);
+        if let Some((column, taken)) = taken_out(column, &runs, None, (&channel, Some(joint))) {
+            without.to_mut().output[joint] = Some(column);
+            found.extend(taken);
+        }
     }
     for index in 0..recording.cable_m.len() {
         let channel = Channel::Cable { index }.name();
-        each((Columns::Cable, index), None, (&channel, None));
-    }
-    without.map(|without| (without, found))
-}
-
-/// Channels that are looked at.
-#[derive(Clone, Copy)]
-enum Columns {
-    Torque,
-    Output,
-    Cable,
-}
-
-impl Columns {
-    fn of(self, recording: &Recording) -> &[Option<Vec<f64>>] {
-        match self {
-            Self::Torque => &recording.torque_nm,
-            Self::Output => &recording.output,
-            Self::Cable => &recording.cable_m,
+        let column = recording.cable_m.get(index);
+        if let Some((column, taken)) = taken_out(column, &runs, None, (&channel, None)) {
+            without.to_mut().cable_m[index] = Some(column);
+            found.extend(taken);
         }
     }
-
-    fn of_mut(self, recording: &mut Recording) -> &mut [Option<Vec<f64>>] {
-        match self {
-            Self::Torque => &mut recording.torque_nm,
-            Self::Output => &mut recording.output,
-            Self::Cable => &mut recording.cable_m,
-        }
-    }
+    (!found.is_empty()).then(|| (without.into_owned(), found))
 }
 
-/// Takes readings that are none out of a column; of torques, for which the angles of their joint are given, also held and wild ones, and
+/// A column without readings that are none, where it has some; of torques, for which the angles of their joint are given, also without held and wild ones, and
 /// short moments are filled in.
 fn taken_out(
-    column: &mut [f64],
+    column: Option<&Option<Vec<f64>>>,
     runs: &[Range<usize>],
     angles: Option<&[f64]>,
     (channel, joint): (&str, Option<usize>),
-) -> Vec<Dropouts> {
+) -> Option<(Vec<f64>, Vec<Dropouts>)> {
+    let mut column = column?.clone()?;
     let readings = column.iter().filter(|value| value.is_finite()).count();
     let are_some = |rows: &[usize]| {
         let share = rows.len() as f64 / readings.max(1) as f64;
         rows.len() >= LEAST_DROPOUTS && share < MOST_DROPOUT_SHARE
     };
     let mut found = Vec::new();
-    let mut take = |column: &mut [f64], rows: Vec<usize>, kind: Kind| {
+    let mut take = |column: &mut Vec<f64>, rows: Vec<usize>, kind: Kind| {
         if !are_some(&rows) {
             return;
         }
@@ -149,15 +126,16 @@ fn taken_out(
             rows,
         });
     };
-    if let Some((rows, value)) = moments(column, runs) {
-        take(column, rows, Kind::Value(value));
+    if let Some((rows, value)) = moments(&column, runs) {
+        take(&mut column, rows, Kind::Value(value));
     }
     if let Some(angles) = angles {
-        take(column, held(column, angles, runs), Kind::Held);
-        let speeds = speeds(angles, runs);
-        take(column, wild(column, &speeds, runs), Kind::Wild);
+        let rows = held(&column, angles, runs);
+        take(&mut column, rows, Kind::Held);
+        let rows = wild(&column, &speeds(angles, runs), runs);
+        take(&mut column, rows, Kind::Wild);
     }
-    found
+    (!found.is_empty()).then_some((column, found))
 }
 
 impl Dropouts {

@@ -9,6 +9,7 @@ use crate::thresholds::moving::{SAME_UNIT, TOO_FAST_RAD_PER_S};
 pub(super) fn warnings(device: &Device, examined: &Examined) -> Vec<String> {
     let mut warnings = of_torques(device, examined);
     warnings.extend(of_rows(examined));
+    warnings.extend(examined.of_stretches.clone());
     warnings.extend(of_second(examined));
     warnings.extend(of_armatures(&examined.free_armatures));
     warnings.extend(of_friction(&examined.other_friction));

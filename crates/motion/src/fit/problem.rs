@@ -311,11 +311,11 @@ impl Problem {
 
     /// Whitened rows of the recorded torques less those of the nominal bodies; `early_s`: how long before the positions.
     pub(crate) fn recorded(&self, early_s: f64) -> Vec<f64> {
-        self.recorded_beside(&self.nominal_rows(), early_s)
+        self.recorded_less(&self.nominal_rows(), early_s)
     }
 
     /// The same, given [`Self::nominal_rows`].
-    pub(crate) fn recorded_beside(&self, nominal: &Column, early_s: f64) -> Vec<f64> {
+    pub(crate) fn recorded_less(&self, nominal: &Column, early_s: f64) -> Vec<f64> {
         let mut all = Vec::with_capacity(self.channel_rows());
         for (channel, &joint) in self.channels.iter().enumerate() {
             let weights = &self.weights[channel * self.states.rows()..];

@@ -45,7 +45,7 @@ pub(crate) struct Coefficients {
 
 impl Coefficients {
     /// The solution, with what it leaves of the target.
-    pub(crate) fn beside(self, system: &System, target: &[f64]) -> Solved {
+    pub(crate) fn solved(self, system: &System, target: &[f64]) -> Solved {
         let mut rest = target.to_vec();
         for (column, value) in system.columns.iter().zip(&self.solution) {
             if *value != 0.0 {
@@ -153,7 +153,7 @@ impl System {
     /// Least squares for a target, some coefficients at given values.
     pub(crate) fn solve(&self, target: &[f64], fixed: &[Option<f64>]) -> Solved {
         self.coefficients(&self.along(target), fixed)
-            .beside(self, target)
+            .solved(self, target)
     }
 
     /// Products of the columns with a target.

@@ -217,7 +217,10 @@ fn pass(
         edge_hz,
         rows,
         inflation: estimate.inflation,
-        warnings: warnings.into_iter().collect(),
+        warnings: warnings
+            .into_iter()
+            .chain(problem.states.of_stretches.clone())
+            .collect(),
     };
     if loaded.arm.is_some() {
         return Ok((found, Loaded::default()));

@@ -62,7 +62,7 @@ impl<'c> Frame<'c> {
         if let Some(known) = targets.iter().find(|own| own.early_s == early_s) {
             return Rc::clone(known);
         }
-        let rows = self.problem.recorded_beside(&self.nominal, early_s);
+        let rows = self.problem.recorded_less(&self.nominal, early_s);
         let along = self.system.along(&rows);
         let target = Rc::new(Target {
             early_s,
@@ -113,7 +113,7 @@ impl<'c> Frame<'c> {
     pub(crate) fn fitted_with(&self, system: System, early_s: Option<f64>) -> Fitted {
         let target = self.target(early_s.unwrap_or(0.0));
         let (fixed, found) = self.found(&system, &target, early_s.is_some());
-        let solved = found.beside(&system, &target.rows);
+        let solved = found.solved(&system, &target.rows);
         let freedom = self.problem.channel_rows() as f64 - self.base.free() as f64;
         Fitted {
             excess: solved.energy - 0.5 * freedom,

@@ -49,6 +49,8 @@ pub(crate) struct States {
     pub(crate) acceleration_sd: Vec<f64>,
     /// Noise of the links' positions.
     pub(crate) link_noise: Vec<LinkNoise>,
+    /// What is said of a log of which stretches alone are looked at.
+    pub(crate) of_stretches: Option<String>,
 }
 
 /// Noise of a link's positions where it is not that of its motor's alone.
@@ -77,7 +79,18 @@ impl States {
         let every = (pass.row_s() / fine_s).round().max(1.0) as usize;
         let fine_steps = |length: usize| length.saturating_sub(2 * local.half).div_ceil(stride);
         let lengths = samples.pieces.iter().map(|own| fine_steps(own.length));
-        let stretches = stretches(&lengths.collect::<Vec<_>>(), half, every);
+        let lengths: Vec<usize> = lengths.collect();
+        let stretches = stretches(&lengths, half, every);
+        let seconds = |steps: usize| steps as f64 * fine_s;
+        let seen = stretches.iter().map(|(_, steps)| steps.len()).sum();
+        let all = lengths.iter().filter(|length| **length > 2 * half).sum();
+        let of_stretches = (seen < all).then(|| {
+            format!(
+                "stretches of {:.0} of the log's {:.0} s were looked at: what the torques do between them alone is not seen",
+                seconds(seen),
+                seconds(all)
+            )
+        });
         let joints = samples.pieces.first()?.motor.len();
         let empty = || Side {
             q: vec![Vec::new(); joints],
@@ -99,6 +112,7 @@ impl States {
             position_sd: position_sds(samples, &local),
             acceleration_sd: Vec::new(),
             link_noise: Vec::new(),
+            of_stretches,
         };
         let links: Vec<Option<Link>> = (0..joints)
             .map(|joint| Link::new(samples, joint, SMOOTHED_BEYOND * edge_hz))
@@ -404,6 +418,28 @@ mod tests {
     use super::*;
 
     const TURNOVER: f64 = 0.01;
+
+    #[test]
+    fn a_log_that_is_looked_at_in_stretches_says_so() {
+        let of = |rows: u32| {
+            let time_s: Vec<f64> = (0..rows).map(|k| 0.01 * f64::from(k)).collect();
+            let log = Recording {
+                line: (2..).take(time_s.len()).collect(),
+                joint: vec![time_s.iter().map(|t| t.sin()).collect()],
+                output: vec![None],
+                torque_nm: vec![Some(time_s.iter().map(|t| t.cos()).collect())],
+                time_s: Some(time_s),
+                ..Recording::default()
+            };
+            States::new(&Samples::new(&log, false).unwrap(), 8.0).unwrap()
+        };
+        assert_eq!(of(18_000).of_stretches, None);
+        let long = of(100_000);
+        let said = long.of_stretches.as_ref().unwrap();
+        assert!(said.contains("of the log's 1000 s"), "{said}");
+        let seen_s = format!("of {:.0} of", long.steps() as f64 * long.fine_s);
+        assert!(said.contains(&seen_s), "{said}");
+    }
 
     #[test]
     fn spread_is_the_transpose_of_filtered() {
