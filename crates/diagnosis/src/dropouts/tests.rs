@@ -19,11 +19,10 @@ fn found(column: &[f64]) -> (Vec<f64>, Vec<Dropouts>) {
 }
 
 fn found_at(column: &[f64], angles: &[f64]) -> (Vec<f64>, Vec<Dropouts>) {
-    let column = column.to_vec();
     let rows = 0..column.len();
-    let column = Some(column);
-    let found = taken_out(Some(&column), &[rows], Some(angles), ("torque1", Some(0)));
-    found.unwrap_or((column.unwrap(), Vec::new()))
+    let read = Some(column.to_vec());
+    let found = taken_out(Some(&read), &[rows], Some(angles), ("torque1", Some(0)));
+    found.unwrap_or_else(|| (column.to_vec(), Vec::new()))
 }
 
 #[test]
