@@ -1,14 +1,17 @@
 //! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
 
+use std::collections::BTreeSet;
+
 use haptical_model::{Device, Recording};
 
 use crate::checks::held_out::{SHORT_LOG, Split, folds};
 use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
 use crate::start::prepare::with_unseen_places;
+use crate::steps::device::fit_from;
 use crate::{
-    CalibrationError, Channel, ChannelReport, ChannelResiduals, HeldOut, Options, Weights,
-    channel_residuals,
+    CalibrationError, Channel, ChannelReport, ChannelResiduals, FittedDevice, HeldOut, Options,
+    Weights, channel_residuals,
 };
 
 /// A recording with the channels that devices are compared on.
@@ -57,11 +60,11 @@ impl Comparison<'_> {
     }
 
     /// Folds by row, or by the numbers of the postures that the device dwelt at, each predicted by a device fitted
-    /// without it. A fold whose fit fails (too few rows
+    /// without it; the searches begin where that of `whole` ended, the prepared device and its fit of least squares to all rows. A fold whose fit fails (too few rows
     /// left for the terms) is left out, with a warning; where every fit fails nothing is checked.
     pub(crate) fn cross_validate(
         &self,
-        options: &Options,
+        (options, whole): (&Options, Option<(&Device, &FittedDevice)>),
         (count, dwelt): (usize, Option<&[usize]>),
         warnings: &mut Vec<String>,
     ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
@@ -73,7 +76,7 @@ impl Comparison<'_> {
         let mut before: Vec<ChannelResiduals> = Vec::new();
         let mut after: Vec<ChannelResiduals> = Vec::new();
         // each fold as it is alone, merged in their order
-        let made = haptical_parallel::map(&folds, |fold| self.of_fold(fold, options));
+        let made = haptical_parallel::map(&folds, |fold| self.of_fold(fold, options, whole));
         for (fold, made) in folds.iter().zip(made) {
             let made = match made {
                 Ok(made) => made?,
@@ -112,16 +115,32 @@ impl Comparison<'_> {
         ))
     }
 
+    /// What a device fitted to a fold leaves on its own rows, its search begun at the device file; nothing where it cannot be fitted.
+    pub(crate) fn afresh(&self, fold: &Split, options: &Options) -> Vec<ChannelReport> {
+        match self.of_fold(fold, options, None) {
+            Ok(Ok(made)) => reports(self.device, made.before, made.after),
+            _ => Vec::new(),
+        }
+    }
+
     /// A fold's own rows as a device that is fitted to the others predicts them; inside, why the fit failed.
     fn of_fold(
         &self,
         fold: &Split,
         options: &Options,
+        whole: Option<(&Device, &FittedDevice)>,
     ) -> Result<Result<FoldRows, CalibrationError>, CalibrationError> {
         let (device, recording) = (self.device, self.recording);
         let seen = recording.select(&fold.fit);
-        let nominal = crate::prepare_device(device, &seen)?;
-        let fitted = fit_prepared_device(&nominal, &seen, options)?;
+        let whole = whole.filter(|_| are_alike(recording, &seen));
+        let (nominal, fitted) = match whole {
+            Some((nominal, whole)) => (nominal.clone(), fit_from(nominal, &seen, options, whole)?),
+            None => {
+                let nominal = crate::prepare_device(device, &seen)?;
+                let fitted = fit_prepared_device(&nominal, &seen, options)?;
+                (nominal, fitted)
+            }
+        };
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);
         let residuals = |device: &Device| {
@@ -137,6 +156,26 @@ impl Comparison<'_> {
         };
         Ok(predicted())
     }
+}
+
+/// Whether a part of a recording touches all that the whole touches, and has all of its tools and runs: then their fits have the same
+/// numbers.
+fn are_alike(whole: &Recording, part: &Recording) -> bool {
+    let ids = |recording: &Recording| {
+        let columns = [
+            &recording.hand,
+            &recording.tool,
+            &recording.contact,
+            &recording.plane,
+        ];
+        let of_column = |column: &Option<Vec<String>>| {
+            let ids = column.iter().flatten().cloned();
+            ids.collect::<BTreeSet<String>>()
+        };
+        let runs: BTreeSet<i64> = recording.run.iter().flatten().copied().collect();
+        (columns.map(of_column), runs)
+    };
+    ids(whole) == ids(part)
 }
 
 /// What nominal and fitted device leave of a fold's own rows.

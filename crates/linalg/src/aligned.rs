@@ -12,6 +12,14 @@ pub struct Aligned {
     start: usize,
 }
 
+impl Clone for Aligned {
+    fn clone(&self) -> Self {
+        let mut copy = Self::zeros(self.len());
+        copy.as_mut_slice().copy_from_slice(self.as_slice());
+        copy
+    }
+}
+
 impl Aligned {
     /// Room for `length` numbers.
     pub fn zeros(length: usize) -> Self {

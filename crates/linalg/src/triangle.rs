@@ -30,7 +30,7 @@ const ROW_QUANTUM: usize = 16;
 /// assert!(triangle.rest_square() < 1e-25);
 /// # Ok::<(), haptical_linalg::LinalgError>(())
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Clone)]
 pub struct Triangle {
     columns: usize,
     /// Column-major, `columns` rows and `columns + 1` columns; below the diagonal it is zero.

@@ -75,12 +75,12 @@ pub fn with_curvature(
 
 /// Rows that G is worked out on: it is a ratio of sums over the rows, for which so many do as well as more.
 const MOST_ROWS: usize = 1000;
-/// Rows of a kind, five a fitted parameter at least, that say which of the held parameters matter beyond the first order: few do, and G
-/// is asked for four times for each.
+/// Rows of a kind, five a fitted parameter at least, that say what the held parameters add beyond the first order: G is asked for four
+/// times for each, and for few of them need it be known better.
 const LEAST_ROWS: usize = 200;
-/// Share of a fitted parameter's variance below which what a held one adds to it does not matter: a hundredth of it is nothing of an
-/// interval that anyone reads.
-const LEAST_SHARE: f64 = 1e-4;
+/// Share of a fitted parameter's variance below which what few rows say is good enough: they leave a tenth of it open, a two-thousandth
+/// of the interval.
+const LEAST_SHARE: f64 = 1e-2;
 
 /// What is held, with what fitted it.
 struct HeldColumns<'f> {

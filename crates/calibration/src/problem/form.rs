@@ -20,31 +20,25 @@ pub(crate) struct Prepared<'p> {
 
 impl<'p> Prepared<'p> {
     pub(crate) fn new(problem: &'p DeviceProblem<'p>) -> Result<Self, CalibrationError> {
+        let gauged = GaugedProblem::new(problem)?;
         Ok(Self {
             problem,
-            reduced: ReducedProblem::new(problem),
-            gauged: GaugedProblem::new(problem)?,
+            reduced: ReducedProblem::with_gauge(problem, gauged.gauge()),
+            gauged,
         })
     }
 
     /// The form that is searched.
     pub(crate) fn searched(&self) -> &dyn Problem {
-        if self.gauged.is_scaled() {
-            &self.gauged
-        } else if self.is_reduced() {
-            &self.reduced
-        } else {
-            self.problem
+        match self.is_reduced() {
+            true => &self.reduced,
+            false => self.row_by_row(),
         }
     }
 
     /// The form with a row for every residual.
     pub(crate) fn row_by_row(&self) -> &dyn Problem {
-        if self.gauged.is_scaled() {
-            &self.gauged
-        } else {
-            self.problem
-        }
+        &self.gauged
     }
 
     fn is_reduced(&self) -> bool {
@@ -68,31 +62,15 @@ impl<'p> Prepared<'p> {
         values: &[f64],
         free: &[usize],
     ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
-        if !self.gauged.is_scaled() {
-            return self.reduced.by_channel(values, free);
-        }
-        let (jacobian, residuals) = evaluate_jacobian(&self.gauged, values, free)?;
-        let blocks = self.problem.blocks.iter();
-        let own = blocks.map(|block| {
-            let rows = block.first..block.end();
-            let columns = (0..free.len()).map(|column| &jacobian.column(column)[rows.clone()]);
-            let columns: Vec<&[f64]> = columns.collect();
-            let mut triangle = Triangle::new(free.len());
-            triangle.fold_rows(&columns, &residuals[rows])?;
-            Ok((block.channel, triangle.as_rows()))
-        });
-        own.collect()
+        self.reduced.by_channel(values, free)
     }
 
     /// Weighted residuals, row by row.
     pub(crate) fn residuals(&self, values: &[f64]) -> Result<Vec<f64>, IdentificationError> {
         let mut residuals = vec![0.0; self.problem.residual_count()];
-        if self.gauged.is_scaled() {
-            self.gauged.evaluate(values, &mut residuals, None)?;
-        } else if self.is_reduced() {
-            self.reduced.residuals(values, &mut residuals)?;
-        } else {
-            self.problem.evaluate(values, &mut residuals, None)?;
+        match self.is_reduced() && self.gauged.gauge().is_none() {
+            true => self.reduced.residuals(values, &mut residuals)?,
+            false => self.gauged.evaluate(values, &mut residuals, None)?,
         }
         Ok(residuals)
     }

@@ -30,8 +30,63 @@ const RIDGE: f64 = 1e-3;
 #[derive(Debug)]
 pub struct GaugedProblem<'p> {
     problem: &'p DeviceProblem<'p>,
-    /// Logarithm of the mobility at the start; none where touches stay in metres.
-    start: Option<f64>,
+    /// None where touches stay in metres.
+    gauge: Option<Gauge>,
+}
+
+/// The unit of touches that are divided by the mobility.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Gauge {
+    /// Logarithm of the mobility at the start.
+    start: f64,
+}
+
+/// The gauge at one device: what residuals of touches are multiplied by, and the slopes of its logarithm, which falls where the mobility
+/// grows.
+pub(crate) struct Scale {
+    factor: f64,
+    /// Slope of the logarithm of the mobility by each parameter; empty where they were not asked for.
+    slopes: Vec<f64>,
+}
+
+impl Gauge {
+    /// At some values of the problem's parameters.
+    pub(crate) fn at(
+        self,
+        problem: &DeviceProblem<'_>,
+        parameters: &[f64],
+        with_slopes: bool,
+    ) -> Result<Scale, IdentificationError> {
+        let mut sum = log_mobility(problem, &problem.device_with(parameters), with_slopes)?;
+        let width = sum.width;
+        sum.slopes.iter_mut().for_each(|slope| *slope /= width);
+        Ok(Scale {
+            factor: (self.start - sum.mean()).exp(),
+            slopes: sum.slopes,
+        })
+    }
+}
+
+impl Scale {
+    /// Brings residuals of touches to scale.
+    pub(crate) fn scale(&self, residuals: &mut [f64]) {
+        residuals
+            .iter_mut()
+            .for_each(|residual| *residual *= self.factor);
+    }
+
+    /// The same of their derivatives by a parameter; the residuals are to scale.
+    pub(crate) fn scale_column(
+        &self,
+        derivatives: &mut [f64],
+        residuals: &[f64],
+        parameter: usize,
+    ) {
+        let slope = self.slopes[parameter];
+        for (derivative, residual) in derivatives.iter_mut().zip(residuals) {
+            *derivative = self.factor * *derivative - residual * slope;
+        }
+    }
 }
 
 impl<'p> GaugedProblem<'p> {
@@ -41,18 +96,18 @@ impl<'p> GaugedProblem<'p> {
     /// [`CalibrationError::Identification`] where the device has no value at a touch.
     pub fn new(problem: &'p DeviceProblem<'p>) -> Result<Self, CalibrationError> {
         let channels: Vec<Channel> = problem.channels().collect();
-        let mut start = None;
+        let mut gauge = None;
         if is_fixed_by_pairs(problem.device(), &channels) {
             let sum = log_mobility(problem, problem.device(), false);
-            let mean = sum.map_err(|source| wrap("touches", source))?.mean();
-            start = mean.is_finite().then_some(mean);
+            let start = sum.map_err(|source| wrap("touches", source))?.mean();
+            gauge = start.is_finite().then_some(Gauge { start });
         }
-        Ok(Self { problem, start })
+        Ok(Self { problem, gauge })
     }
 
-    /// Whether touches are divided by the mobility.
-    pub(crate) fn is_scaled(&self) -> bool {
-        self.start.is_some()
+    /// The unit of touches that are divided by the mobility.
+    pub(crate) fn gauge(&self) -> Option<Gauge> {
+        self.gauge
     }
 }
 
@@ -71,12 +126,10 @@ impl Problem for GaugedProblem<'_> {
         residuals: &mut [f64],
         mut jacobian: Option<(&[usize], &mut Matrix)>,
     ) -> Result<(), IdentificationError> {
-        let Some(start) = self.start else {
+        let Some(gauge) = self.gauge else {
             return self.problem.evaluate(parameters, residuals, jacobian);
         };
-        let device = self.problem.device_with(parameters);
-        let sum = log_mobility(self.problem, &device, jacobian.is_some())?;
-        let factor = (start - sum.mean()).exp();
+        let scale = gauge.at(self.problem, parameters, jacobian.is_some())?;
         let inner = jacobian
             .as_mut()
             .map(|(free, matrix)| (*free, &mut **matrix));
@@ -84,18 +137,13 @@ impl Problem for GaugedProblem<'_> {
         let touches = self.problem.blocks.iter();
         for block in touches.filter(|block| block.channel.is_touch()) {
             let own = block.first..block.end();
-            for residual in &mut residuals[own.clone()] {
-                *residual *= factor;
-            }
+            scale.scale(&mut residuals[own.clone()]);
             let Some((free, matrix)) = &mut jacobian else {
                 continue;
             };
             for (column, &parameter) in free.iter().enumerate() {
-                let slope = sum.slopes[parameter] / sum.width;
-                let entries = matrix.column_mut(column)[own.clone()].iter_mut();
-                for (derivative, residual) in entries.zip(&residuals[own.clone()]) {
-                    *derivative = factor * *derivative - residual * slope;
-                }
+                let entries = &mut matrix.column_mut(column)[own.clone()];
+                scale.scale_column(entries, &residuals[own.clone()], parameter);
             }
         }
         Ok(())

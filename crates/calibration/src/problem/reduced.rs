@@ -4,7 +4,9 @@ use std::cell::{OnceCell, RefCell};
 use std::ops::Range;
 
 use haptical_identification::{IdentificationError, Matrix, Problem, Triangle, TriangleProblem};
+use haptical_linalg::LinalgError;
 
+use crate::problem::gauge::Gauge;
 use crate::problem::lanes::all_rows::{ChannelTriangle, Lanes, merge_parts};
 use crate::problem::lanes::plan::seen_columns;
 use crate::problem::rows::PartRoom;
@@ -30,10 +32,13 @@ use crate::{Channel, DeviceProblem};
 #[derive(Debug)]
 pub struct ReducedProblem<'p> {
     problem: &'p DeviceProblem<'p>,
+    /// Unit of the touches.
+    gauge: Option<Gauge>,
     /// Made when first asked for; none where the problem has no form in lanes.
     lanes: OnceCell<Option<Lanes>>,
-    /// Values that the rows of all channels were last made at by all parameters, and these.
-    last: RefCell<Option<(Vec<f64>, Vec<Matrix>)>>,
+    /// Values at which the triangles of all channels by all parameters were last made, and these: a fit asks for them, and for those of
+    /// some parameters, where its search ended.
+    last: RefCell<Option<(Vec<f64>, Vec<ChannelTriangle>)>>,
 }
 
 /// Some successive rows of one channel, as [`ReducedProblem::visit`] hands them over.
@@ -54,8 +59,14 @@ pub struct ChannelRows<'r> {
 impl<'p> ReducedProblem<'p> {
     /// The reduced form of a problem.
     pub fn new(problem: &'p DeviceProblem<'p>) -> Self {
+        Self::with_gauge(problem, None)
+    }
+
+    /// The same with touches in this unit.
+    pub(crate) fn with_gauge(problem: &'p DeviceProblem<'p>, gauge: Option<Gauge>) -> Self {
         Self {
             problem,
+            gauge,
             lanes: OnceCell::new(),
             last: RefCell::new(None),
         }
@@ -72,23 +83,36 @@ impl<'p> ReducedProblem<'p> {
         free: &[usize],
     ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
         let channels = self.problem.channels();
-        if let Some((at, all)) = &*self.last.borrow()
-            && at == parameters
-        {
-            let chosen = |all: &Matrix| {
-                Matrix::from_fn(all.rows(), free.len(), |row, column| {
-                    all[(row, free[column])]
-                })
-            };
-            return Ok(channels.zip(all.iter().map(chosen)).collect());
-        }
         let triangles = self.triangles(parameters, free)?;
         let rows = triangles.iter().map(|own| own.spread(free.len()));
         Ok(channels.zip(rows).collect())
     }
 
-    /// Every channel's triangle, in lanes or row by row: what the lanes refuse is refused there with its line of the log.
+    /// Every channel's triangle by the free parameters: what it was where all parameters were last free at the same values, or made anew.
     fn triangles(
+        &self,
+        parameters: &[f64],
+        free: &[usize],
+    ) -> Result<Vec<ChannelTriangle>, IdentificationError> {
+        let is_of_all = free.iter().copied().eq(0..self.problem.parameter_count());
+        if let Some((at, all)) = &*self.last.borrow()
+            && at == parameters
+        {
+            let chosen = |own: &ChannelTriangle| match is_of_all {
+                true => Ok(own.clone()),
+                false => own.of_some(free),
+            };
+            return Ok(all.iter().map(chosen).collect::<Result<_, LinalgError>>()?);
+        }
+        let made = self.make(parameters, free)?;
+        if is_of_all {
+            self.last.replace(Some((parameters.to_vec(), made.clone())));
+        }
+        Ok(made)
+    }
+
+    /// Every channel's triangle, in lanes or row by row: what the lanes refuse is refused there with its line of the log.
+    fn make(
         &self,
         parameters: &[f64],
         free: &[usize],
@@ -99,15 +123,26 @@ impl<'p> ReducedProblem<'p> {
         {
             return Ok(triangles);
         }
-        let columns = seen_columns(self.problem, free);
+        let scale = match self.gauge {
+            Some(gauge) => Some(gauge.at(self.problem, parameters, true)?),
+            None => None,
+        };
+        let mut columns = seen_columns(self.problem, free);
+        if scale.is_some() {
+            // the mobility is one of all touches
+            let channels = self.problem.channels().zip(&mut columns);
+            for (_, columns) in channels.filter(|(channel, _)| channel.is_touch()) {
+                *columns = (0..free.len()).collect();
+            }
+        }
         let new = || -> Vec<Triangle> {
             let counts = columns.iter().map(Vec::len);
             counts.map(Triangle::new).collect()
         };
         let problem = self.problem;
         let fold = |triangles: &mut Vec<Triangle>, rows: &Range<usize>, room: &PartRoom| {
-            let places = problem.places(rows).zip(&columns);
-            for (triangle, ((whole, own), columns)) in triangles.iter_mut().zip(places) {
+            let places = problem.places(rows).zip(&columns).zip(problem.channels());
+            for (triangle, (((whole, own), columns), channel)) in triangles.iter_mut().zip(places) {
                 let entries = |column: &usize| {
                     let matrix = room.derivatives.as_ref();
                     matrix.map_or(&[][..], |matrix| &matrix.column(*column)[own.clone()])
@@ -120,7 +155,22 @@ impl<'p> ReducedProblem<'p> {
                 for (values, column) in all.zip(names) {
                     all_finite(values, whole.start, column)?;
                 }
-                triangle.fold_rows(&derivatives, residuals)?;
+                match scale.as_ref().filter(|_| channel.is_touch()) {
+                    None => triangle.fold_rows(&derivatives, residuals)?,
+                    Some(scale) => {
+                        let mut residuals = residuals.to_vec();
+                        scale.scale(&mut residuals);
+                        let names = columns.iter().map(|&column| free[column]);
+                        let scaled = derivatives.iter().zip(names).map(|(column, parameter)| {
+                            let mut column = column.to_vec();
+                            scale.scale_column(&mut column, &residuals, parameter);
+                            column
+                        });
+                        let scaled: Vec<Vec<f64>> = scaled.collect();
+                        let scaled: Vec<&[f64]> = scaled.iter().map(Vec::as_slice).collect();
+                        triangle.fold_rows(&scaled, &residuals)?;
+                    }
+                }
             }
             Ok(())
         };
@@ -183,6 +233,32 @@ impl<'p> ReducedProblem<'p> {
 }
 
 impl ChannelTriangle {
+    /// The triangle of all parameters as one of some of them, ascending or not.
+    fn of_some(&self, free: &[usize]) -> Result<Self, LinalgError> {
+        let own = |(position, index): (usize, &usize)| {
+            let place = self.columns.iter().position(|column| column == index)?;
+            Some((position, self.of[place]))
+        };
+        let (columns, from): (Vec<usize>, Vec<usize>) =
+            free.iter().enumerate().filter_map(own).unzip();
+        let rows = self.triangle.as_rows();
+        // a column that stands for several parameters is one of the triangle
+        let mut distinct: Vec<usize> = from.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let chosen: Vec<&[f64]> = distinct.iter().map(|&column| rows.column(column)).collect();
+        let mut triangle = Triangle::new(distinct.len());
+        triangle.fold_rows(&chosen, rows.column(rows.columns() - 1))?;
+        let of = from
+            .iter()
+            .map(|column| distinct.partition_point(|own| own < column));
+        Ok(Self {
+            of: of.collect(),
+            columns,
+            triangle,
+        })
+    }
+
     /// Its rows with a column for each of the free parameters.
     fn spread(&self, free: usize) -> Matrix {
         let rows = self.triangle.as_rows();
@@ -227,11 +303,6 @@ impl TriangleProblem for ReducedProblem<'_> {
         into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
         let mut channels = self.triangles(parameters, free)?;
-        if free.iter().copied().eq(0..self.problem.parameter_count()) {
-            let rows = channels.iter().map(|own| own.spread(free.len()));
-            let rows = (parameters.to_vec(), rows.collect());
-            self.last.replace(Some(rows));
-        }
         // a channel that sees all parameters has the total's columns: the others are folded into it
         let mut columns = channels.iter().map(|channel| channel.triangle.columns());
         *into = match columns.position(|count| count == free.len()) {

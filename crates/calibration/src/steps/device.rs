@@ -100,70 +100,127 @@ pub(crate) fn fit_once(
     options: &Options,
     start: Option<&Device>,
 ) -> Result<FittedDevice, CalibrationError> {
-    let (compensated, transmissions) =
-        fit_transmissions(device, recording, channels, weights, options)?;
-    let fitted = FittedDevice {
-        device: compensated,
-        transmissions,
-        whole: None,
-        weights: weights.clone(),
-        robust: None,
-    };
+    let fitted = after_step_one(device, recording, channels, weights, options)?;
     let Some((distant, rows)) = step_two(&fitted.device, recording, channels) else {
         return with_effects(fitted, recording, channels, options);
     };
-    // where the joint fit has the last word, step 2 is its start
-    let (some, of_step) = match options.method {
-        CalibrationMethod::Joint => (some_of_long(&rows), &options.to_compare()),
-        CalibrationMethod::TwoStep => (None, options),
+    let is_joint = options.method == CalibrationMethod::Joint;
+    let is_all = distant.len() == channels.len() && matches!(rows, Cow::Borrowed(_));
+    // where no transmission is fitted, step 2 is the joint fit
+    let is_last = !is_joint || (is_all && adds_nothing(&fitted));
+    let (some, of_step) = match is_last {
+        true => (None, options),
+        false => (some_of_long(&rows), &options.to_compare()),
     };
     let rows = some.as_ref().unwrap_or(&rows);
     let kinematics =
         fit_kinematics_from(&fitted.device, rows, &distant, (weights, of_step), start)?;
-    let whole = match options.method {
-        CalibrationMethod::TwoStep => kinematics,
-        CalibrationMethod::Joint => {
-            // what the fit of both holds stays at the device's own value, wherever step 2 had it
-            let (mut parameters, unsupported) =
-                joint_candidates(&fitted.device, &fitted.transmissions);
-            let held = size::held_for_size(&kinematics, &fitted.device);
-            parameters.retain(|parameter| !held.contains(parameter));
-            let first = parameters.len();
-            parameters.extend(unsupported);
-            let unsupported: Vec<usize> = (first..parameters.len()).collect();
-            let begin = match start {
-                Some(start) if !kinematics.starts.replaced => {
-                    &with_transmissions(start.clone(), &fitted)
-                }
-                _ => &kinematics.device,
-            };
-            let mut fit = fit_parameters(&FitRequest {
-                what: "joint identification",
-                device: &fitted.device,
-                recording,
-                channels,
-                parameters: &parameters,
-                unsupported: &unsupported,
-                weights,
-                options,
-                start: Some(begin),
-                yielded: Some(begin),
-            })?;
-            if fit.starts.tried == 0 {
-                // it began where step 2 had ended, which may have looked elsewhere
-                fit.starts = Starts {
-                    doubt: fit.starts.doubt.or(kinematics.starts.doubt),
-                    doubt_that_remains: fit.starts.doubt_that_remains,
-                    ..kinematics.starts
-                };
-            }
-            fit
-        }
+    if is_last {
+        return Ok(fitted.with_whole(kinematics));
+    }
+    let held = size::held_for_size(&kinematics, &fitted.device);
+    let begin = match start {
+        Some(start) if !kinematics.starts.replaced => &with_transmissions(start.clone(), &fitted),
+        _ => &kinematics.device,
     };
+    let mut fit = fit_jointly(
+        &fitted,
+        recording,
+        channels,
+        (weights, options),
+        &held,
+        begin,
+    )?;
+    if fit.starts.tried == 0 {
+        // it began where step 2 had ended, which may have looked elsewhere
+        fit.starts = Starts {
+            doubt: fit.starts.doubt.or(kinematics.starts.doubt),
+            doubt_that_remains: fit.starts.doubt_that_remains,
+            ..kinematics.starts
+        };
+    }
+    Ok(fitted.with_whole(fit))
+}
+
+/// Least squares to a part of the rows of another fit, from where that one ended and with its sizes of the noise. To be compared: its
+/// numbers have few digits.
+pub(crate) fn fit_from(
+    device: &Device,
+    recording: &Recording,
+    options: &Options,
+    whole: &FittedDevice,
+) -> Result<FittedDevice, CalibrationError> {
+    let channels = channels(device, recording)?;
+    let options = &Options {
+        starts: 0,
+        ..options.to_compare()
+    };
+    // what the order of the rows says of single readings weighs in no fit
+    let weights = &whole.weights.trusting();
+    let is_joint = options.method == CalibrationMethod::Joint;
+    let joint = whole.whole.as_ref().filter(|_| is_joint);
+    let Some(joint) = joint.filter(|_| channels.iter().any(|channel| channel.sees_chain())) else {
+        let start = Some(&whole.device);
+        return fit_once(device, recording, &channels, weights, options, start);
+    };
+    let fitted = after_step_one(device, recording, &channels, weights, options)?;
+    let held = size::held_for_size(joint, &fitted.device);
+    let begin = &with_transmissions(whole.device.clone(), &fitted);
+    let with = (weights, options);
+    let fit = fit_jointly(&fitted, recording, &channels, with, &held, begin)?;
+    Ok(fitted.with_whole(fit))
+}
+
+/// Step 1 alone.
+fn after_step_one(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    weights: &Weights,
+    options: &Options,
+) -> Result<FittedDevice, CalibrationError> {
+    let (device, transmissions) = fit_transmissions(device, recording, channels, weights, options)?;
     Ok(FittedDevice {
-        device: whole.device.clone(),
-        whole: Some(whole),
-        ..fitted
+        device,
+        transmissions,
+        whole: None,
+        weights: weights.clone(),
+        robust: None,
+    })
+}
+
+/// Whether the joint fit has the parameters of step 2 alone.
+fn adds_nothing(fitted: &FittedDevice) -> bool {
+    let (parameters, unsupported) = joint_candidates(&fitted.device, &fitted.transmissions);
+    unsupported.is_empty() && parameters == candidate_parameters(&fitted.device)
+}
+
+/// Kinematics and transmissions at once, from the values of `begin`; what is held for the device's size stays at the device's own value,
+/// wherever an earlier fit had it.
+fn fit_jointly(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    channels: &[Channel],
+    (weights, options): (&Weights, &Options),
+    held: &[ParameterId],
+    begin: &Device,
+) -> Result<ParameterFit, CalibrationError> {
+    let (mut parameters, unsupported) = joint_candidates(&fitted.device, &fitted.transmissions);
+    parameters.retain(|parameter| !held.contains(parameter));
+    let first = parameters.len();
+    parameters.extend(unsupported);
+    let unsupported: Vec<usize> = (first..parameters.len()).collect();
+    fit_parameters(&FitRequest {
+        what: "joint identification",
+        device: &fitted.device,
+        recording,
+        channels,
+        parameters: &parameters,
+        unsupported: &unsupported,
+        weights,
+        options,
+        start: Some(begin),
+        yielded: Some(begin),
     })
 }
 
@@ -214,11 +271,7 @@ fn with_effects(
         start: None,
         yielded: None,
     })?;
-    Ok(FittedDevice {
-        device: fit.device.clone(),
-        whole: Some(fit),
-        ..fitted
-    })
+    Ok(fitted.with_whole(fit))
 }
 
 /// Refuses a log of which a fit to a part shows that a joint's column is turned or in another's place.

@@ -74,6 +74,15 @@ fn name<S: serde::Serializer>(channel: &Channel, serializer: S) -> Result<S::Ok,
 pub(crate) const LEAST_FREEDOM: f64 = 4.0;
 
 impl FittedDevice {
+    /// With step 2 or the joint fit.
+    pub(crate) fn with_whole(self, whole: ParameterFit) -> Self {
+        Self {
+            device: whole.device.clone(),
+            whole: Some(whole),
+            ..self
+        }
+    }
+
     /// Whether a search of its fits was one that others are only compared with, and ended as such.
     pub(crate) fn is_coarse(&self) -> bool {
         let steps = self.transmissions.iter();

@@ -130,6 +130,7 @@ pub(crate) fn merge_parts(parts: Vec<Vec<Triangle>>) -> Result<Vec<Triangle>, Li
 }
 
 /// `[F q]` of one channel, of the columns that differ.
+#[derive(Debug, Clone)]
 pub(crate) struct ChannelTriangle {
     /// Position within the free parameters of each column.
     pub(crate) columns: Vec<usize>,
