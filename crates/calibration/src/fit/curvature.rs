@@ -82,6 +82,9 @@ const LEAST_ROWS: usize = 200;
 /// of the interval.
 const LEAST_SHARE: f64 = 1e-2;
 
+/// Share of its standard deviation by which a fitted parameter may bend unseen.
+const HARDLY: f64 = 0.01;
+
 /// What is held, with what fitted it.
 struct HeldColumns<'f> {
     fit: &'f ParameterFit,
@@ -177,7 +180,16 @@ impl HeldColumns<'_> {
             }
             let bends = (0..fit.fitted.len()).map(|row| slope(row, position) / deviation);
             let bends: Vec<f64> = bends.collect();
-            let sides = (moved_by(deviation, &bends), moved_by(-deviation, &bends));
+            // where the fitted ones hardly bend, both sides are where they were
+            let bends_far = fit.fitted.iter().zip(&bends).any(|(&index, bend)| {
+                let sd = fit.estimates[index].standard_deviation;
+                let moved = bend * deviation * deviation / 2.0;
+                sd.is_none_or(|sd| !(moved.abs() <= HARDLY * sd))
+            });
+            let sides = match bends_far {
+                true => (moved_by(deviation, &bends), moved_by(-deviation, &bends)),
+                false => (Ok(above), Ok(below)),
+            };
             let (Ok(above), Ok(below)) = sides else {
                 failed_at.push(position);
                 continue;

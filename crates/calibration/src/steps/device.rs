@@ -3,17 +3,21 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use haptical_identification::{Problem, solve};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::fit::profiled::profile;
 use crate::fit::size;
+use crate::problem::device_problem::values_of;
+use crate::problem::form::Prepared;
+use crate::problem::loads::Loads;
 use crate::problem::some_rows::{some_of_long, spread_rows};
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
-    CalibrationError, CalibrationMethod, Channel, FitRequest, FittedDevice, Options, ParameterFit,
-    Starts, TransmissionFit, TransmissionTerms, Weighting, Weights, candidate_parameters,
-    channel_residuals, channels, fit_parameters, fit_transmissions, rows_with_known_errors,
-    with_curvature,
+    CalibrationError, CalibrationMethod, Channel, DeviceProblem, FitRequest, FittedDevice, Options,
+    ParameterFit, Starts, TransmissionFit, TransmissionTerms, Weighting, Weights,
+    candidate_parameters, channel_residuals, channels, fit_parameters, fit_transmissions,
+    rows_with_known_errors, with_curvature,
 };
 
 /// Rounds of re-estimating the channels' noise.
@@ -164,11 +168,50 @@ pub(crate) fn fit_from(
         return fit_once(device, recording, &channels, weights, options, start);
     };
     let fitted = after_step_one(device, recording, &channels, weights, options)?;
-    let held = size::held_for_size(joint, &fitted.device);
     let begin = &with_transmissions(whole.device.clone(), &fitted);
+    let forms = |fitted: &FittedDevice| -> Vec<(usize, TransmissionTerms)> {
+        let steps = fitted.transmissions.iter();
+        steps.map(|step| (step.joint, step.terms)).collect()
+    };
+    if forms(&fitted) == forms(whole) {
+        let kept: Vec<ParameterId> = joint.fitted.iter().map(|&k| joint.parameters[k]).collect();
+        let with = (weights, options);
+        if let Some(device) = refitted(&fitted.device, recording, &channels, with, &kept, begin) {
+            return Ok(FittedDevice { device, ..fitted });
+        }
+    }
+    let held = size::held_for_size(joint, &fitted.device);
     let with = (weights, options);
     let fit = fit_jointly(&fitted, recording, &channels, with, &held, begin)?;
     Ok(fitted.with_whole(fit))
+}
+
+/// Residuals for each number of a fit from which most of the rows fix what all of them fix.
+const PLENTY: usize = 20;
+
+/// The device with these numbers of it fitted from where `begin` has them, none of them judged again. None where the rows are few, or do
+/// not fix them.
+fn refitted(
+    device: &Device,
+    recording: &Recording,
+    channels: &[Channel],
+    (weights, options): (&Weights, &Options),
+    kept: &[ParameterId],
+    begin: &Device,
+) -> Option<Device> {
+    let mut problem = DeviceProblem::new(device, recording, channels, kept, weights).ok()?;
+    problem.loads = Loads::new(begin, recording).ok()?;
+    if kept.is_empty() || problem.residual_count() < PLENTY * kept.len() {
+        return None;
+    }
+    let prepared = Prepared::new(&problem).ok()?;
+    let (start, all) = (
+        values_of(kept, begin),
+        (0..kept.len()).collect::<Vec<usize>>(),
+    );
+    let fit = solve(prepared.searched(), &start, &all, &options.search).ok()?;
+    let is_found = fit.convergence.was_successful();
+    is_found.then(|| problem.device_with(&fit.parameters))
 }
 
 /// Step 1 alone.
