@@ -197,7 +197,7 @@ fn fit_and_check(
             // nobody reads those of a fold
             options.rules.singular_values = false;
             let by = (*count, dwelt.as_deref());
-            let from = (loss == Loss::Squares).then_some((&nominal, &fitted));
+            let from = (loss == Loss::Squares).then_some(&fitted);
             let mut of_folds = Vec::new();
             let mut checked = comparison.cross_validate((&options, from), by, &mut of_folds)?;
             let all = || folds(recording.len(), by.0, by.1).into_iter();

@@ -60,11 +60,11 @@ impl Comparison<'_> {
     }
 
     /// Folds by row, or by the numbers of the postures that the device dwelt at, each predicted by a device fitted
-    /// without it; the searches begin where that of `whole` ended, the prepared device and its fit of least squares to all rows. A fold whose fit fails (too few rows
+    /// without it; the searches begin where that of `whole` ended, a fit of least squares to all rows. A fold whose fit fails (too few rows
     /// left for the terms) is left out, with a warning; where every fit fails nothing is checked.
     pub(crate) fn cross_validate(
         &self,
-        (options, whole): (&Options, Option<(&Device, &FittedDevice)>),
+        (options, whole): (&Options, Option<&FittedDevice>),
         (count, dwelt): (usize, Option<&[usize]>),
         warnings: &mut Vec<String>,
     ) -> Result<(Vec<ChannelReport>, String), CalibrationError> {
@@ -128,18 +128,15 @@ impl Comparison<'_> {
         &self,
         fold: &Split,
         options: &Options,
-        whole: Option<(&Device, &FittedDevice)>,
+        whole: Option<&FittedDevice>,
     ) -> Result<Result<FoldRows, CalibrationError>, CalibrationError> {
         let (device, recording) = (self.device, self.recording);
         let seen = recording.select(&fold.fit);
         let whole = whole.filter(|_| are_alike(recording, &seen));
-        let (nominal, fitted) = match whole {
-            Some((nominal, whole)) => (nominal.clone(), fit_from(nominal, &seen, options, whole)?),
-            None => {
-                let nominal = crate::prepare_device(device, &seen)?;
-                let fitted = fit_prepared_device(&nominal, &seen, options)?;
-                (nominal, fitted)
-            }
+        let nominal = crate::prepare_device(device, &seen)?;
+        let fitted = match whole {
+            Some(whole) => fit_from(&nominal, &seen, options, whole)?,
+            None => fit_prepared_device(&nominal, &seen, options)?,
         };
         let unseen = recording.select(&fold.held_out);
         let range_free = without_ranges(&fitted.device);

@@ -6,9 +6,10 @@ use haptical_linalg::SparseColumns;
 use haptical_model::Recording;
 
 use super::base::problem::Evaluated;
-use super::{Engine, with_causes};
+use super::{Engine, dot, with_causes};
 use crate::engine::{Base, BaseProblem, Blocks, Derivatives, Model, Part, Refit};
 use crate::noise::{KnownNoise, Noise};
+use crate::thresholds::engine::UNSEEN_NOISES;
 use crate::{DiagnosisError, Result, noise};
 
 /// A recording with the base model's residuals and derivatives, before anything is fitted to it.
@@ -221,7 +222,7 @@ impl<'a> Prepared<'a> {
             .filter(|parameter| !self.base.free.contains(parameter))
             .collect();
         let other = self.derivatives.as_ref();
-        let other = other.map(|all| self.columns(&whole.blocks, all, &held));
+        let other = other.map(|all| self.shown(self.columns(&whole.blocks, all, &held), &held));
         Ok(Engine {
             floor: self.floors(&known.noise),
             system: whole.system(&self.context, other.as_ref(), &fit.residual)?,
@@ -232,5 +233,18 @@ impl<'a> Prepared<'a> {
             near: None,
             data: self,
         })
+    }
+
+    /// The columns of those parameters of which a plausible deviation shows in some reading: others' are rounding, and their directions
+    /// chance.
+    fn shown(&self, columns: SparseColumns, parameters: &[usize]) -> SparseColumns {
+        let shows = |&(column, parameter): &(usize, &usize)| {
+            let entries = columns.column(column).values();
+            let size = self.base.parameters[*parameter].plausible_size(&self.base.device);
+            dot(entries, entries).sqrt() * size > UNSEEN_NOISES
+        };
+        let shown = parameters.iter().enumerate().filter(shows);
+        let shown = shown.map(|(column, _)| columns.column(column).clone());
+        SparseColumns::new(columns.rows(), shown.collect())
     }
 }

@@ -5,6 +5,7 @@ use haptical_effects::{Context, Effect, Shape, Signal};
 use nalgebra::{DMatrix, DVector};
 
 use crate::engine::{Cause, Column, Layout, System, dot};
+use crate::thresholds::engine::ROUNDING;
 
 /// An effect at one shape, with its whitened columns.
 #[derive(Debug, Clone)]
@@ -149,7 +150,11 @@ impl Candidate {
             retained: 0.0,
             unit_amplitude: f64::INFINITY,
         };
-        let norms: Vec<f64> = (0..count).map(|k| self.own[(k, k)].sqrt()).collect();
+        let mut norms: Vec<f64> = (0..count).map(|k| self.own[(k, k)].sqrt()).collect();
+        let longest = norms.iter().fold(0.0_f64, |most, norm| most.max(*norm));
+        for norm in norms.iter_mut().filter(|norm| **norm <= ROUNDING * longest) {
+            *norm = 0.0;
+        }
         if count == 0 || norms.iter().any(|norm| !norm.is_finite()) {
             return result;
         }
