@@ -25,6 +25,18 @@ pub struct Weights {
     pub local_size: BTreeMap<Channel, BTreeMap<u64, f64>>,
 }
 
+/// Bits of an estimated size, or weight, that are kept: four digits, of which the data know one or two. The rest depends on how a
+/// processor rounds, and would reach every number that is fitted.
+const KEPT_BITS: u32 = 13;
+
+/// An estimated size or weight with the digits that it has.
+pub(crate) fn to_its_digits(size: f64) -> f64 {
+    let dropped = 1_u64 << (f64::MANTISSA_DIGITS - 1 - KEPT_BITS);
+    // above all finite numbers a carry would make infinity
+    let rounded = f64::from_bits((size.to_bits() + dropped / 2) & !(dropped - 1));
+    if rounded.is_finite() { rounded } else { size }
+}
+
 /// Least weight of a reading: none would leave its standard deviation without a number.
 const LEAST_WEIGHT: f64 = 1e-12;
 
@@ -137,5 +149,26 @@ impl Weights {
             *value = factor * (own * own + *value).sqrt() / trust.sqrt() * size.unwrap_or(1.0);
         }
         deviations
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_keep_four_digits() {
+        for size in [1.234_567_8, 0.999_999_9, 3.3e-7, 8.1e300, f64::MIN_POSITIVE] {
+            let kept = to_its_digits(size);
+            assert!((kept / size - 1.0).abs() <= 1e-4, "{size} {kept}");
+            // as another processor may have it
+            let near = to_its_digits(size * (1.0 + 1e-15));
+            assert_eq!(kept, near);
+        }
+        assert_eq!(to_its_digits(0.0), 0.0);
+        assert_eq!(to_its_digits(1.0), 1.0);
+        assert_eq!(to_its_digits(f64::MAX), f64::MAX);
+        assert!(to_its_digits(f64::NAN).is_nan());
+        assert!(to_its_digits(f64::INFINITY).is_infinite());
     }
 }

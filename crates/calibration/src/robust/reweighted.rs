@@ -9,6 +9,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use crate::problem::residuals::lengths;
 use crate::problem::some_rows::some_of_long;
+use crate::problem::weights::to_its_digits;
 use crate::steps::device::fit_once;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
@@ -183,16 +184,18 @@ pub(crate) fn judge_residuals(
             .rows
             .iter()
             .zip(&deviations)
-            .filter_map(|(&row, &size)| Some((*recording.line.get(row)?, loss.weight(size))))
+            .filter_map(|(&row, &size)| {
+                let weight = to_its_digits(loss.weight(size));
+                Some((*recording.line.get(row)?, weight))
+            })
             .filter(|(_, weight)| *weight < 1.0)
             .collect();
         if !own.is_empty() {
             weights.distrusted.insert(channel.channel, own);
         }
         if channel.noise_floor > 0.0 {
-            weights
-                .factor
-                .insert(channel.channel, scale / channel.noise_floor);
+            let factor = to_its_digits(scale / channel.noise_floor);
+            weights.factor.insert(channel.channel, factor);
         }
         scales.push(RobustChannel {
             channel: channel.channel,

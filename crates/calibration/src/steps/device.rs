@@ -12,6 +12,7 @@ use crate::problem::device_problem::values_of;
 use crate::problem::form::Prepared;
 use crate::problem::loads::Loads;
 use crate::problem::some_rows::{some_of_long, spread_rows};
+use crate::problem::weights::to_its_digits;
 use crate::steps::fitted::{LEAST_FREEDOM, parameters_paid_by};
 use crate::{
     CalibrationError, CalibrationMethod, Channel, DeviceProblem, FitRequest, FittedDevice, Options,
@@ -472,7 +473,8 @@ fn estimate_noise(
             }
             let deviation = channel.rms()? * (readings / freedom).sqrt();
             // A channel that is fitted exactly keeps a little weight: its noise is not zero.
-            Some((channel.channel, (deviation / channel.noise_floor).max(1e-3)))
+            let factor = (deviation / channel.noise_floor).max(1e-3);
+            Some((channel.channel, to_its_digits(factor)))
         })
         .collect())
 }
