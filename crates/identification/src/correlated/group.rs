@@ -1,6 +1,7 @@
 //! The rows of one sensor in the few columns that it sees.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use haptical_linalg::Triangle;
+use nalgebra::{DMatrix, SVD};
 
 use super::problem::OrderedProblem;
 
@@ -18,8 +19,8 @@ pub(super) struct Group {
     pub(super) held: DMatrix<f64>,
 }
 
-/// Square of a direction in a group, as a share of the largest, that is rounding: another group shows it, or none does.
-const ROUNDING: f64 = 1e-14;
+/// Singular value of a direction in a group, as a share of the largest, that is rounding: another group shows it, or none does.
+const ROUNDING: f64 = 1e-12;
 
 impl Group {
     /// `norms` are those of all rows' columns.
@@ -65,14 +66,27 @@ impl Group {
 }
 
 /// Right singular vectors of columns, and singular values, without those that are rounding; none where they cannot be found.
+///
+/// From the columns' triangle, not from their products with each other, whose rounding would be a direction of a square of 1e-14.
 fn directions(columns: &DMatrix<f64>) -> Option<(DMatrix<f64>, Vec<f64>)> {
-    if columns.ncols() == 0 {
+    let count = columns.ncols();
+    if count == 0 {
         return Some((DMatrix::zeros(0, 0), Vec::new()));
     }
-    let found = SymmetricEigen::try_new(columns.tr_mul(columns), f64::EPSILON, 0)?;
-    let squares = &found.eigenvalues;
-    let least = ROUNDING * squares.max();
-    let kept: Vec<usize> = (0..squares.len()).filter(|&k| squares[k] > least).collect();
-    let roots = kept.iter().map(|&k| squares[k].sqrt()).collect();
-    Some((found.eigenvectors.select_columns(&kept), roots))
+    let mut triangle = Triangle::new(count);
+    let entries: Vec<&[f64]> = columns.as_slice().chunks_exact(columns.nrows()).collect();
+    triangle
+        .fold_rows(&entries, &vec![0.0; columns.nrows()])
+        .ok()?;
+    let factor = DMatrix::from_fn(count, count, |row, column| match row <= column {
+        true => triangle.entry(row, column),
+        false => 0.0,
+    });
+    let found = SVD::try_new(factor, false, true, f64::EPSILON, 0)?;
+    let values = &found.singular_values;
+    let least = ROUNDING * values.max();
+    let kept: Vec<usize> = (0..count).filter(|&k| values[k] > least).collect();
+    let roots = kept.iter().map(|&k| values[k]).collect();
+    let vectors = found.v_t?.transpose();
+    Some((vectors.select_columns(&kept), roots))
 }

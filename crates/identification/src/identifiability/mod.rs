@@ -130,7 +130,10 @@ pub fn analyse(
         names,
         rank,
         singular_rank: rank,
-        gap: [ordered.smallest_kept, ordered.largest_dropped],
+        gap: [
+            ordered.smallest_kept,
+            or_nothing(ordered.largest_dropped, 1.0, visible.len()),
+        ],
         condition_unit_norm: (rank as f64).sqrt() / least,
         observability: None,
         singular_values: Vec::new(),
@@ -154,6 +157,10 @@ pub fn analyse(
     } else {
         at_unit_norm(&judged.independent)?
     };
+    let largest = singular_values[0];
+    let singular_values = singular_values.iter();
+    let singular_values = singular_values.map(|&value| or_nothing(value, largest, visible.len()));
+    let singular_values = singular_values.collect();
     Ok(Identifiability {
         singular_rank,
         condition_unit_norm: independent_values[0]
@@ -162,6 +169,13 @@ pub fn analyse(
         singular_values,
         ..judged
     })
+}
+
+/// A singular value, or a pivot, of so many columns; nothing where it is what rounding leaves of a zero, as each processor has another
+/// rest (Golub & Van Loan, *Matrix Computations*, section 5.5.8: a few epsilons times the largest).
+fn or_nothing(value: f64, largest: f64, columns: usize) -> f64 {
+    let rounding = 4.0 * columns as f64 * f64::EPSILON * largest;
+    if value > rounding { value } else { 0.0 }
 }
 
 fn check(
