@@ -49,7 +49,8 @@ impl Rounds<'_, '_> {
         let is_whole = self.unsupported.is_empty();
         let mut iterations = 0;
         let mut met: Vec<Vec<usize>> = Vec::new();
-        let (mut is_kept, mut is_last) = (false, false);
+        // where all are fitted at the start, hardly one is dropped at the solution
+        let (mut is_kept, mut is_last) = (false, free.len() == values.len());
         loop {
             enough(what, problem, &free, self.nominal, is_whole)?;
             let settings = match is_last {
