@@ -1,6 +1,6 @@
 //! The force that a handle exerts when the controller knows the device wrongly.
 
-use haptical_kinematics::nalgebra::{Matrix6, SMatrix, Vector3, Vector6};
+use haptical_kinematics::nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 
 use crate::{Evaluation, ModelError};
 
@@ -78,6 +78,55 @@ impl ForceTransmission {
     }
 }
 
+/// The true device's side of a [`ForceTransmission`] at a posture, for many controllers.
+#[derive(Debug, Clone)]
+pub struct TrueSide {
+    /// J^-T.
+    inverse: Matrix6<f64>,
+    /// Into the handle's frame.
+    turn: Matrix3<f64>,
+    free: [usize; 6],
+    /// Condition number of the true Jacobian of the free joints, lengths in metres.
+    pub condition: f64,
+}
+
+impl TrueSide {
+    /// Of a device that was moved to a posture; the arguments are those of [`ForceTransmission::new`].
+    ///
+    /// # Errors
+    /// As for [`ForceTransmission::new`].
+    pub fn new(truth: &Evaluation<'_>, free: [usize; 6]) -> Result<Self, ModelError> {
+        let jacobian = jacobian(truth, free)?;
+        let singular = jacobian.singular_values();
+        let (largest, smallest) = (singular.max(), singular.min());
+        let condition = largest / smallest;
+        let posture = || ModelError::Posture { condition };
+        if !condition.is_finite() || smallest <= f64::EPSILON * largest {
+            return Err(posture());
+        }
+        let inverse = jacobian.transpose().try_inverse().ok_or_else(posture)?;
+        Ok(Self {
+            inverse,
+            turn: truth.pose()?.rotation.transpose(),
+            free,
+            condition,
+        })
+    }
+
+    /// The force in the true handle's frame where a controller wants 1 N along the z of the handle as it knows it, at rest without
+    /// a loop: [`handle_force_n`] of gain 0.
+    ///
+    /// # Errors
+    /// [`ModelError::NoLinks`] before a move of the controller's device, [`ModelError::NoJoint`] for a joint that it does not have.
+    pub fn unit_force(&self, controller: &Evaluation<'_>) -> Result<Vector3<f64>, ModelError> {
+        let along = controller.pose()?.rotation.column(2).into_owned();
+        let wanted = Vector6::new(along.x, along.y, along.z, 0.0, 0.0, 0.0);
+        let torques = jacobian(controller, self.free)?.tr_mul(&wanted);
+        let wrench = self.inverse * torques;
+        Ok(self.turn * Vector3::new(wrench[0], wrench[1], wrench[2]))
+    }
+}
+
 /// The force \[N\] that a sensor in the true handle shows where the controller wants `force_n` along the z of the
 /// handle as it knows it, at rest in a loop of gain `gain` (0 without one). None where the loop has no rest.
 ///
@@ -121,4 +170,33 @@ fn jacobian(
         }
     }
     Ok(jacobian)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Device;
+
+    #[test]
+    fn the_true_side_gives_the_force_of_the_transmission() {
+        let path = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../fixtures/devices/haptic7.toml"
+        );
+        let device = Device::load(path.as_ref()).unwrap().device;
+        let mut other = device.clone();
+        other.links[3].alpha_rad += 0.01;
+        let readings = [0.1, 0.2, 0.0, 0.3, 0.1, 0.2, 0.1];
+        let free = [0, 1, 3, 4, 5, 6];
+        let (mut truth, mut controller) = (Evaluation::new(&device), Evaluation::new(&other));
+        truth.move_to(&readings).unwrap();
+        controller.move_to(&readings).unwrap();
+        let known = ForceTransmission::new(&truth, &controller, free).unwrap();
+        let force = handle_force_n(&known, &truth, &controller, 1.0, 0.0);
+        let side = TrueSide::new(&truth, free).unwrap();
+        let away = side.unit_force(&controller).unwrap() - force.unwrap().unwrap();
+        assert!(away.norm() < 1e-12, "{away}");
+        assert_eq!(side.condition, known.condition);
+        assert!(TrueSide::new(&truth, [0, 1, 3, 4, 5, 9]).is_err());
+    }
 }

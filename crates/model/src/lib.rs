@@ -37,7 +37,7 @@ pub use file::device::LoadedDevice;
 pub use file::effect::stiffness_key;
 pub use file::syntax::check_toml_syntax;
 pub use file::text::{read_text_file, read_toml_text};
-pub use force::{ForceTransmission, handle_force_n};
+pub use force::{ForceTransmission, TrueSide, handle_force_n};
 pub use haptical_dynamics as dynamics;
 pub use haptical_kinematics as kinematics;
 pub use haptical_kinematics::Parameter;

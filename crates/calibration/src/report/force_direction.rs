@@ -2,9 +2,7 @@
 
 use haptical_metrics::quadratic_form_interval;
 use haptical_model::kinematics::nalgebra::Vector3;
-use haptical_model::{
-    Evaluation, ForceTransmission, ModelError, ParameterId, Recording, handle_force_n,
-};
+use haptical_model::{Evaluation, ModelError, ParameterId, Recording, TrueSide};
 
 use crate::error::at_row;
 use crate::report::open_direction::open_directions;
@@ -83,9 +81,7 @@ pub fn force_direction(
         .iter()
         .map(|open| (open.terms.clone(), STEP * open.size));
     let open_moves: Vec<Move> = open_moves.collect();
-    let mut open_squares = vec![0.0; open.len()];
-    let mut sums = vec![0.0; count * count];
-    let mut postures = 0_u32;
+    let mut postures = Vec::with_capacity(rows.len());
     for &row in &rows {
         let mut readings: Vec<f64> = recording.joint.iter().map(|column| column[row]).collect();
         if let Some(locked) = locked {
@@ -93,26 +89,43 @@ pub fn force_direction(
         }
         let mut truth = Evaluation::new(&fit.device);
         truth.move_to(&readings).map_err(at_row(recording, row))?;
-        let Ok(known) = ForceTransmission::new(&truth, &truth, free) else {
+        let Ok(truth) = TrueSide::new(&truth, free) else {
             continue;
         };
-        if known.condition > WORST_CONDITION {
-            continue;
-        }
-        let turns =
-            slopes(fit, &moves, &truth, (&readings, free)).map_err(at_row(recording, row))?;
-        let ways =
-            slopes(fit, &open_moves, &truth, (&readings, free)).map_err(at_row(recording, row))?;
-        postures += 1;
-        for ((sum, way), open) in open_squares.iter_mut().zip(ways).zip(&open) {
-            *sum += open.size.powi(2) * (way[0].powi(2) + way[1].powi(2));
-        }
-        for (a, left) in turns.iter().enumerate() {
-            for (b, right) in turns.iter().enumerate() {
-                sums[a * count + b] += left[0] * right[0] + left[1] * right[1];
-            }
+        if truth.condition <= WORST_CONDITION {
+            postures.push(Posture {
+                row,
+                readings,
+                truth,
+            });
         }
     }
+    let turned = |a_move: &Move| slopes(fit, a_move, &postures);
+    let at_row = |(row, source)| at_row(recording, row)(source);
+    let turns: Vec<Vec<[f64; 2]>> = moves
+        .iter()
+        .map(turned)
+        .collect::<Result<_, _>>()
+        .map_err(at_row)?;
+    let ways: Vec<Vec<[f64; 2]>> = open_moves
+        .iter()
+        .map(turned)
+        .collect::<Result<_, _>>()
+        .map_err(at_row)?;
+    let along = |a: &[[f64; 2]], b: &[[f64; 2]]| -> f64 {
+        let pairs = a.iter().zip(b);
+        pairs.map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
+    };
+    let open_squares = ways.iter().zip(&open);
+    let open_squares: Vec<f64> = open_squares
+        .map(|(way, open)| open.size.powi(2) * along(way, way))
+        .collect();
+    let pairs = turns
+        .iter()
+        .flat_map(|a| turns.iter().map(move |b| along(a, b)));
+    let sums: Vec<f64> = pairs.collect();
+    let left_out = rows.len() - postures.len();
+    let postures = postures.len() as u32;
     if postures == 0 {
         return Ok(None);
     }
@@ -134,7 +147,7 @@ pub fn force_direction(
         rms_rad: mean.max(0.0).sqrt(),
         ci95_rad: [squares.low.max(0.0).sqrt(), squares.high.max(0.0).sqrt()],
         postures: postures as usize,
-        left_out: rows.len() - postures as usize,
+        left_out,
         locked_joint: locked.map(|joint| joint + 1),
     }))
 }
@@ -142,45 +155,44 @@ pub fn force_direction(
 /// Parameters that move together, each by its change, and the step of the difference.
 type Move = (Vec<(ParameterId, f64)>, f64);
 
-/// Derivative of the transverse force of a unit force, per move, by central differences of the controller's
-/// device.
-fn slopes(
-    fit: &ParameterFit,
-    moves: &[Move],
-    truth: &Evaluation<'_>,
-    (readings, free): (&[f64], [usize; 6]),
-) -> Result<Vec<[f64; 2]>, ModelError> {
-    let mut slopes = Vec::with_capacity(moves.len());
-    for (terms, step) in moves {
-        if !(*step > 0.0 && step.is_finite()) {
-            slopes.push([0.0; 2]);
-            continue;
-        }
-        let transverse = |sign: f64| {
-            let mut device = fit.device.clone();
-            for (parameter, change) in terms {
-                let value = parameter.value(&fit.device);
-                parameter.set(&mut device, value + sign * step * change);
-            }
-            let mut controller = Evaluation::new(&device);
-            controller.move_to(readings)?;
-            unit_force(truth, &controller, free)
-        };
-        let (after, before) = (transverse(1.0)?, transverse(-1.0)?);
-        slopes.push([0, 1].map(|axis| (after[axis] - before[axis]) / (2.0 * step)));
-    }
-    Ok(slopes)
+/// A posture of a recording that is not singular.
+struct Posture {
+    row: usize,
+    readings: Vec<f64>,
+    truth: TrueSide,
 }
 
-/// What a unit force along the handle's z, as the controller knows it, is in the true handle's frame.
-fn unit_force(
-    truth: &Evaluation<'_>,
-    controller: &Evaluation<'_>,
-    free: [usize; 6],
-) -> Result<Vector3<f64>, ModelError> {
-    let transmission = ForceTransmission::new(truth, controller, free)?;
-    let force = handle_force_n(&transmission, truth, controller, 1.0, 0.0)?;
-    force.ok_or(ModelError::Posture {
-        condition: transmission.condition,
-    })
+/// Derivative of the transverse force of a unit force by a move, at each posture, by central differences of the controller's
+/// device. In an error the row of the posture.
+fn slopes(
+    fit: &ParameterFit,
+    (terms, step): &Move,
+    postures: &[Posture],
+) -> Result<Vec<[f64; 2]>, (usize, ModelError)> {
+    if !(*step > 0.0 && step.is_finite()) {
+        return Ok(vec![[0.0; 2]; postures.len()]);
+    }
+    let moved = |sign: f64| {
+        let mut device = fit.device.clone();
+        for (parameter, change) in terms {
+            let value = parameter.value(&fit.device);
+            parameter.set(&mut device, value + sign * step * change);
+        }
+        device
+    };
+    let [after, before] = [moved(1.0), moved(-1.0)];
+    let mut controllers = [&after, &before].map(Evaluation::new);
+    let mut slope = |posture: &Posture| {
+        let mut forces = [Vector3::zeros(); 2];
+        for (force, controller) in forces.iter_mut().zip(&mut controllers) {
+            controller.move_to(&posture.readings)?;
+            *force = posture.truth.unit_force(controller)?;
+        }
+        let [after, before] = forces;
+        Ok([0, 1].map(|axis| (after[axis] - before[axis]) / (2.0 * step)))
+    };
+    let slopes = postures.iter();
+    slopes
+        .map(|posture| slope(posture).map_err(|source| (posture.row, source)))
+        .collect()
 }
