@@ -5,7 +5,6 @@ use haptical_model::kinematics::nalgebra::{Matrix3, Vector3};
 use haptical_model::{Device, Recording};
 
 use crate::CalibrationError;
-use crate::checks::sufficiency::extremes;
 use crate::start::prepare::handle_poses;
 
 /// Fewest rows: an arm at one posture repeats what a coarse sensor reads.
@@ -23,9 +22,11 @@ pub(crate) fn check(device: &Device, recording: &Recording) -> Result<(), Calibr
     if recording.len() < LEAST_ROWS {
         return Ok(());
     }
-    let poses = device
-        .has_links()
-        .then(|| handle_poses(device, recording).ok());
+    let mut of_handle = (recording.position_m.iter().flatten())
+        .chain(recording.orientation_wxyz.iter().flatten())
+        .chain(recording.cable_m.iter().flatten());
+    let is_asked = device.has_links() && of_handle.any(|column| is_one(column.iter()));
+    let poses = is_asked.then(|| handle_poses(device, recording).ok());
     let poses = poses.flatten().unwrap_or_default();
     let columns = [
         positions(recording, &poses),
@@ -127,9 +128,16 @@ fn outputs(recording: &Recording) -> Vec<String> {
 
 /// Whether a column has one value, in rows enough.
 pub(super) fn is_one<'c>(column: impl Iterator<Item = &'c f64>) -> bool {
-    let read: Vec<f64> = column.copied().filter(|value| value.is_finite()).collect();
-    let [low, high] = extremes(&read);
-    read.len() >= LEAST_ROWS && low.to_bits() == high.to_bits()
+    let mut read = column.filter(|value| value.is_finite());
+    let Some(first) = read.next() else {
+        return false;
+    };
+    let mut rows = 1;
+    let is_same = |value: &f64| {
+        rows += 1;
+        value.to_bits() == first.to_bits()
+    };
+    read.all(is_same) && rows >= LEAST_ROWS
 }
 
 fn sd(values: impl Iterator<Item = f64>) -> f64 {

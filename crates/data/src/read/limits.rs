@@ -176,16 +176,16 @@ fn range(readings: &[f64]) -> (f64, f64) {
 
 /// Range of the readings without the outermost 2.5 % at either end (none of fewer than 40).
 fn trimmed_range(readings: &[f64]) -> (f64, f64) {
-    let mut sorted: Vec<f64> = readings
+    let mut kept: Vec<f64> = readings
         .iter()
         .copied()
         .filter(|value| !value.is_nan())
         .collect();
-    sorted.sort_by(f64::total_cmp);
-    let n_trimmed = (TRIMMED * sorted.len() as f64).floor() as usize;
-    let kept = &sorted[n_trimmed..sorted.len() - n_trimmed];
-    match kept {
-        [] => (0.0, 0.0),
-        [first, ..] => (*first, kept.last().copied().unwrap_or(*first)),
+    let last = kept.len().saturating_sub(1);
+    let n_trimmed = (TRIMMED * kept.len() as f64).floor() as usize;
+    if kept.is_empty() {
+        return (0.0, 0.0);
     }
+    let mut at = |place: usize| *kept.select_nth_unstable_by(place, f64::total_cmp).1;
+    (at(n_trimmed), at(last - n_trimmed))
 }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::io::{self, BufReader, Cursor, Read};
 
 use flate2::bufread::MultiGzDecoder;
+use memchr::{memchr, memchr3};
 
 use crate::error::place::Place;
 use crate::error::{DataError, Fault};
@@ -177,25 +178,23 @@ impl<'r> TextStream<'r> {
 
     /// Counts lines and commas of valid text, and refuses what no log holds.
     fn scan(&mut self, text: &[u8]) -> Result<(), DataError> {
-        for &byte in text {
-            let is_rest_of_end = byte == b'\n' && self.is_after_return;
-            self.is_after_return = byte == b'\r';
-            match byte {
-                b'\n' | b'\r' if is_rest_of_end => self.line_start = self.offset + 1,
-                b'\n' | b'\r' => {
-                    self.line += 1;
-                    self.line_start = self.offset + 1;
-                    self.commas = 0;
-                    self.is_in_line = false;
-                    self.has_header |= !self.header.trim_ascii().is_empty();
-                    if !self.has_header {
-                        self.header.clear();
-                    }
-                }
-                0 => return Err(self.nul_byte()),
-                _ => self.take_letter(byte)?,
+        self.has_quotes |= memchr(b'"', text).is_some();
+        let mut rest = text;
+        while !rest.is_empty() {
+            let letters = memchr3(b'\n', b'\r', 0, rest).unwrap_or(rest.len());
+            let (letters, end) = rest.split_at(letters);
+            self.take_letters(letters)?;
+            let Some((&byte, after)) = end.split_first() else {
+                self.count_commas(letters);
+                break;
+            };
+            if byte == 0 {
+                self.count_commas(letters);
+                return Err(self.nul_byte());
             }
             self.offset += 1;
+            self.end_line(byte);
+            rest = after;
         }
         if self.offset - self.last_row > LONGEST_GAP_BYTES {
             let line = self.starts.front().map_or(self.line, |&(_, line)| line);
@@ -206,12 +205,35 @@ impl<'r> TextStream<'r> {
         Ok(())
     }
 
-    fn take_letter(&mut self, byte: u8) -> Result<(), DataError> {
+    /// An end of line, after it.
+    fn end_line(&mut self, byte: u8) {
+        let is_rest_of_end = byte == b'\n' && self.is_after_return;
+        self.is_after_return = byte == b'\r';
+        self.line_start = self.offset;
+        if is_rest_of_end {
+            return;
+        }
+        self.line += 1;
+        self.commas = 0;
+        self.is_in_line = false;
+        self.has_header |= !self.header.trim_ascii().is_empty();
+        if !self.has_header {
+            self.header.clear();
+        }
+    }
+
+    /// Letters of one line.
+    fn take_letters(&mut self, letters: &[u8]) -> Result<(), DataError> {
+        if letters.is_empty() {
+            return Ok(());
+        }
+        self.is_after_return = false;
         if !self.is_in_line {
             self.is_in_line = true;
             self.starts.push_back((self.offset, self.line));
         }
-        if self.offset - self.line_start >= LONGEST_LINE_BYTES {
+        let after = self.offset + letters.len() as u64;
+        if after - self.line_start > LONGEST_LINE_BYTES {
             return Err(
                 Place::line(&self.file, self.line).error(Fault::LineTooLong {
                     mebibytes: LONGEST_LINE_BYTES >> 20,
@@ -219,14 +241,15 @@ impl<'r> TextStream<'r> {
             );
         }
         if !self.has_header {
-            self.header.push(byte);
+            self.header.extend_from_slice(letters);
         }
-        match byte {
-            b',' => self.commas += 1,
-            b'"' => self.has_quotes = true,
-            _ => {}
-        }
+        self.offset = after;
         Ok(())
+    }
+
+    /// Commas count in a line that has not ended: the place of what is refused in it.
+    fn count_commas(&mut self, letters: &[u8]) {
+        self.commas += letters.iter().filter(|byte| **byte == b',').count();
     }
 
     /// The place of the next byte, with its column where the header is known.

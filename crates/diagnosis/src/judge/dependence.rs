@@ -9,8 +9,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Result;
 use crate::answer::Dependence;
-use crate::engine::{System, dot, take_off_all};
+use crate::engine::{System, across, dot};
 use crate::thresholds::dependence::{ASKED_SHARE, DEPENDENCE_P, DEPENDENT, STRETCHES};
+use crate::thresholds::engine::AGAIN_BELOW;
 
 use self::questions::questions;
 
@@ -87,14 +88,12 @@ struct Answer {
 fn ask(context: &Context<'_>, system: &System, signals: &[Signal]) -> Result<Option<Answer>> {
     let mut columns: Vec<Vec<f64>> = Vec::new();
     for signal in signals {
-        let mut column = system.layout.dense(signal);
+        let column = system.layout.dense(signal);
         let length = dot(&column, &column).sqrt();
-        take_off_all(&mut column, || system.basis.iter());
-        let left = dot(&column, &column).sqrt();
-        if left > ASKED_SHARE * length && left > 0.0 {
-            column.iter_mut().for_each(|entry| *entry /= left);
-            columns.push(column);
-        }
+        let across = across(column, AGAIN_BELOW, || system.basis.iter());
+        let left = across.as_ref().and_then(|across| across.products.last());
+        let is_left = left.is_some_and(|left| *left > ASKED_SHARE * length);
+        columns.extend(across.filter(|_| is_left).map(|across| across.direction));
     }
     let postures = together(context, system);
     let rows = postures.iter().max().map_or(0, |row| row + 1);
