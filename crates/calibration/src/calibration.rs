@@ -187,34 +187,11 @@ fn fit_and_check(
     let folded = count.map(|count| (count, seen));
     let (mut held_out_channels, held_out) = match &folded {
         Some((count, seen)) => {
-            // the folds check the fit that was made, not others
-            let again = options;
-            let loss = fitted.robust.as_ref().map_or(Loss::Squares, |r| r.loss);
-            let mut options = Options {
-                loss: LossChoice::Fixed(loss),
-                ..options.clone()
-            };
-            // nobody reads those of a fold
-            options.rules.singular_values = false;
+            let whole = (nominal, fitted, fit_channels);
             let by = (*count, dwelt.as_deref());
-            let from = (loss == Loss::Squares).then_some(&fitted);
-            let mut of_folds = Vec::new();
-            let mut checked = comparison.cross_validate((&options, from), by, &mut of_folds)?;
-            let all = || folds(recording.len(), by.0, by.1).into_iter();
-            // folds that begin where the fit ended share a wrong minimum: one is begun at the device file
-            let afresh = from.and_then(|_| all().next());
-            let afresh = afresh.map(|first| comparison.afresh(&first, &options));
-            if afresh.is_some_and(|unseen| ran_away(&fit_channels, &unseen).is_some()) {
-                of_folds.clear();
-                checked = comparison.cross_validate((&options, None), by, &mut of_folds)?;
-            }
-            warnings.extend(of_folds);
-            (nominal, fitted, fit_channels) = not_above_folds(
-                (nominal, fitted, fit_channels),
-                (&comparison, seen, &split.fit),
-                all().map(|fold| fold.fit),
-                (again, &checked.0),
-            )?;
+            let seen = (&comparison, seen, &split.fit[..]);
+            let (whole, checked) = by_folds(whole, seen, by, options, &mut warnings)?;
+            (nominal, fitted, fit_channels) = whole;
             checked
         }
         None if split.held_out.is_empty() => (Vec::new(), split.description),
@@ -270,6 +247,42 @@ fn fit_and_check(
 
 /// A prepared device, its fit, and what both leave on the rows of the fit.
 type Whole = (Device, FittedDevice, Vec<ChannelReport>);
+
+/// What folds leave of the rows that they do not see: of a count, by row or by the postures at which the device dwelt; and the fit that
+/// they do not refute.
+fn by_folds(
+    whole: Whole,
+    (comparison, seen, rows): (&Comparison<'_>, &Recording, &[usize]),
+    by: (usize, Option<&[usize]>),
+    options: &Options,
+    warnings: &mut Vec<String>,
+) -> Result<(Whole, (Vec<ChannelReport>, String)), CalibrationError> {
+    // the folds check the fit that was made, not others
+    let robust = whole.1.robust.as_ref();
+    let loss = robust.map_or(Loss::Squares, |robust| robust.loss);
+    let mut of_fold = Options {
+        loss: LossChoice::Fixed(loss),
+        ..options.clone()
+    };
+    // nobody reads those of a fold
+    of_fold.rules.singular_values = false;
+    let from = (loss == Loss::Squares).then_some(&whole.1);
+    let mut told = Vec::new();
+    let mut checked = comparison.cross_validate((&of_fold, from), by, &mut told)?;
+    let all = || folds(comparison.recording.len(), by.0, by.1).into_iter();
+    // folds that begin where the fit ended share a wrong minimum: one is begun at the device file
+    let first = from.and_then(|_| all().next());
+    let afresh = first.map(|first| comparison.afresh(&first, &of_fold.to_compare()));
+    if afresh.is_some_and(|unseen| ran_away(&whole.2, &unseen).is_some()) {
+        told.clear();
+        checked = comparison.cross_validate((&of_fold, None), by, &mut told)?;
+    }
+    warnings.extend(told);
+    let starts = all().map(|fold| fold.fit);
+    let seen = (comparison, seen, rows);
+    let whole = not_above_folds(whole, seen, starts, (options, &checked.0))?;
+    Ok((whole, checked))
+}
 
 /// A fit that does not end far above what its folds leave: one that does is begun again where each of them began.
 ///

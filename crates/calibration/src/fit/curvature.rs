@@ -184,7 +184,7 @@ impl HeldColumns<'_> {
             let bends_far = fit.fitted.iter().zip(&bends).any(|(&index, bend)| {
                 let sd = fit.estimates[index].standard_deviation;
                 let moved = bend * deviation * deviation / 2.0;
-                sd.is_none_or(|sd| !(moved.abs() <= HARDLY * sd))
+                sd.is_none_or(|sd| moved.is_nan() || moved.abs() > HARDLY * sd)
             });
             let sides = match bends_far {
                 true => (moved_by(deviation, &bends), moved_by(-deviation, &bends)),

@@ -222,7 +222,7 @@ impl<'a> Prepared<'a> {
             .filter(|parameter| !self.base.free.contains(parameter))
             .collect();
         let other = self.derivatives.as_ref();
-        let other = other.map(|all| self.shown(self.columns(&whole.blocks, all, &held), &held));
+        let other = other.map(|all| self.shown(&self.columns(&whole.blocks, all, &held), &held));
         Ok(Engine {
             floor: self.floors(&known.noise),
             system: whole.system(&self.context, other.as_ref(), &fit.residual)?,
@@ -237,7 +237,7 @@ impl<'a> Prepared<'a> {
 
     /// The columns of those parameters of which a plausible deviation shows in some reading: others' are rounding, and their directions
     /// chance.
-    fn shown(&self, columns: SparseColumns, parameters: &[usize]) -> SparseColumns {
+    fn shown(&self, columns: &SparseColumns, parameters: &[usize]) -> SparseColumns {
         let shows = |&(column, parameter): &(usize, &usize)| {
             let entries = columns.column(column).values();
             let size = self.base.parameters[*parameter].plausible_size(&self.base.device);
