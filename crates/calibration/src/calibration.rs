@@ -270,10 +270,11 @@ fn by_folds(
     let mut told = Vec::new();
     let mut checked = comparison.cross_validate((&of_fold, from), by, &mut told)?;
     let all = || folds(comparison.recording.len(), by.0, by.1).into_iter();
-    // folds that begin where the fit ended share a wrong minimum: one is begun at the device file
-    let first = from.and_then(|_| all().next());
-    let afresh = first.map(|first| comparison.afresh(&first, &of_fold.to_compare()));
-    if afresh.is_some_and(|unseen| ran_away(&whole.2, &unseen).is_some()) {
+    // folds that begin where the fit ended share a wrong minimum: the first that can be fitted is begun at the device file, too
+    let quick = of_fold.to_compare();
+    let first = || all().find_map(|fold| comparison.afresh(&fold, &quick));
+    let refutes = |unseen: Vec<ChannelReport>| ran_away(&whole.2, &unseen).is_some();
+    if from.is_some() && first().is_none_or(refutes) {
         told.clear();
         checked = comparison.cross_validate((&of_fold, None), by, &mut told)?;
     }

@@ -1,12 +1,11 @@
 //! Residuals of the nominal and the calibrated device, on rows of the fit or on held-out rows.
 
-use std::collections::BTreeSet;
-
 use haptical_model::{Device, Recording};
 
 use crate::checks::held_out::{SHORT_LOG, Split, folds};
 use crate::fit_device::fit_prepared_device;
 use crate::report::warnings;
+use crate::start::ids::listed;
 use crate::start::prepare::with_unseen_places;
 use crate::steps::device::fit_from;
 use crate::{
@@ -115,12 +114,10 @@ impl Comparison<'_> {
         ))
     }
 
-    /// What a device fitted to a fold leaves on its own rows, its search begun at the device file; nothing where it cannot be fitted.
-    pub(crate) fn afresh(&self, fold: &Split, options: &Options) -> Vec<ChannelReport> {
-        match self.of_fold(fold, options, None) {
-            Ok(Ok(made)) => reports(self.device, made.before, made.after),
-            _ => Vec::new(),
-        }
+    /// What a device fitted to a fold leaves on its own rows, its search begun at the device file; none where it cannot be fitted.
+    pub(crate) fn afresh(&self, fold: &Split, options: &Options) -> Option<Vec<ChannelReport>> {
+        let made = self.of_fold(fold, options, None).ok()?.ok()?;
+        Some(reports(self.device, made.before, made.after))
     }
 
     /// A fold's own rows as a device that is fitted to the others predicts them; inside, why the fit failed.
@@ -134,8 +131,9 @@ impl Comparison<'_> {
         let seen = recording.select(&fold.fit);
         let whole = whole.filter(|_| are_alike(recording, &seen));
         let nominal = crate::prepare_device(device, &seen)?;
-        let fitted = match whole {
-            Some(whole) => fit_from(&nominal, &seen, options, whole)?,
+        let from_whole = whole.and_then(|whole| fit_from(&nominal, &seen, options, whole).ok());
+        let fitted = match from_whole {
+            Some(fitted) => fitted,
             None => fit_prepared_device(&nominal, &seen, options)?,
         };
         let unseen = recording.select(&fold.held_out);
@@ -155,8 +153,8 @@ impl Comparison<'_> {
     }
 }
 
-/// Whether a part of a recording touches all that the whole touches, and has all of its tools and runs: then their fits have the same
-/// numbers.
+/// Whether a part of a recording touches all that the whole touches, in the same order, and has all of its tools and runs: then their fits
+/// have the same numbers, which are known by that order.
 fn are_alike(whole: &Recording, part: &Recording) -> bool {
     let ids = |recording: &Recording| {
         let columns = [
@@ -165,12 +163,13 @@ fn are_alike(whole: &Recording, part: &Recording) -> bool {
             &recording.contact,
             &recording.plane,
         ];
-        let of_column = |column: &Option<Vec<String>>| {
-            let ids = column.iter().flatten().cloned();
-            ids.collect::<BTreeSet<String>>()
-        };
-        let runs: BTreeSet<i64> = recording.run.iter().flatten().copied().collect();
-        (columns.map(of_column), runs)
+        let mut runs: Vec<i64> = Vec::new();
+        for run in recording.run.iter().flatten() {
+            if !runs.contains(run) {
+                runs.push(*run);
+            }
+        }
+        (columns.map(|column| column.as_deref().map(listed)), runs)
     };
     ids(whole) == ids(part)
 }

@@ -302,22 +302,56 @@ impl TriangleProblem for ReducedProblem<'_> {
         free: &[usize],
         into: &mut Triangle,
     ) -> Result<(), IdentificationError> {
-        let mut channels = self.triangles(parameters, free)?;
-        // a channel that sees all parameters has the total's columns: the others are folded into it
-        let mut columns = channels.iter().map(|channel| channel.triangle.columns());
-        *into = match columns.position(|count| count == free.len()) {
-            Some(widest) => channels.swap_remove(widest).triangle,
-            None => Triangle::new(free.len()),
-        };
-        let zeros = vec![0.0; free.len() + 1];
-        for channel in &channels {
-            let rows = channel.triangle.as_rows();
-            let mut columns = vec![&zeros[..rows.rows()]; free.len()];
-            for (&own, &column) in channel.of.iter().zip(&channel.columns) {
-                columns[column] = rows.column(own);
-            }
-            into.fold_rows(&columns, rows.column(rows.columns() - 1))?;
-        }
+        *into = total(self.triangles(parameters, free)?, free.len())?;
         Ok(())
+    }
+}
+
+/// One triangle of all channels.
+fn total(mut channels: Vec<ChannelTriangle>, free: usize) -> Result<Triangle, LinalgError> {
+    // a channel that sees all parameters, each by a column of its own and in their order, has the total's columns: the others are
+    // folded into it
+    let is_widest = |channel: &ChannelTriangle| channel.of.iter().copied().eq(0..free);
+    let mut total = match channels.iter().position(is_widest) {
+        Some(widest) => channels.swap_remove(widest).triangle,
+        None => Triangle::new(free),
+    };
+    let zeros = vec![0.0; free + 1];
+    for channel in &channels {
+        let rows = channel.triangle.as_rows();
+        let mut columns = vec![&zeros[..rows.rows()]; free];
+        for (&own, &column) in channel.of.iter().zip(&channel.columns) {
+            columns[column] = rows.column(own);
+        }
+        total.fold_rows(&columns, rows.column(rows.columns() - 1))?;
+    }
+    Ok(total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An angle and a constant have one column, a length another: without the angle the constant is behind the length.
+    #[test]
+    fn a_shared_column_keeps_its_parameter() {
+        let (turn, length): (&[f64], &[f64]) = (&[1.0, 2.0, 0.5], &[0.3, -1.0, 4.0]);
+        let mut triangle = Triangle::new(2);
+        triangle
+            .fold_rows(&[turn, length], &[1.0, 1.0, 2.0])
+            .unwrap();
+        let all = ChannelTriangle {
+            columns: vec![0, 1, 2],
+            of: vec![0, 1, 0],
+            triangle,
+        };
+        for (free, columns) in [([1, 2], [length, turn]), ([2, 1], [turn, length])] {
+            let some = total(vec![all.of_some(&free).unwrap()], 2).unwrap();
+            for (place, column) in columns.into_iter().enumerate() {
+                let norm = |entries: &[f64]| entries.iter().map(|x| x * x).sum::<f64>();
+                let apart = norm(some.column(place)) - norm(column);
+                assert!(apart.abs() < 1e-12, "{free:?} {place}: {apart}");
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use haptical_identification::{Problem, solve};
+use haptical_identification::{NoiseScale, Problem, solve, uncertainty};
 use haptical_model::{Device, ParameterId, Recording};
 
 use crate::fit::profiled::profile;
@@ -211,8 +211,17 @@ fn refitted(
         (0..kept.len()).collect::<Vec<usize>>(),
     );
     let fit = solve(prepared.searched(), &start, &all, &options.search).ok()?;
-    let is_found = fit.convergence.was_successful();
-    is_found.then(|| problem.device_with(&fit.parameters))
+    let found = problem.device_with(&fit.parameters);
+    let spread = uncertainty(&fit.reduction, &all, fit.cost, NoiseScale::Stated).ok()?;
+    // few rows may be all that shows one of them
+    let is_fixed = |(place, parameter): (usize, &ParameterId)| {
+        let most = options.rules.weak_share * parameter.plausible_size(device);
+        spread.standard_deviation(place) <= most
+    };
+    let is_sound = fit.convergence.was_successful()
+        && kept.iter().enumerate().all(is_fixed)
+        && size::collapsed(device, &found, recording, channels).is_none();
+    is_sound.then_some(found)
 }
 
 /// Step 1 alone.

@@ -151,12 +151,12 @@ impl Candidate {
             unit_amplitude: f64::INFINITY,
         };
         let mut norms: Vec<f64> = (0..count).map(|k| self.own[(k, k)].sqrt()).collect();
+        if count == 0 || norms.iter().any(|norm| !norm.is_finite()) {
+            return result;
+        }
         let longest = norms.iter().fold(0.0_f64, |most, norm| most.max(*norm));
         for norm in norms.iter_mut().filter(|norm| **norm <= ROUNDING * longest) {
             *norm = 0.0;
-        }
-        if count == 0 || norms.iter().any(|norm| !norm.is_finite()) {
-            return result;
         }
         let scale = |k: usize| if norms[k] > 0.0 { 1.0 / norms[k] } else { 0.0 };
         let gram = DMatrix::from_fn(count, count, |a, b| {

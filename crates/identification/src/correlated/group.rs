@@ -22,6 +22,9 @@ pub(super) struct Group {
 /// Singular value of a direction in a group, as a share of the largest, that is rounding: another group shows it, or none does.
 const ROUNDING: f64 = 1e-12;
 
+/// Rounds of a decomposition: a few for each column are usual.
+const MOST_ROUNDS: usize = 10_000;
+
 impl Group {
     /// `norms` are those of all rows' columns.
     pub(super) fn new(
@@ -82,7 +85,7 @@ fn directions(columns: &DMatrix<f64>) -> Option<(DMatrix<f64>, Vec<f64>)> {
         true => triangle.entry(row, column),
         false => 0.0,
     });
-    let found = SVD::try_new(factor, false, true, f64::EPSILON, 0)?;
+    let found = SVD::try_new(factor, false, true, 5.0 * f64::EPSILON, MOST_ROUNDS)?;
     let values = &found.singular_values;
     let least = ROUNDING * values.max();
     let kept: Vec<usize> = (0..count).filter(|&k| values[k] > least).collect();

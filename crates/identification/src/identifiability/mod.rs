@@ -175,7 +175,8 @@ pub fn analyse(
 /// rest (Golub & Van Loan, *Matrix Computations*, section 5.5.8: a few epsilons times the largest).
 fn or_nothing(value: f64, largest: f64, columns: usize) -> f64 {
     let rounding = 4.0 * columns as f64 * f64::EPSILON * largest;
-    if value > rounding { value } else { 0.0 }
+    // what is no number stays none
+    if value <= rounding { 0.0 } else { value }
 }
 
 fn check(

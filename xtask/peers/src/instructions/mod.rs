@@ -4,6 +4,7 @@ mod committed;
 mod compare;
 mod count;
 mod environment;
+mod growth;
 mod output;
 #[cfg(test)]
 mod tests;
@@ -11,7 +12,7 @@ mod workloads;
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use rayon::prelude::*;
 use xtask_output::{Progress, root};
 
@@ -24,7 +25,8 @@ use workloads::{Workload, all};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples: cargo xtask instructions --quick\n          \
                          cargo xtask instructions --only csv-rows,fit-200-poses --json\n          \
-                         cargo xtask instructions --record     after a change that moves counts")]
+                         cargo xtask instructions --record     after a change that moves counts\n          \
+                         cargo xtask instructions --growth     over logs of 1000 to 16 000 rows")]
 pub struct Arguments {
     /// Commit these counts instead of comparing them: writes `fixtures/instructions/VERSION.toml`.
     #[arg(long)]
@@ -40,6 +42,9 @@ pub struct Arguments {
     /// Leave out the workloads that take valgrind more than ten seconds.
     #[arg(long)]
     quick: bool,
+    /// How the instructions of commands grow with the rows of their logs, in the place of the workloads: some minutes.
+    #[arg(long, conflicts_with_all = ["record", "only", "quick", "json"])]
+    growth: bool,
     /// Print JSON alone.
     #[arg(long)]
     json: bool,
@@ -56,9 +61,20 @@ fn folder() -> PathBuf {
 /// Runs the job.
 pub fn instructions(arguments: &Arguments) -> Result<()> {
     if let Some(name) = &arguments.run {
-        let lanes = count::run(&chosen(std::slice::from_ref(name))?[0])?;
+        let of_growth = growth::WORKLOADS.into_iter().find(|own| own.name == *name);
+        let workload = match of_growth {
+            Some(workload) => workload,
+            None => chosen(std::slice::from_ref(name))?[0],
+        };
+        let lanes = count::run(&workload)?;
         println!("{lanes}");
         return Ok(());
+    }
+    if arguments.growth {
+        let environment =
+            Environment::here().map_err(|why| anyhow!("nothing can be counted: {why}"))?;
+        let (_, counts) = counted(environment, &growth::WORKLOADS)?;
+        return growth::judge(&counts);
     }
     let mut workloads = chosen(&arguments.only)?;
     workloads.retain(|workload| !(arguments.quick && workload.is_long));

@@ -7,6 +7,8 @@ mod recordings;
 
 use anyhow::Result;
 
+pub(super) use self::recordings::log;
+
 /// What is counted, once everything that it needs is there.
 pub(crate) type Job = Box<dyn FnMut() -> Result<()>>;
 
