@@ -26,7 +26,7 @@ use workloads::{Workload, all};
 #[command(after_help = "Examples: cargo xtask instructions --quick\n          \
                          cargo xtask instructions --only csv-rows,fit-200-poses --json\n          \
                          cargo xtask instructions --record     after a change that moves counts\n          \
-                         cargo xtask instructions --growth     over logs of 1000 to 16 000 rows")]
+                         cargo xtask instructions --growth     over logs of 1000 to 8000 rows")]
 pub struct Arguments {
     /// Commit these counts instead of comparing them: writes `fixtures/instructions/VERSION.toml`.
     #[arg(long)]
@@ -42,7 +42,7 @@ pub struct Arguments {
     /// Leave out the workloads that take valgrind more than ten seconds.
     #[arg(long)]
     quick: bool,
-    /// How the instructions of commands grow with the rows of their logs, in the place of the workloads: some minutes.
+    /// How the instructions of commands grow with the rows of their logs, in the place of the workloads: some minutes
     #[arg(long, conflicts_with_all = ["record", "only", "quick", "json"])]
     growth: bool,
     /// Print JSON alone.
