@@ -267,18 +267,18 @@ fn by_folds(
     // nobody reads those of a fold
     of_fold.rules.singular_values = false;
     let from = (loss == Loss::Squares).then_some(&whole.1);
-    let mut told = Vec::new();
-    let mut checked = comparison.cross_validate((&of_fold, from), by, &mut told)?;
+    let mut of_folds = Vec::new();
+    let mut checked = comparison.cross_validate((&of_fold, from), by, &mut of_folds)?;
     let all = || folds(comparison.recording.len(), by.0, by.1).into_iter();
     // folds that begin where the fit ended share a wrong minimum: the first that can be fitted is begun at the device file, too
     let quick = of_fold.to_compare();
     let first = || all().find_map(|fold| comparison.afresh(&fold, &quick));
     let refutes = |unseen: Vec<ChannelReport>| ran_away(&whole.2, &unseen).is_some();
     if from.is_some() && first().is_none_or(refutes) {
-        told.clear();
-        checked = comparison.cross_validate((&of_fold, None), by, &mut told)?;
+        of_folds.clear();
+        checked = comparison.cross_validate((&of_fold, None), by, &mut of_folds)?;
     }
-    warnings.extend(told);
+    warnings.extend(of_folds);
     let starts = all().map(|fold| fold.fit);
     let seen = (comparison, seen, rows);
     let whole = not_above_folds(whole, seen, starts, (options, &checked.0))?;

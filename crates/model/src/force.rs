@@ -45,13 +45,8 @@ impl ForceTransmission {
     ) -> Result<Self, ModelError> {
         let jacobian = jacobian(truth, free)?;
         let known = self::jacobian(controller, free)?;
-        let singular = jacobian.singular_values();
-        let (largest, smallest) = (singular.max(), singular.min());
-        let condition = largest / smallest;
+        let condition = condition(&jacobian)?;
         let posture = || ModelError::Posture { condition };
-        if !condition.is_finite() || smallest <= f64::EPSILON * largest {
-            return Err(posture());
-        }
         let matrix = jacobian
             .transpose()
             .lu()
@@ -97,13 +92,8 @@ impl TrueSide {
     /// As for [`ForceTransmission::new`].
     pub fn new(truth: &Evaluation<'_>, free: [usize; 6]) -> Result<Self, ModelError> {
         let jacobian = jacobian(truth, free)?;
-        let singular = jacobian.singular_values();
-        let (largest, smallest) = (singular.max(), singular.min());
-        let condition = largest / smallest;
+        let condition = condition(&jacobian)?;
         let posture = || ModelError::Posture { condition };
-        if !condition.is_finite() || smallest <= f64::EPSILON * largest {
-            return Err(posture());
-        }
         let inverse = jacobian.transpose().try_inverse().ok_or_else(posture)?;
         Ok(Self {
             inverse,
@@ -146,6 +136,17 @@ pub fn handle_force_n(
     let turn = truth.pose()?.rotation.transpose();
     let wrench = transmission.wrench_in_loop(&wanted, gain);
     Ok(wrench.map(|wrench| turn * Vector3::new(wrench[0], wrench[1], wrench[2])))
+}
+
+/// Condition number of a Jacobian; an error where it is singular.
+fn condition(jacobian: &Matrix6<f64>) -> Result<f64, ModelError> {
+    let singular = jacobian.singular_values();
+    let (largest, smallest) = (singular.max(), singular.min());
+    let condition = largest / smallest;
+    match condition.is_finite() && smallest > f64::EPSILON * largest {
+        true => Ok(condition),
+        false => Err(ModelError::Posture { condition }),
+    }
 }
 
 /// Columns (linear; angular) of the free joints, with respect to their motor-side readings.

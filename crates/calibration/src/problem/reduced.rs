@@ -84,7 +84,7 @@ impl<'p> ReducedProblem<'p> {
     ) -> Result<Vec<(Channel, Matrix)>, IdentificationError> {
         let channels = self.problem.channels();
         let triangles = self.triangles(parameters, free)?;
-        let rows = triangles.iter().map(|own| own.spread(free.len()));
+        let rows = triangles.iter().map(|channel| channel.spread(free.len()));
         Ok(channels.zip(rows).collect())
     }
 
@@ -98,9 +98,9 @@ impl<'p> ReducedProblem<'p> {
         if let Some((at, all)) = &*self.last.borrow()
             && at == parameters
         {
-            let chosen = |own: &ChannelTriangle| match is_of_all {
-                true => Ok(own.clone()),
-                false => own.of_some(free),
+            let chosen = |channel: &ChannelTriangle| match is_of_all {
+                true => Ok(channel.clone()),
+                false => channel.of_some(free),
             };
             return Ok(all.iter().map(chosen).collect::<Result<_, LinalgError>>()?);
         }
@@ -235,12 +235,12 @@ impl<'p> ReducedProblem<'p> {
 impl ChannelTriangle {
     /// The triangle of all parameters as one of some of them, ascending or not.
     fn of_some(&self, free: &[usize]) -> Result<Self, LinalgError> {
-        let own = |(position, index): (usize, &usize)| {
+        let seen = |(position, index): (usize, &usize)| {
             let place = self.columns.iter().position(|column| column == index)?;
             Some((position, self.of[place]))
         };
         let (columns, from): (Vec<usize>, Vec<usize>) =
-            free.iter().enumerate().filter_map(own).unzip();
+            free.iter().enumerate().filter_map(seen).unzip();
         let rows = self.triangle.as_rows();
         // a column that stands for several parameters is one of the triangle
         let mut distinct: Vec<usize> = from.clone();
@@ -251,7 +251,7 @@ impl ChannelTriangle {
         triangle.fold_rows(&chosen, rows.column(rows.columns() - 1))?;
         let of = from
             .iter()
-            .map(|column| distinct.partition_point(|own| own < column));
+            .map(|column| distinct.partition_point(|other| other < column));
         Ok(Self {
             of: of.collect(),
             columns,
@@ -320,8 +320,8 @@ fn total(mut channels: Vec<ChannelTriangle>, free: usize) -> Result<Triangle, Li
     for channel in &channels {
         let rows = channel.triangle.as_rows();
         let mut columns = vec![&zeros[..rows.rows()]; free];
-        for (&own, &column) in channel.of.iter().zip(&channel.columns) {
-            columns[column] = rows.column(own);
+        for (&of, &column) in channel.of.iter().zip(&channel.columns) {
+            columns[column] = rows.column(of);
         }
         total.fold_rows(&columns, rows.column(rows.columns() - 1))?;
     }

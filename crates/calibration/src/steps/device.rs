@@ -260,6 +260,20 @@ fn fit_jointly(
 ) -> Result<ParameterFit, CalibrationError> {
     let (mut parameters, unsupported) = joint_candidates(&fitted.device, &fitted.transmissions);
     parameters.retain(|parameter| !held.contains(parameter));
+    let candidates = (parameters, unsupported);
+    let with = (weights, options);
+    fit_candidates(fitted, recording, channels, with, candidates, Some(begin))
+}
+
+/// A fit of candidates and of terms that step 1 found unsupported, from where `begin` has them.
+fn fit_candidates(
+    fitted: &FittedDevice,
+    recording: &Recording,
+    channels: &[Channel],
+    (weights, options): (&Weights, &Options),
+    (mut parameters, unsupported): (Vec<ParameterId>, Vec<ParameterId>),
+    begin: Option<&Device>,
+) -> Result<ParameterFit, CalibrationError> {
     let first = parameters.len();
     parameters.extend(unsupported);
     let unsupported: Vec<usize> = (first..parameters.len()).collect();
@@ -272,8 +286,8 @@ fn fit_jointly(
         unsupported: &unsupported,
         weights,
         options,
-        start: Some(begin),
-        yielded: Some(begin),
+        start: begin,
+        yielded: begin,
     })
 }
 
@@ -309,21 +323,9 @@ fn with_effects(
     if !parameters.iter().any(is_effect) {
         return Ok(fitted);
     }
-    let first = parameters.len();
-    parameters.extend(unsupported);
-    let unsupported: Vec<usize> = (first..parameters.len()).collect();
-    let fit = fit_parameters(&FitRequest {
-        what: "joint identification",
-        device: &fitted.device,
-        recording,
-        channels,
-        parameters: &parameters,
-        unsupported: &unsupported,
-        weights: &fitted.weights,
-        options,
-        start: None,
-        yielded: None,
-    })?;
+    let candidates = (parameters, unsupported);
+    let with = (&fitted.weights, options);
+    let fit = fit_candidates(&fitted, recording, channels, with, candidates, None)?;
     Ok(fitted.with_whole(fit))
 }
 

@@ -120,7 +120,7 @@ mod tests {
     /// Counts of each log by its rows.
     fn counts(of: impl Fn(f64) -> f64) -> Vec<(&'static str, u64)> {
         let each = WORKLOADS.iter();
-        each.map(|own| (own.name, of(own.units as f64) as u64))
+        each.map(|workload| (workload.name, of(workload.units as f64) as u64))
             .collect()
     }
 
@@ -137,13 +137,13 @@ mod tests {
     #[test]
     fn the_logs_of_a_series_double() {
         assert_eq!(
-            SERIES.iter().map(|own| own.1).sum::<usize>(),
+            SERIES.iter().map(|(_, length)| length).sum::<usize>(),
             WORKLOADS.len()
         );
         let mut first = 0;
         for (command, length) in SERIES {
             let series = &WORKLOADS[first..first + length];
-            assert!(series.iter().all(|own| own.what == command));
+            assert!(series.iter().all(|workload| workload.what == command));
             assert!(
                 series
                     .windows(2)

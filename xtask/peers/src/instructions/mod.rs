@@ -61,7 +61,9 @@ fn folder() -> PathBuf {
 /// Runs the job.
 pub fn instructions(arguments: &Arguments) -> Result<()> {
     if let Some(name) = &arguments.run {
-        let of_growth = growth::WORKLOADS.into_iter().find(|own| own.name == *name);
+        let of_growth = growth::WORKLOADS
+            .into_iter()
+            .find(|known| known.name == *name);
         let workload = match of_growth {
             Some(workload) => workload,
             None => chosen(std::slice::from_ref(name))?[0],
