@@ -229,3 +229,26 @@ fn append(kept: &mut Vec<ChannelResiduals>, part: Vec<ChannelResiduals>, rows: &
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_touched_in_another_order_is_not_alike() {
+        let touched = |ids: &[&str]| Recording {
+            contact: Some(ids.iter().map(|id| (*id).to_owned()).collect()),
+            ..Recording::default()
+        };
+        let whole = touched(&["a", "b", "", "a", "b"]);
+        assert!(are_alike(&whole, &touched(&["a", "b"])));
+        assert!(!are_alike(&whole, &touched(&["b", "a", "b"])));
+        assert!(!are_alike(&whole, &touched(&["a", "a"])));
+        let run = |run: &[i64]| Recording {
+            run: Some(run.to_vec()),
+            ..Recording::default()
+        };
+        assert!(are_alike(&run(&[3, 3, 1]), &run(&[3, 1, 1])));
+        assert!(!are_alike(&run(&[3, 3, 1]), &run(&[3, 3])));
+    }
+}

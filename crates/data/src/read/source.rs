@@ -383,3 +383,29 @@ pub(crate) fn open_error(name: &str, source: io::Error) -> DataError {
         at.error(Fault::Unreadable { source })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads a text so many bytes at a time, and says what was refused.
+    fn refused(text: &[u8], at_once: usize) -> String {
+        let mut stream = TextStream::new(text, "log.csv").unwrap();
+        let mut buffer = vec![0; at_once];
+        while stream.read(&mut buffer).is_ok_and(|count| count > 0) {}
+        stream.take_fault().unwrap().to_string()
+    }
+
+    #[test]
+    fn the_place_of_a_fault_does_not_depend_on_the_pieces() {
+        let text = b"theta1_rad,theta2_rad,out1_rad\r\n0.1,0.2,0.3\r\n0.4,0.5,\0\r\n";
+        let whole = refused(text, text.len());
+        assert!(
+            whole.contains("line 3, column 3 `out1_rad`: byte 53"),
+            "{whole}"
+        );
+        for at_once in 1..text.len() {
+            assert_eq!(refused(text, at_once), whole, "{at_once} bytes at a time");
+        }
+    }
+}

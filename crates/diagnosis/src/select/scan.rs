@@ -252,3 +252,41 @@ impl Rival {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use super::*;
+
+    /// Four readings of one stream.
+    #[derive(Debug, Clone)]
+    struct Four;
+
+    impl Layout for Four {
+        const SURVIVING: f64 = 1e-9;
+
+        fn count(&self) -> usize {
+            4
+        }
+
+        fn range(&self, _: usize) -> Range<usize> {
+            0..4
+        }
+    }
+
+    #[test]
+    fn a_column_that_is_rounding_is_no_direction() {
+        let system = System::bare(Four, vec![Vec::new()], vec![1.0, 2.0, -1.0, 0.5]);
+        let column = |values: [f64; 4]| Column {
+            parts: vec![(0, values.to_vec())],
+        };
+        let shown = column([1.0, 1.0, 0.0, 0.0]);
+        let rounding = column([3e-16, -2e-16, 1e-16, 4e-16]);
+        let alone = Candidate::of_columns(&system, vec![shown.clone()], 0, 0.0).score(&system);
+        let both = Candidate::of_columns(&system, vec![shown, rounding], 0, 0.0).score(&system);
+        assert_eq!((alone.rank, both.rank), (1, 1));
+        assert!((alone.score - both.score).abs() < 1e-12);
+        assert_eq!(both.amplitudes[1], 0.0);
+    }
+}
