@@ -6,11 +6,11 @@ use anyhow::{Result, ensure};
 use haptical_calibration::{Options, calibrate};
 use haptical_diagnosis::diagnose;
 use haptical_report::Table;
-use haptical_simulator::Effect;
+use haptical_simulator::{Effect, Effects};
 use xtask_blind::rows;
 use xtask_output::cells;
 
-use super::workloads::{Job, Workload, log};
+use super::workloads::{Job, Workload, log, log_with};
 
 /// Most instructions a row of a log, over those of one of half as many rows.
 const LARGEST_JUMP: f64 = 1.5;
@@ -18,14 +18,15 @@ const LARGEST_JUMP: f64 = 1.5;
 const LARGEST_EXPONENT: f64 = 1.05;
 
 /// Each command's logs, of twice as many rows from one to the next.
-pub(super) const SERIES: [(&str, usize); 3] = [
+pub(super) const SERIES: [(&str, usize); 4] = [
     ("identify", 4),
     ("identify, an effect missing", 3),
     ("diagnose", 3),
+    ("diagnose, an effect missing", 3),
 ];
 
 /// The logs of [`SERIES`], one after the other.
-pub(super) const WORKLOADS: [Workload; 10] = rows! {
+pub(super) const WORKLOADS: [Workload; 13] = rows! {
     Workload {name what unit units is_long prepare}
     "identify-1000", "identify", "row", 1000, true, identified::<1000>;
     "identify-2000", "identify", "row", 2000, true, identified::<2000>;
@@ -37,6 +38,14 @@ pub(super) const WORKLOADS: [Workload; 10] = rows! {
     "diagnose-1000", "diagnose", "row", 1000, true, diagnosed::<1000>;
     "diagnose-2000", "diagnose", "row", 2000, true, diagnosed::<2000>;
     "diagnose-4000", "diagnose", "row", 4000, true, diagnosed::<4000>;
+    "diagnose-soft-1000", "diagnose, an effect missing", "row", 1000, true, diagnosed_soft::<1000>;
+    "diagnose-soft-2000", "diagnose, an effect missing", "row", 2000, true, diagnosed_soft::<2000>;
+    "diagnose-soft-4000", "diagnose, an effect missing", "row", 4000, true, diagnosed_soft::<4000>;
+};
+
+const SOFT: Effect = Effect::CapstanCompliance {
+    joint: 2,
+    stiffness_nm_per_rad: 260.0,
 };
 
 fn identified<const ROWS: usize>() -> Result<Job> {
@@ -44,11 +53,7 @@ fn identified<const ROWS: usize>() -> Result<Job> {
 }
 
 fn identified_soft<const ROWS: usize>() -> Result<Job> {
-    let soft = Effect::CapstanCompliance {
-        joint: 2,
-        stiffness_nm_per_rad: 260.0,
-    };
-    calibration(ROWS, &[soft])
+    calibration(ROWS, &[SOFT])
 }
 
 fn calibration(rows: usize, effects: &[Effect]) -> Result<Job> {
@@ -60,7 +65,16 @@ fn calibration(rows: usize, effects: &[Effect]) -> Result<Job> {
 }
 
 fn diagnosed<const ROWS: usize>() -> Result<Job> {
-    let (device, recording) = log(ROWS, &[])?;
+    diagnosis(ROWS, Vec::new())
+}
+
+fn diagnosed_soft<const ROWS: usize>() -> Result<Job> {
+    diagnosis(ROWS, vec![SOFT])
+}
+
+/// Of a device without roughness: where that is found, and in how many rows, is no matter of growth.
+fn diagnosis(rows: usize, effects: Vec<Effect>) -> Result<Job> {
+    let (device, recording) = log_with(rows, &Effects::new(effects)?)?;
     Ok(Box::new(move || {
         let options = haptical_diagnosis::Options::default();
         black_box(diagnose(&device, &recording, &options)?);

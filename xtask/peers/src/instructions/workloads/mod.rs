@@ -7,7 +7,7 @@ mod recordings;
 
 use anyhow::Result;
 
-pub(super) use self::recordings::log;
+pub(super) use self::recordings::{log, log_with};
 
 /// What is counted, once everything that it needs is there.
 pub(crate) type Job = Box<dyn FnMut() -> Result<()>>;

@@ -27,6 +27,15 @@ pub(crate) const WORKLOADS: [Workload; 2] = rows! {
 
 /// The nominal device, and 60 s of one with the paper's deviations and these effects, guided by hand.
 pub(crate) fn log(rows: usize, effects: &[Effect]) -> Result<(Device, Recording)> {
+    let truth = true_device(&nominal_device(None)?, &Paper::load()?, 1.0)?;
+    log_with(
+        rows,
+        &Effects::new(effects.to_vec())?.with_assumed_roughness(&truth)?,
+    )
+}
+
+/// The same of a device without the paper's roughness: no other effects than these.
+pub(crate) fn log_with(rows: usize, effects: &Effects) -> Result<(Device, Recording)> {
     let nominal = nominal_device(None)?;
     let truth = true_device(&nominal, &Paper::load()?, 1.0)?;
     let settings = MotionSettings {
@@ -37,8 +46,7 @@ pub(crate) fn log(rows: usize, effects: &[Effect]) -> Result<(Device, Recording)
         },
         ..MotionSettings::default()
     };
-    let effects = Effects::new(effects.to_vec())?.with_assumed_roughness(&truth)?;
-    let recording = record_motion(&truth, &effects, &settings, SEED)?;
+    let recording = record_motion(&truth, effects, &settings, SEED)?;
     Ok((nominal, recording))
 }
 
