@@ -5,7 +5,6 @@ mod fuzz_tests;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 use clap::builder::PossibleValuesParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -18,7 +17,7 @@ use crate::export::ExportArguments;
 use crate::failure::{self, Failure};
 use crate::flags::{DeviceOptions, HoldOptions, OverwriteOptions};
 use crate::result::ResultCommand;
-use crate::{STATUS_BAD_INPUT, terminal};
+use crate::{STATUS_BAD_INPUT, STATUS_SUCCESS, terminal};
 
 /// Calibrates a cable-driven haptic device from its own logs.
 #[derive(Debug, Parser)]
@@ -36,9 +35,13 @@ Alone, `haptical` says what can be done with the files of this folder.
 
 Exit status: 0 done; 1 a result is not what its inputs give (`verify` alone); 2 bad arguments or input;
 3 nothing can be identified from these numbers; 4 the calibration is no longer true (`watch` alone);
-130 interrupted by Ctrl-C."
+130 interrupted by Ctrl-C.",
+    args_conflicts_with_subcommands = true
 )]
 pub(crate) struct Arguments {
+    /// Without a command: print what this folder has and what can be done with it as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
 }
@@ -367,17 +370,17 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 /// Prints help and version, or says what is wrong with the command line.
-pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> ExitCode {
+pub(crate) fn explain(error: &clap::Error, wants_json: bool) -> u8 {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             match terminal::write_output(error.render().to_string().as_bytes()) {
-                Ok(()) => ExitCode::SUCCESS,
+                Ok(()) => STATUS_SUCCESS,
                 Err(refused) => failure::report(&refused, false),
             }
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand if !wants_json => {
             terminal::write_message(&error.render().to_string());
-            ExitCode::from(STATUS_BAD_INPUT)
+            STATUS_BAD_INPUT
         }
         _ => failure::report(&failure_of(error), wants_json),
     }

@@ -6,7 +6,8 @@ use haptical::{CheckedLog, Identify, Log, check};
 use crate::arguments::CheckArguments;
 use crate::failure::Failure;
 use crate::flags::word;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &CheckArguments) -> Result<(), Failure> {

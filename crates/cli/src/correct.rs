@@ -12,7 +12,8 @@ use crate::arguments::above_zero;
 use crate::failure::Failure;
 use crate::flags::outputs::Outputs;
 use crate::flags::{DeviceOptions, OverwriteOptions};
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// Its name.
 const COMMAND: &str = "correct";

@@ -8,8 +8,9 @@ use haptical::{Diagnose, diagnose_as};
 use crate::arguments::DiagnoseArguments;
 use crate::failure::Failure;
 use crate::flags::OverwriteOptions;
+use crate::progress::Progress;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
-use crate::terminal::{self, Progress};
+use crate::terminal;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DiagnoseArguments) -> Result<(), Failure> {

@@ -1,7 +1,5 @@
 //! A refusal as three lines for people (what, where, next step) or as JSON for programs, and its exit status.
 
-use std::process::ExitCode;
-
 pub(crate) use haptical::Error as Failure;
 use haptical::ErrorKind;
 use serde_json::{Value, json};
@@ -35,18 +33,18 @@ pub(crate) fn lines(refused: &Failure) -> String {
 }
 
 /// Prints a refusal, and gives its exit status.
-pub(crate) fn report(refused: &Failure, as_json: bool) -> ExitCode {
+pub(crate) fn report(refused: &Failure, as_json: bool) -> u8 {
     if as_json {
         let object = json!({"error": self::as_json(refused)});
         // Where standard output fails too, the text below still says what happened.
         let _ = terminal::write_output(format!("{object:#}\n").as_bytes());
     }
     terminal::write_message(&lines(refused));
-    ExitCode::from(match refused.kind() {
+    match refused.kind() {
         ErrorKind::Unidentifiable => STATUS_UNIDENTIFIABLE,
         ErrorKind::Interrupted => STATUS_INTERRUPTED,
         _ => STATUS_BAD_INPUT,
-    })
+    }
 }
 
 /// The three lines stay three, whatever a file name or a cell holds.

@@ -8,8 +8,8 @@ use haptical::{DYNAMICS, identify_as, identify_dynamics_as, is_urdf};
 use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
 use crate::flags::{OverwriteOptions, word};
+use crate::progress::Progress;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
-use crate::terminal::Progress;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &IdentifyArguments) -> Result<(), Failure> {

@@ -1,7 +1,6 @@
 //! Ctrl-C: ends the command at once, or while files are written as soon as they are cleaned up.
 
 use std::path::{Path, PathBuf};
-use std::process::exit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use haptical::files::{NewFile, ResultKind, WriteRule, WrittenResult};
@@ -28,13 +27,18 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// A WebAssembly program is ended by whoever runs it.
+#[cfg(target_family = "wasm")]
+pub(crate) fn listen() {}
+
 /// Waits for Ctrl-C from now on. Where that cannot be done, the system ends the program as ever.
+#[cfg(not(target_family = "wasm"))]
 pub(crate) fn listen() {
     let _ = ctrlc::set_handler(|| {
         // Held while the program ends, so that no temporary file appears in the meantime.
         let mut state = state();
         if !state.writing || state.requested {
-            exit(i32::from(STATUS_INTERRUPTED));
+            std::process::exit(i32::from(STATUS_INTERRUPTED));
         }
         state.requested = true;
     });

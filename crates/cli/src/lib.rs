@@ -1,4 +1,6 @@
 //! The `haptical` command: flags, texts, exit status and progress; all numbers come from the libraries.
+//!
+//! The program `haptical` is [`run`] with the words of its command line; the Python package's command is the same function.
 
 mod arguments;
 mod catalogue;
@@ -15,6 +17,7 @@ mod interrupt;
 mod next;
 mod plan;
 mod play;
+mod progress;
 mod report;
 mod result;
 mod simulate;
@@ -25,29 +28,38 @@ mod watch;
 mod writes_tests;
 
 use std::ffi::OsString;
-use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::arguments::{Arguments, Command};
 use crate::failure::Failure;
 
+/// Exit status of a command that did what it was asked.
+const STATUS_SUCCESS: u8 = 0;
 /// Exit status of bad arguments or input.
 const STATUS_BAD_INPUT: u8 = 2;
 /// Exit status where the numbers are sound but fix nothing.
 const STATUS_UNIDENTIFIABLE: u8 = 3;
 
-fn main() -> ExitCode {
+/// Runs a command line, whose first word is the program's name, and gives its exit status: 0 success, 2 bad arguments or
+/// input, 3 nothing can be identified, 130 interrupted; `verify` and `watch` have others of their own.
+///
+/// ```
+/// assert_eq!(haptical_cli::run(["haptical", "--version"].map(Into::into)), 0);
+/// assert_eq!(haptical_cli::run(["haptical", "identify"].map(Into::into)), 2);
+/// ```
+pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let words: Vec<OsString> = words.into_iter().collect();
     // Clap does not run where an argument is wrong, yet the answer depends on this flag.
-    let wants_json = std::env::args_os().any(|argument| argument == "--json");
-    let arguments = match parsed(std::env::args_os()) {
+    let wants_json = words.iter().any(|word| word == "--json");
+    let arguments = match parsed(words) {
         Ok(arguments) => arguments,
         Err(error) => return arguments::explain(&error, wants_json),
     };
     interrupt::listen();
     let done = match arguments.command {
-        Some(command) => run(command),
-        None => next::run().map(|()| ExitCode::SUCCESS),
+        Some(command) => run_command(command),
+        None => next::run(arguments.json).map(|()| STATUS_SUCCESS),
     };
     match done {
         Ok(status) => status,
@@ -63,7 +75,7 @@ fn parsed(words: impl IntoIterator<Item = OsString>) -> Result<Arguments, clap::
     Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
 }
 
-fn run(command: Command) -> Result<ExitCode, Failure> {
+fn run_command(command: Command) -> Result<u8, Failure> {
     let done = match command {
         Command::Identify(arguments) => identify::run(&arguments),
         Command::Diagnose(arguments) if arguments.list => catalogue::print(arguments.json),
@@ -87,5 +99,5 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
             terminal::write_output(&script)
         }
     };
-    done.map(|()| ExitCode::SUCCESS)
+    done.map(|()| STATUS_SUCCESS)
 }

@@ -16,7 +16,8 @@ use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::write_all;
 use crate::play::recorded::Recorded;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// Size above which a page is slow to open, in bytes; thinning that is left to the command stays
 /// below it.

@@ -10,8 +10,9 @@ use crate::arguments::number;
 use crate::failure::Failure;
 use crate::flags::OverwriteOptions;
 use crate::interrupt::write_all;
+use crate::progress::Progress;
 use crate::result::Inputs;
-use crate::terminal::{self, Progress};
+use crate::terminal;
 use crate::verify::{recorded, sought};
 
 pub(crate) const HELP: &str = "\

@@ -11,7 +11,8 @@ use crate::arguments::IdentifyArguments;
 use crate::failure::Failure;
 use crate::flags::OverwriteOptions;
 use crate::interrupt::write_result;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// A command line that makes a result from files.
 pub(crate) trait ResultCommand {

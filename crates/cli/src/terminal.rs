@@ -1,9 +1,7 @@
-//! Standard output and error: a reader that goes away is no failure, and progress is for terminals.
+//! Standard output and error: a reader that goes away is no failure.
 
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -69,32 +67,5 @@ pub(crate) fn write_message(text: &str) {
 pub(crate) fn warn(warnings: &[String]) {
     for warning in warnings {
         write_message(&format!("warning: {warning}"));
-    }
-}
-
-/// Shows that work goes on, on a terminal's standard error only; it disappears when dropped.
-pub(crate) struct Progress(ProgressBar);
-
-impl Progress {
-    pub(crate) fn start(message: impl Into<String>) -> Self {
-        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
-            bar.set_style(style);
-        }
-        bar.set_message(message.into());
-        if !bar.is_hidden() {
-            bar.enable_steady_tick(Duration::from_millis(120));
-        }
-        Self(bar)
-    }
-
-    pub(crate) fn say(&self, message: impl Into<String>) {
-        self.0.set_message(message.into());
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
     }
 }

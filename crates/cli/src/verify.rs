@@ -6,15 +6,15 @@ mod said;
 pub(crate) mod sought;
 
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use clap::Args;
 use haptical::files::{INDEX, NewFile, index, is_index};
 
-use crate::STATUS_BAD_INPUT;
 use crate::failure::Failure;
+use crate::progress::Progress;
 use crate::result::Inputs;
-use crate::terminal::{self, Progress};
+use crate::terminal;
+use crate::{STATUS_BAD_INPUT, STATUS_SUCCESS};
 
 use self::compare::{Agreement, FileVerdict, Written, compare};
 use self::recorded::{Candidate, MOST_FURTHER_BYTES, Recorded, read_bytes};
@@ -30,8 +30,8 @@ Example:
 
 Reads the provenance in every identified.json, gap.json and plan.json in the folder and in the folders in
 it, finds the inputs, checks their SHA-256, computes the result again in memory, and compares every file
-of it: the same bytes, or the same numbers within 1e-9 of each (another machine), or what differs, with
-both values. Inputs are looked for by their recorded names from the current folder, the result's folder
+of it: the same bytes, or the same numbers (another machine: within 1e-9 of each, 1e-6 in a diagnosis),
+or what differs, with both values. Inputs are looked for by their recorded names from the current folder, the result's folder
 and the one above it; a gap.json or a model also in the folders beside the result's. The index, report.html, is compared with the results. Nothing is written.
 
 Exit status: 0 every result is what its inputs give; 1 one is not; 2 that cannot be decided for one: bad
@@ -69,7 +69,7 @@ pub(crate) struct VerifyArguments {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &VerifyArguments) -> Result<u8, Failure> {
     let results = recorded::read(&arguments.result)?;
     refuse_needless(arguments, &results)?;
     let progress = Progress::start("computing again");
@@ -93,9 +93,9 @@ pub(crate) fn run(arguments: &VerifyArguments) -> Result<ExitCode, Failure> {
     drop(progress);
     terminal::tell(arguments.json, &verification, verification.text())?;
     Ok(match verification.verdict {
-        Agreement::Differs => ExitCode::from(STATUS_DIFFERS),
-        Agreement::Undecided => ExitCode::from(STATUS_BAD_INPUT),
-        _ => ExitCode::SUCCESS,
+        Agreement::Differs => STATUS_DIFFERS,
+        Agreement::Undecided => STATUS_BAD_INPUT,
+        _ => STATUS_SUCCESS,
     })
 }
 

@@ -2,7 +2,6 @@
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -15,7 +14,7 @@ use crate::arguments::above_zero;
 use crate::failure::Failure;
 use crate::flags::{DeviceOptions, OverwriteOptions, folder_and_name};
 use crate::interrupt::Writing;
-use crate::{STATUS_UNIDENTIFIABLE, terminal};
+use crate::{STATUS_SUCCESS, STATUS_UNIDENTIFIABLE, terminal};
 
 /// Its name.
 const COMMAND: &str = "watch";
@@ -118,7 +117,7 @@ struct Output<'a> {
 }
 
 /// Runs the command.
-pub(crate) fn run(arguments: &WatchArguments) -> Result<ExitCode, Failure> {
+pub(crate) fn run(arguments: &WatchArguments) -> Result<u8, Failure> {
     let options = options(arguments);
     check_outputs(arguments, &options)?;
     let equipment = arguments.device_options.equipment();
@@ -172,9 +171,9 @@ pub(crate) fn run(arguments: &WatchArguments) -> Result<ExitCode, Failure> {
     output.end(&watch)?;
     drop(asked);
     Ok(match watch.verdict() {
-        WatchVerdict::True => ExitCode::SUCCESS,
-        WatchVerdict::Untrue => ExitCode::from(STATUS_UNTRUE),
-        WatchVerdict::NotJudged => ExitCode::from(STATUS_UNIDENTIFIABLE),
+        WatchVerdict::True => STATUS_SUCCESS,
+        WatchVerdict::Untrue => STATUS_UNTRUE,
+        WatchVerdict::NotJudged => STATUS_UNIDENTIFIABLE,
     })
 }
 

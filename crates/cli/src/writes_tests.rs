@@ -215,7 +215,7 @@ impl<'c> Scene<'c> {
         let before = contents(self.folder.path());
         let parsed =
             crate::parsed(words).unwrap_or_else(|error| panic!("{}: {error}", self.case.words));
-        let done = crate::run(parsed.command.unwrap());
+        let done = crate::run_command(parsed.command.unwrap());
         let after = contents(self.folder.path());
         assert_eq!(before, after, "{}", self.case.words);
         done.expect_err(self.case.words)

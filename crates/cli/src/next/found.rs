@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
+use serde::Serialize;
 
 /// Entries of a folder that are looked at.
 const MOST_ENTRIES: usize = 1000;
@@ -14,7 +15,7 @@ const MOST_BYTES: u64 = 1 << 18;
 const OF_RESULTS: [&str; 3] = ["identified.toml", "corrected.toml", "rejected.toml"];
 
 /// What a folder has, each sorted by name.
-#[derive(Debug, Default)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct Found {
     /// Device files.
     pub(super) devices: Vec<String>,
@@ -31,7 +32,7 @@ pub(super) struct Found {
 }
 
 /// A log, and what it has.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub(super) struct FoundLog {
     pub(super) name: String,
     /// Something beside the joints' own encoders: what a geometry can be fitted to.

@@ -5,6 +5,7 @@ mod found;
 use std::path::Path;
 
 use haptical::files::shell_word;
+use serde::Serialize;
 
 use self::found::{Found, FoundLog};
 use crate::failure::Failure;
@@ -20,19 +21,33 @@ No device and no log in this folder. To begin:
 const END: &str = "\nAll commands: haptical --help\n";
 
 /// A command, and what it is for.
+#[derive(Debug, Serialize)]
 struct Step {
     what: &'static str,
     command: String,
 }
 
-/// Says what can be done next in the folder in which the command runs.
-pub(crate) fn run() -> Result<(), Failure> {
-    terminal::write_output(text(&Found::in_folder(Path::new("."))).as_bytes())
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Said<'f> {
+    #[serde(flatten)]
+    found: &'f Found,
+    next: &'f [Step],
 }
 
-fn text(found: &Found) -> String {
+/// Says what can be done next in the folder in which the command runs.
+pub(crate) fn run(json: bool) -> Result<(), Failure> {
+    let found = Found::in_folder(Path::new("."));
+    let next = steps(&found);
+    let said = Said {
+        found: &found,
+        next: &next,
+    };
+    terminal::tell(json, &said, text(&found, &next))
+}
+
+fn text(found: &Found, steps: &[Step]) -> String {
     let mut text = String::new();
-    let steps = steps(found);
     if steps.is_empty() {
         text.push_str(BEGIN);
     } else {
@@ -67,15 +82,15 @@ fn steps(found: &Found) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut step = |what, command| steps.push(Step { what, command });
     let device = chosen(&found.devices);
+    if let (None, Some(table)) = (found.logs.first(), chosen(&found.tables)) {
+        step(
+            "Make a log of a table of another maker",
+            format!("haptical import --guess {}", shell_word(table)),
+        );
+    }
     match (device, found.logs.first()) {
         (Some(device), Some(log)) => of_pair(found, device, log, &mut step),
         (Some(device), None) => {
-            if let Some(table) = chosen(&found.tables) {
-                step(
-                    "Make a log of a table of another maker",
-                    format!("haptical import --guess {}", shell_word(table)),
-                );
-            }
             step(
                 "Choose the poses to record",
                 format!(

@@ -12,8 +12,8 @@ pub(crate) use arguments::{PlanArguments, help};
 
 use crate::failure::Failure;
 use crate::flags::OverwriteOptions;
+use crate::progress::Progress;
 use crate::result::{self, Inputs, MadeResult, ResultCommand};
-use crate::terminal::Progress;
 
 /// Runs the command.
 pub(crate) fn run(arguments: &PlanArguments) -> Result<(), Failure> {

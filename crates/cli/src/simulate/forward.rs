@@ -12,7 +12,8 @@ use serde::Serialize;
 use super::{COMMAND, SimulateArguments, effects_refusal};
 use crate::failure::Failure;
 use crate::flags::outputs::Outputs;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// End of the name of the page.
 const PAGE: &str = ".html";

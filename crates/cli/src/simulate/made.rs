@@ -15,7 +15,7 @@ use super::SimulateArguments;
 use crate::failure::Failure;
 use crate::flags::outputs::Outputs;
 use crate::interrupt::Writing;
-use crate::terminal::Progress;
+use crate::progress::Progress;
 
 /// Rows made at a time: enough that progress costs nothing, few enough to take no memory.
 const ROWS_AT_A_TIME: usize = 1000;

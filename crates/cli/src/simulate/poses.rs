@@ -12,7 +12,8 @@ use super::truth::truth_text;
 use super::{COMMAND, SimulateArguments};
 use crate::failure::Failure;
 use crate::flags::outputs::Outputs;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// What was written.
 #[derive(Debug, Serialize)]

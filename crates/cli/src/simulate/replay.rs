@@ -10,7 +10,8 @@ use serde::Serialize;
 use super::{COMMAND, SimulateArguments};
 use crate::failure::Failure;
 use crate::flags::outputs::Outputs;
-use crate::terminal::{self, Progress};
+use crate::progress::Progress;
+use crate::terminal;
 
 /// End of the name of the table of all readings.
 const RESIDUALS: &str = ".residuals.csv";

@@ -119,8 +119,8 @@ impl Verification {
             Agreement::Undecided => "Not verified: a result could not be checked.",
             Agreement::SameBytes => "Verified: these inputs give the same bytes.",
             Agreement::SameNumbers => {
-                "Verified: these inputs give the same numbers within 1e-9 of each, not the same bytes, as on \
-                 another machine."
+                "Verified: these inputs give the same numbers, not the same bytes, as on another machine (within 1e-9 of \
+                 each, 1e-6 in a diagnosis)."
             }
             _ if self.was_changed() => {
                 "Not verified: what differs was changed after it was written, in its numbers or in its form."

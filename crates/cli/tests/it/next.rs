@@ -4,11 +4,25 @@ use std::path::Path;
 
 use crate::{haptical, text};
 
-/// Runs the command alone in a folder.
+/// Runs the command alone in a folder; what it prints for programs has the same commands.
 fn alone(folder: &Path) -> String {
-    let output = haptical().current_dir(folder).output().unwrap();
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    text(&output.stdout)
+    let ran = |words: &[&str]| {
+        let output = haptical().current_dir(folder).args(words).output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stdout)
+    };
+    let said = ran(&[]);
+    let json: serde_json::Value = serde_json::from_str(&ran(&["--json"])).unwrap();
+    for step in json["next"].as_array().unwrap() {
+        let (what, command) = (&step["what"], &step["command"]);
+        let line = format!(
+            "  {}\n      {}\n",
+            what.as_str().unwrap(),
+            command.as_str().unwrap()
+        );
+        assert!(said.contains(&line), "{said}");
+    }
+    said
 }
 
 /// Commands of a text, one a line.
@@ -141,6 +155,11 @@ fn a_folder_without_data_says_how_to_begin() {
     let said = alone(folder.path());
     let begin = commands(&said);
     assert!(begin[0].starts_with("init demo --example gap"), "{said}");
+    // a table alone: its columns are asked for
+    std::fs::write(folder.path().join("table.csv"), "time,j1\n0,1\n").unwrap();
+    let next = commands(&alone(folder.path()));
+    assert_eq!(next[0], "import --guess table.csv");
+    std::fs::remove_file(folder.path().join("table.csv")).unwrap();
     // a device alone: poses are chosen
     run(folder.path(), "init .");
     std::fs::remove_file(folder.path().join("log.csv")).unwrap();
