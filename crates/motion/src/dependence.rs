@@ -13,6 +13,10 @@ use crate::fit::problem::Problem;
 use crate::select::Fitted;
 use crate::thresholds::examine::{FRICTION_KNOTS, PRODUCT_DEGREE, QUANTITY_DEGREE};
 
+/// Share of a function's square that the fit leaves: of less than this what it takes off is not stated, whose digits would be those of
+/// the processor's rounding.
+const CLEAR: f64 = 1e-5;
+
 /// A quantity that a torque may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
@@ -121,7 +125,7 @@ fn explained(problem: &Problem, fitted: &Fitted, joint: usize, signals: &[Vec<f6
     let columns = signals.iter().map(|own| problem.of_joint(joint, own));
     let columns: Vec<Rc<Column>> = columns.flatten().map(Rc::new).collect();
     let across = fitted.system.across(&columns);
-    let gain = fitted.solved.gain(&columns, &across);
+    let gain = fitted.solved.gain_of_clear(&columns, &across, CLEAR);
     gain.nats - 0.5 * gain.rank as f64
 }
 

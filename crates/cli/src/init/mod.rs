@@ -1,6 +1,7 @@
 //! `haptical init`: an example to begin with: a device, a log of it, and what to ask of them.
 
 mod arm6;
+mod arm7;
 mod haptic7;
 
 use std::path::Path;
@@ -45,6 +46,8 @@ enum Example {
     Sockets,
     /// Two recordings of the haptic device, with a gap that calibration leaves: which effect causes it?
     Gap,
+    /// An arm whose motors' torques a log has: what does its description lack?
+    MovingArm,
 }
 
 /// What an example consists of.
@@ -79,6 +82,7 @@ impl Example {
             Self::Gap => haptic7::gap(),
             Self::UrdfArm => arm6::tracker(),
             Self::Sockets => arm6::sockets(),
+            Self::MovingArm => Ok(arm7::moving()),
         }
     }
 }

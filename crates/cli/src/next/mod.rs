@@ -17,6 +17,7 @@ No device and no log in this folder. To begin:
   haptical init demo --example gap        two recordings with a gap to find
   haptical init demo                      a template for a device of your own, and a log
   haptical init demo --example urdf-arm   an arm described by a URDF, and a tracker
+  haptical init demo --example moving-arm positions and torques of an arm, which carries something
 ";
 const END: &str = "\nAll commands: haptical --help\n";
 

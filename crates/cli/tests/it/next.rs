@@ -48,7 +48,13 @@ fn run(folder: &Path, command: &str) -> String {
 
 #[test]
 fn what_an_example_prints_runs() {
-    for (example, count) in [("paper", 1), ("urdf-arm", 2), ("sockets", 2), ("gap", 1)] {
+    for (example, count) in [
+        ("paper", 1),
+        ("urdf-arm", 2),
+        ("sockets", 2),
+        ("gap", 1),
+        ("moving-arm", 2),
+    ] {
         let folder = tempfile::tempdir().unwrap();
         let printed = run(folder.path(), &format!("init here --example {example}"));
         let next = commands(&printed);

@@ -40,14 +40,22 @@ pub struct Information {
 }
 
 impl Information {
+    /// Share of its square below which a column is not told apart from those before it.
+    pub const DEPENDENT: f64 = DEPENDENT;
+
     /// Products of `count` columns, by their numbers; those that are known add one over their variance to their square.
     pub fn new(count: usize, product: impl Fn(usize, usize) -> f64) -> Self {
         Self::scaled(count, DEPENDENT, product, dot)
     }
 
-    /// Products of what other columns leave of some; `squares` are those of the whole columns, with which what is left is compared.
-    pub fn of_rests(squares: &[f64], product: impl Fn(usize, usize) -> f64) -> Self {
-        let least = |k| DEPENDENT * squares[k];
+    /// Products of what other columns leave of some; `squares` are those of the whole columns, with which what is left is compared:
+    /// more than the share `dependent` of it, [`Self::DEPENDENT`] at least, is left of a column that counts.
+    pub fn of_rests(
+        squares: &[f64],
+        dependent: f64,
+        product: impl Fn(usize, usize) -> f64,
+    ) -> Self {
+        let least = |k| dependent.max(DEPENDENT) * squares[k];
         Self::factored(vec![1.0; squares.len()], least, product, dot)
     }
 

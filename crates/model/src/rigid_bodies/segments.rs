@@ -9,6 +9,9 @@ use crate::device::Body;
 use crate::rigid::{about_z, then, turn};
 use crate::{Device, Drive, JointType, ModelError};
 
+/// Share of the largest entry of a vector up to which another is rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// A moving row: everything constant before its motion, and what is known of its mass.
 #[derive(Debug, Clone)]
 pub struct Segment {
@@ -222,16 +225,27 @@ impl Device {
         let own = inertia.about_centre_kgm2();
         let body = Body {
             mass_kg: inertia.mass_kg,
-            centre_of_mass_m: centre_m.into(),
-            inertia_kgm2: Some(
+            centre_of_mass_m: without_rounding(centre_m.into()),
+            inertia_kgm2: Some(without_rounding(
                 [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].map(|place| own[place]),
-            ),
+            )),
         };
         let rows = self.links.len();
         self.bodies.resize(rows, None);
         self.bodies[row] = Some(body);
         Ok(())
     }
+}
+
+/// Entries that moves between frames leave beside the largest by rounding are 0: on another processor they would have other digits.
+fn without_rounding<const N: usize>(numbers: [f64; N]) -> [f64; N] {
+    let largest = numbers
+        .iter()
+        .fold(0.0, |most: f64, number| most.max(number.abs()));
+    numbers.map(|number| match number.abs() <= ROUNDING * largest {
+        true => 0.0,
+        false => number,
+    })
 }
 
 /// An inertia xx, yy, zz, xy, xz, yz as a matrix.

@@ -232,11 +232,21 @@ impl Solved {
 
     /// What columns would explain, `across` their products with the system's.
     pub(crate) fn gain(&self, columns: &[Rc<Column>], across: &[Vec<f64>]) -> Gain {
+        self.gain_of_clear(columns, across, Information::DEPENDENT)
+    }
+
+    /// The same of columns of which the fit leaves more than the share `dependent` of their square.
+    pub(crate) fn gain_of_clear(
+        &self,
+        columns: &[Rc<Column>],
+        across: &[Vec<f64>],
+        dependent: f64,
+    ) -> Gain {
         let along: Vec<Vec<f64>> = (across.iter())
             .map(|products| self.information.along(|a| products[self.free[a]]))
             .collect();
         let squares: Vec<f64> = columns.iter().map(|column| column.times(column)).collect();
-        let rests = Information::of_rests(&squares, |a, b| {
+        let rests = Information::of_rests(&squares, dependent, |a, b| {
             let whole = if a == b {
                 squares[a]
             } else {

@@ -81,8 +81,8 @@ fn slide() -> Result<Made> {
 
 /// Torques of an arm that MuJoCo moved with a load beyond its flange.
 fn mjcf() -> Result<Made> {
-    let device = DeviceFile::read("fixtures/logs/arm7.xml", "arm7.xml")?;
-    let log = Table::read(root("fixtures/logs/arm7-loaded.csv.gz"))?;
+    let device = DeviceFile::read("crates/cli/assets/arm7.xml", "arm7.xml")?;
+    let log = Table::read(root("crates/cli/assets/arm7-loaded.csv.gz"))?;
     Ok(Made {
         identify: Identified::Dynamics,
         links_follow: true,

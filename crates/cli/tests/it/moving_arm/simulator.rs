@@ -12,13 +12,13 @@ const MORE_KGM2: [f64; 7] = [0.12, -0.09, 0.09, -0.09, 0.03, -0.03, 0.03];
 #[test]
 fn a_payload_and_armatures_are_named_and_their_intervals_hold_the_truth() {
     let folder = tempfile::tempdir().unwrap();
-    let logs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/logs");
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let output = haptical()
         .arg("diagnose")
         .arg("--device")
-        .arg(logs.join("arm7.xml"))
+        .arg(assets.join("arm7.xml"))
         .arg("--log")
-        .arg(logs.join("arm7-loaded.csv.gz"))
+        .arg(assets.join("arm7-loaded.csv.gz"))
         .arg("--out")
         .arg(folder.path().join("gap"))
         .arg("--json")
