@@ -1,8 +1,8 @@
-// Puts the page together: `node build.mjs COMMAND.wasm FOLDER [any-size]` writes FOLDER/page (a static folder) and FOLDER/haptical.html
-// (one file). Both have a limit of size, unless the command is one for tests.
+// Puts the page together: `node build.mjs COMMAND.wasm FOLDER [any-size]` writes FOLDER/index.html with FOLDER/haptical.wasm.gz (for a
+// static host) and FOLDER/haptical.html (one file). Both have a limit of size, unless the command is one for tests.
 
 import { createHash } from "node:crypto";
-import { mkdir, readFile, rm, stat, writeFile } from "node:fs/promises";
+import { mkdir, readFile, stat, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -43,16 +43,14 @@ const { version, hashes } = await frames(binary);
 const frame = [...new Set(hashes)].join(" ");
 const common = `default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; worker-src blob:; frame-src blob:; base-uri 'none'; form-action 'none'`;
 
-const page = join(out, "page");
-await rm(page, { recursive: true, force: true });
-await mkdir(page, { recursive: true });
+await mkdir(out, { recursive: true });
 const script = await bundled("start_folder.js", [withWorker]);
 const folder = fill(template, {
   POLICY: `${common}; connect-src 'self'; script-src 'wasm-unsafe-eval' ${hash(script)} ${frame}`,
   STYLE: `<style>\n${style}</style>`, SCRIPT: `<script>${script}</script>`, VERSION: version,
 });
-await writeFile(join(page, "index.html"), folder);
-await writeFile(join(page, "haptical.wasm.gz"), packed);
+await writeFile(join(out, "index.html"), folder);
+await writeFile(join(out, "haptical.wasm.gz"), packed);
 
 const alone = await bundled("start_file.js", [withWorker]);
 const single = fill(template, {
@@ -66,7 +64,7 @@ await writeFile(file, single);
 const travelling = packed.length + gzipSync(folder, { level: 9 }).length;
 const whole = (await stat(file)).size;
 const megabytes = (bytes) => `${(bytes / 1e6).toFixed(2)} MB`;
-console.log(`${page}: ${megabytes(travelling)} by gzip\n${file}: ${megabytes(whole)}`);
+console.log(`${join(out, "index.html")}: ${megabytes(travelling)} by gzip\n${file}: ${megabytes(whole)}`);
 if (limit !== "any-size" && (travelling > MOST_FOLDER || whole > MOST_FILE)) {
   throw new Error(`larger than ${megabytes(MOST_FOLDER)} by gzip, or than ${megabytes(MOST_FILE)} as one file`);
 }

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds the page: `bash outside/web/build.sh [PROFILE] [FOLDER]` writes FOLDER/page, a folder for any static host, and
-# FOLDER/haptical.html, one file that opens by a double click. FOLDER is target/web unless said. Needs cargo with rustup, and npm.
+# Builds the page: `bash outside/web/build.sh [PROFILE] [FOLDER]` writes FOLDER/index.html with FOLDER/haptical.wasm.gz,
+# for any static host, and FOLDER/haptical.html, one file that opens by a double click. FOLDER is outside/web/dist unless said. Needs cargo with rustup, and npm.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 
 profile=${1:-release}
-out=${2:-target/web}
+out=${2:-outside/web/dist}
 readonly TARGET=wasm32-wasip1
 
 if ! [[ -d $(rustc --print sysroot)/lib/rustlib/$TARGET ]]; then

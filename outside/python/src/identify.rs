@@ -162,8 +162,20 @@ fn result<'py>(py: Python<'py>, found: &Found) -> PyResult<Bound<'py, PyDict>> {
     // identified.json's channels have no residuals, the calibration's have
     let calibration = &found.calibration;
     let judged: &[ChannelReport] = calibration.judged_channels();
-    result.set_item("channels", channels(py, judged)?)?;
-    result.set_item("channels_fit", channels(py, &calibration.fit_channels)?)?;
+    let of_fit = &calibration.fit_channels;
+    for (key, reports, figures) in [
+        ("channels", judged, &content.channels),
+        ("channels_fit", of_fit, &content.channels_fit),
+    ] {
+        let channels = channels(py, reports)?;
+        // the result's alone know what the fit leaves
+        for own in figures {
+            if let Some(entry) = channels.get_item(&own.channel)? {
+                entry.set_item("rms_fit", own.rms_fit)?;
+            }
+        }
+        result.set_item(key, channels)?;
+    }
     let entries = content.transmissions.iter();
     let entries = entries.map(|entry| transmission(py, entry));
     result.set_item("transmissions", entries.collect::<PyResult<Vec<_>>>()?)?;

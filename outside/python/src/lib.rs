@@ -1,6 +1,7 @@
 //! The Python module `haptical._haptical`: devices and recordings in, NumPy arrays out.
 
 mod candidates;
+mod command;
 mod correct;
 mod device;
 mod diagnose;
@@ -32,6 +33,7 @@ fn _haptical(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.py().get_type::<failure::HapticalError>(),
     )?;
     module.add_class::<device::Device>()?;
+    module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
     module.add_function(wrap_pyfunction!(plan::plan, module)?)?;

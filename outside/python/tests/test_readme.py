@@ -35,6 +35,7 @@ def test_the_programs_of_the_docs_run(tmp_path, monkeypatch, capsys):
     if not command:
         pytest.skip("HAPTICAL_COMMAND is not set")
     subprocess.run([command, "init", "demo", "--example", "gap"], cwd=tmp_path, capture_output=True, check=True)
+    subprocess.run([command, "init", "arm", "--example", "moving-arm"], cwd=tmp_path, capture_output=True, check=True)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "demo" / "second.csv").rename("fresh.csv")
     (tmp_path / "demo" / "device.toml").rename("device.toml")
@@ -49,6 +50,7 @@ def test_the_programs_of_the_docs_run(tmp_path, monkeypatch, capsys):
     for program in found:
         exec(compile(program, str(DOCS), "exec"), names)
     said = capsys.readouterr().out
+    assert "payload None" in said and "<mujoco" in names["model"]
     assert "capstan-compliance at joint 2" in said and "out,cable 51 of 55" in said
     assert (tmp_path / "fleet.parquet").stat().st_size > 0
     assert (tmp_path / "corrected.toml").read_text().count("[[effect]]") == 1

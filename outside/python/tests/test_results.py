@@ -186,7 +186,7 @@ def test_progress_is_called_and_an_exception_in_it_ends_the_call(device):
 
 @pytest.mark.parametrize("call", [haptical.identify, haptical.diagnose])
 def test_what_was_interrupted_is_worked_out_no_more(device, call):
-    log = recording(0.3012, 0.1991, rows=60000)
+    log = recording(0.3012, 0.1991, rows=400_000)
     begun = time.process_time()
     call(device, log)
     whole = time.process_time() - begun

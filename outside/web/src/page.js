@@ -22,6 +22,8 @@ class Page {
     this.files = new Map();
     this.kinds = new Map();
     this.before = Promise.resolve();
+    /** Whether a person wrote in the command line since the last run: then it stays. */
+    this.isTyped = false;
     this.runner = new Runner(module, worker);
     this.result = new Result((path) => this.show(path));
     at("choose-files").onchange = (event) => this.add(chosen(event.target));
@@ -34,6 +36,7 @@ class Page {
       at("drop").classList.remove("over");
       await this.add(await dropped(event.dataTransfer));
     };
+    at("words").oninput = () => { this.isTyped = true; };
     at("command").onsubmit = (event) => { event.preventDefault(); this.run(at("words").value); };
     at("stop").onclick = () => this.runner.stop();
     for (const [name, kind, command] of EXAMPLES) {
@@ -109,7 +112,7 @@ class Page {
     });
     at("steps").replaceChildren(...buttons);
     const last = next.at(-1);
-    if (last) at("words").value = last.command;
+    if (last && !this.isTyped) at("words").value = last.command;
   }
 
   /** Puts an example in the place of the files, and answers it. */
@@ -126,6 +129,7 @@ class Page {
   }
 
   async execute(line) {
+    this.isTyped = false;
     at("words").value = line;
     let words = null;
     try {
@@ -176,8 +180,19 @@ class Page {
   }
 }
 
+/** Runs a command for a program: words without the program's name, and files as bytes or blobs by their paths. */
+async function alone(module, worker, { args, files = {} }) {
+  const runner = new Runner(module, worker);
+  const blobs = Object.entries(files).map(([path, data]) => [path, data instanceof Blob ? data : new Blob([data])]);
+  const { status, fault, output, messages, written } = await runner.run(["haptical", ...args], new Map(blobs));
+  const bytes = written.map(async ([path, blob]) => [path, new Uint8Array(await blob.arrayBuffer())]);
+  runner.close();
+  return { status, stdout: await output.text(), stderr: fault ? `${messages}\n${fault}` : messages, files: Object.fromEntries(await Promise.all(bytes)) };
+}
+
 /** Begins. From now on nothing may be fetched: what a page in a frame or a broken file might ask for is refused. */
 export function begin(module, worker) {
+  globalThis.haptical = { run: (what) => alone(compiled, worker, what) };
   const compiled = module.then((wasm) => {
     const policy = element("meta", { httpEquiv: "Content-Security-Policy", content: "connect-src 'none'" });
     document.head.append(policy);

@@ -9,10 +9,6 @@ export class Runner {
     this.end = null;
   }
 
-  get isBusy() {
-    return this.worker !== null;
-  }
-
   /** Runs words on files; what it gives has `status` null where the run was stopped or broke down. */
   async run(words, files, onProgress = () => {}) {
     const module = await this.module;
@@ -33,6 +29,11 @@ export class Runner {
     this.worker?.terminate();
     this.worker = null;
     return result;
+  }
+
+  /** To be called after the last run. */
+  close() {
+    URL.revokeObjectURL(this.address);
   }
 
   stop() {

@@ -9,7 +9,7 @@ import { chromium } from "playwright-core";
 
 const root = join(dirname(fileURLToPath(import.meta.url)), "..", "..", "..");
 /** Where the page was built. */
-export const built = process.env.HAPTICAL_PAGE ?? join(root, "target", "web");
+export const built = process.env.HAPTICAL_PAGE ?? join(root, "outside", "web", "dist");
 /** The native command, for comparison. */
 export const native = process.env.HAPTICAL ?? join(root, "target", "debug", "haptical");
 export const fixtures = join(root, "fixtures");
@@ -22,7 +22,7 @@ export async function start() {
   const server = createServer(async (request, response) => {
     const name = new URL(request.url, "http://localhost").pathname.replace(/\/$/, "/index.html").slice(1);
     try {
-      const bytes = await readFile(join(built, "page", name));
+      const bytes = await readFile(join(built, name));
       response.writeHead(200, { "Content-Type": TYPES[name.split(".").pop()] ?? "application/octet-stream" });
       response.end(bytes);
     } catch {

@@ -28,8 +28,9 @@ for (const form of ["folder", "single"]) {
       assert.match(await page.locator("#printed").textContent(), printed);
       assert.ok(await page.locator("#written").getByText(model, { exact: true }).isVisible());
       const frame = page.frameLocator("#page");
-      assert.ok(await frame.locator("svg").first().isVisible());
-      assert.ok(await frame.getByRole("button", { name: "Copy" }).first().isVisible(), "its script ran");
+      await frame.locator("svg").first().waitFor({ timeout: 5000 });
+      // its script ran
+      await frame.getByRole("button", { name: "Copy" }).first().waitFor({ timeout: 5000 });
     }
     assert.deepEqual(requests, []);
     assert.deepEqual(errors, []);
@@ -120,5 +121,24 @@ test("a table of another maker becomes a log by a form", async () => {
   const words = await page.locator("#words").inputValue();
   assert.equal(await page.locator("#refusal").isVisible(), false, await page.locator("#refusal").textContent());
   assert.match(await page.locator("#folder").textContent(), /log\.csvlog/, words);
+  await context.close();
+});
+
+test("a program calls the command with bytes, several at once", async () => {
+  const { context, page, errors } = await open(house.browser, house.single);
+  const done = await page.evaluate(async () => {
+    const made = await haptical.run({ args: ["init", ".", "--example", "sockets"] });
+    const args = ["identify", "--device", "arm6.urdf", "--rig", "rig.toml", "--log", "log.csv", "--out", "fit"];
+    const [fit, wrong] = await Promise.all([haptical.run({ args, files: made.files }), haptical.run({ args })]);
+    return { made: Object.keys(made.files), status: fit.status, stdout: fit.stdout, files: Object.keys(fit.files), bytes: fit.files["fit/identified.toml"].length, wrong };
+  });
+  assert.deepEqual(done.made.sort(), ["arm6.urdf", "log.csv", "rig.toml"]);
+  assert.equal(done.status, 0);
+  assert.match(done.stdout, /parameters identified/);
+  assert.ok(done.files.includes("fit/identified.json") && !done.files.includes("log.csv"), done.files.join(" "));
+  assert.ok(done.bytes > 1000);
+  assert.equal(done.wrong.status, 2);
+  assert.match(done.wrong.stderr, /^error: /);
+  assert.deepEqual(errors, []);
   await context.close();
 });

@@ -11,23 +11,32 @@ after(() => house.stop());
 
 const SCREENS = [[390, 800, "light"], [390, 800, "dark"], [1300, 900, "light"], [1300, 900, "dark"]];
 
-for (const [width, height, colorScheme] of SCREENS) {
-  test(`${width} pixels, ${colorScheme}: nothing is wider than the screen, and text is readable`, async () => {
-    const { context, page } = await open(house.browser, house.folder, { viewport: { width, height }, colorScheme });
-    const isNarrow = async () => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
-    assert.ok(await isNarrow());
-    await page.getByRole("button", { name: "a haptic arm with a gap" }).click();
-    await page.locator("#shown-name", { hasText: "gap.html" }).waitFor();
-    await ended(page);
-    assert.ok(await isNarrow());
-    const frame = page.frameLocator("#page").locator("html");
-    assert.ok(await frame.evaluate((html) => html.scrollWidth <= html.clientWidth), "the page in the frame");
-    const low = await page.evaluate(lowContrast);
-    assert.deepEqual(low, []);
-    await page.screenshot({ path: join(built, `page-${width}-${colorScheme}.png`), fullPage: true });
-    await context.close();
-  });
-}
+test("390 and 1300 pixels, light and dark: nothing is wider than the screen, and text is readable", async () => {
+  const { context, page } = await open(house.browser, house.folder);
+  const look = async (step) => {
+    for (const [width, height, colorScheme] of SCREENS) {
+      const what = `${step}, ${width} pixels, ${colorScheme}`;
+      await page.setViewportSize({ width, height });
+      await page.emulateMedia({ colorScheme });
+      await page.waitForTimeout(100);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), what);
+      assert.deepEqual(await page.evaluate(lowContrast), [], what);
+      if (await page.locator("#page").isVisible()) {
+        const frame = page.frameLocator("#page").locator("html");
+        assert.ok(await frame.evaluate((html) => html.scrollWidth <= html.clientWidth), `${what}: the page in the frame`);
+      }
+      await page.screenshot({ path: join(built, `${step}-${width}-${colorScheme}.png`), fullPage: true });
+    }
+  };
+  await look("begin");
+  await page.getByRole("button", { name: "a haptic arm with a gap" }).click();
+  await page.locator("#shown-name", { hasText: "gap.html" }).waitFor();
+  await ended(page);
+  await look("answer");
+  await run(page, "haptical identify --device no-such.toml --log log.csv --out fit");
+  await look("refusal");
+  await context.close();
+});
 
 /** Texts whose contrast with what is behind them is below 4.5 (WCAG 2.1, 1.4.3). */
 function lowContrast() {

@@ -28,6 +28,14 @@ type Sizes = BTreeMap<Channel, BTreeMap<u64, f64>>;
 /// Most residuals times parameters of a fit whose noise is looked at row by row.
 const MOST_ROWS: usize = 6_000_000;
 
+/// Share of a fit's sum of squares that may bend along the step of its noise: a tenth of the noise.
+const MOST_BENT: f64 = 0.01;
+
+/// Factor by which lines in time may raise a fit's sum of squares, and the chance of such lines without a drift below which they may
+/// raise it further.
+const MOST_RAISED: f64 = 2.0;
+const SURE_DRIFT: f64 = 1e-3;
+
 /// Gives every fit of a device the covariance that its noise calls for: that of step 2 counts the noise of step 1
 /// ([`with_step_one_noise`]), lengths count the scale of the instruments that they rest on, and noise that is not independent and of one size has its own ([`correlated_noise`]). Values move by a part of their uncertainty where rows are weighted by a local size of the
 /// noise, or where a drift is fitted besides.
@@ -180,6 +188,7 @@ fn look(
         step,
         components,
         held,
+        drift_p_value,
         ..
     } = found;
     if let Some(effect) = held {
@@ -191,16 +200,45 @@ fn look(
         let rows = (&of_fit(), &residuals[..]);
         robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
     }
+    let step: Vec<f64> = changes.iter().map(|(_, change)| *change).collect();
+    let mut moved = device.clone();
+    move_device(&mut moved, &changes);
+    let problem = DeviceProblem::new(&moved, recording, channels, &[], weights)?;
+    let there = Prepared::new(&problem)?.residuals(&[]).map_err(failed)?;
+    let left = (&residuals[..], &there[..]);
+    if !is_linear(&derivatives, left, &step) || !is_credible(left, drift_p_value) {
+        take_step(&mut fit, &[], &[]);
+        return Ok(fit);
+    }
     take_step(&mut fit, &changes, &[]);
-    let problem = DeviceProblem::new(&fit.device, recording, channels, &[], weights)?;
-    let prepared = Prepared::new(&problem)?;
-    fit.residuals = prepared.residuals(&[]).map_err(failed)?;
-    fit.cost = fit
-        .residuals
-        .iter()
-        .map(|residual| residual * residual)
-        .sum();
+    fit.cost = there.iter().map(|residual| residual * residual).sum();
+    fit.residuals = there;
     Ok(fit)
+}
+
+/// Whether residuals after a step are those that the derivatives promise: what bends along it is below a part of the noise. Along a
+/// valley, such as of axes that are nearly parallel, a step of a standard deviation can leave ten times the noise.
+fn is_linear(derivatives: &Matrix, (before, after): (&[f64], &[f64]), step: &[f64]) -> bool {
+    let promised = |row: usize| {
+        let each = step.iter().enumerate();
+        before[row]
+            + each
+                .map(|(column, own)| derivatives[(row, column)] * own)
+                .sum::<f64>()
+    };
+    let bent: f64 = (after.iter().enumerate())
+        .map(|(row, after)| (after - promised(row)).powi(2))
+        .sum();
+    let before: f64 = before.iter().map(|residual| residual.powi(2)).sum();
+    bent <= MOST_BENT * before
+}
+
+/// Whether a drift is credible that leaves this of the readings without it. Lines that parameters can imitate are known to many times the
+/// noise: unless one is sure, a step to them predicts other readings far worse than the fit does.
+fn is_credible((before, after): (&[f64], &[f64]), p_value: f64) -> bool {
+    let squares =
+        |residuals: &[f64]| -> f64 { residuals.iter().map(|residual| residual.powi(2)).sum() };
+    p_value < SURE_DRIFT || squares(after) <= MOST_RAISED * squares(before)
 }
 
 /// Moves a fit's device, its own parameters and others, and puts its intervals around the new values.

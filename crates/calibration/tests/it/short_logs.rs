@@ -66,6 +66,38 @@ fn noise_beyond_the_stated_is_told_of_a_short_log_too() {
     }
 }
 
+/// In 1.2 s a line in time and turns of axes that are nearly parallel leave the same: no such line moves the arm.
+#[test]
+fn a_short_motion_of_a_planar_arm_is_fitted_to_its_noise() {
+    let joint = "[[joint]]\ntransmission = \"direct\"\nlower_rad = -2.0\nupper_rad = 2.0\nexternal_encoder_sd_rad = 1e-4\n";
+    let tracker =
+        "[tracker]\nbase = \"known\"\ntool = \"known\"\nposition_sd_m = 1e-4\nscale_sd = 0.0\n";
+    let made = |lengths: [f64; 2]| {
+        let link = |a_m: f64| format!("[[link]]\na_m = {a_m}\nalpha_rad = 0.0\nd_m = 0.0\n");
+        let links = [0.0, lengths[0], lengths[1]].map(link).concat();
+        let text = format!("[device]\nname = \"planar\"\ndof = 2\n{links}{joint}{joint}{tracker}");
+        Device::from_toml(&text, "planar.toml").unwrap().device
+    };
+    let (nominal, truth) = (made([0.3, 0.2]), made([0.3012, 0.1991]));
+    for seed in 0..24 {
+        let time_s: Vec<f64> = (0..60).map(|row| 0.02 * f64::from(row)).collect();
+        let of = |q: &dyn Fn(f64) -> f64| time_s.iter().map(|t| q(*t)).collect::<Vec<f64>>();
+        let joints = vec![
+            of(&|t| 1.5 * (0.9 * t).sin()),
+            of(&|t| 0.2 + 1.4 * (1.7 * t + 0.5).sin()),
+        ];
+        let mut recording = plain(joints);
+        recording.time_s = Some(time_s);
+        let mut seeing = truth.clone();
+        seeing.tracker.as_mut().unwrap().rotation_sd_rad = Some(1.0);
+        tracked(&seeing, &mut recording, 1.0, seed);
+        recording.orientation_wxyz = None;
+        let found = calibrate(&nominal, &recording, &Options::default()).unwrap();
+        let left = found.fit_channels[0].rms_after;
+        assert!(left < 1.3e-4, "seed {seed}: {left} m");
+    }
+}
+
 /// Five readings that are centimetres off: the figures of the good ones are at their noise, and each is listed once.
 #[test]
 fn wild_readings_are_listed_once_and_left_out_of_the_good_figures() {

@@ -10,6 +10,7 @@ __all__ = [
     "Device",
     "HapticalError",
     "__version__",
+    "command",
     "correct",
     "diagnose",
     "effects",
@@ -133,6 +134,7 @@ def simulate(
     tip: Tip = None,
     rig: Optional[Source] = None,
 ) -> Dict[str, Any]: ...
+def command(words: Sequence[str]) -> int: ...
 def correct(
     device: Union[Device, Source],
     model: Union[Device, Source],

@@ -6,6 +6,7 @@ import csv as _csv
 import html as _html
 import io as _io
 import pathlib as _pathlib
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as _np
@@ -46,6 +47,11 @@ class Columns(Record):
     def rows(self) -> int:
         """Number of rows."""
         return max((len(column) for column in self.values()), default=0)
+
+    def records(self) -> Iterator[Record]:
+        """The rows one after the other: `for number in result.parameters.records(): print(number.name, number.value)`."""
+        for row in range(self.rows):
+            yield Record((name, column[row]) for name, column in self.items())
 
     def _flat(self) -> dict[str, Any]:
         """Columns of one number or text for each row: an interval [P, 2] becomes `_low` and `_high`."""

@@ -70,7 +70,7 @@ pub(crate) fn section(output: &mut Output, root: &Path) -> Result<()> {
 }
 
 /// Largest wheel that counts as small \[bytes\].
-const LARGEST_WHEEL: u64 = 8 << 20;
+const LARGEST_WHEEL: u64 = 10_000_000;
 
 fn describe(output: &mut Output, wheel: &Path, (tests, fleet, notebook): (&str, &str, &str)) {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy();
@@ -91,7 +91,7 @@ fn describe(output: &mut Output, wheel: &Path, (tests, fleet, notebook): (&str, 
     let text = format!("`examples/fleet.py --devices {DEVICES}`: Dask identified every device");
     output.verdict(fleet.contains(&identified), text);
     let bytes = std::fs::metadata(wheel).map_or(u64::MAX, |wheel| wheel.len());
-    output.verdict(bytes <= LARGEST_WHEEL, "the wheel has at most 8 MiB");
+    output.verdict(bytes <= LARGEST_WHEEL, "the wheel has at most 10 MB");
     match notebook.starts_with("skipped") {
         true => output.terminal(format!("notebook: {notebook}")),
         false => output.verdict(
