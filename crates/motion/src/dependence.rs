@@ -11,11 +11,7 @@ use crate::fit::base::Base;
 use crate::fit::column::Column;
 use crate::fit::problem::Problem;
 use crate::select::Fitted;
-use crate::thresholds::examine::{FRICTION_KNOTS, PRODUCT_DEGREE, QUANTITY_DEGREE};
-
-/// Share of a function's square that the fit leaves: of less than this what it takes off is not stated, whose digits would be those of
-/// the processor's rounding.
-const CLEAR: f64 = 1e-5;
+use crate::thresholds::examine::{CLEAR, FRICTION_KNOTS, PRODUCT_DEGREE, QUANTITY_DEGREE};
 
 /// A quantity that a torque may follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -30,6 +30,9 @@ pub(crate) const FRICTION_OF_SECOND: f64 = 1.5;
 /// Share of the squares that such effects leave of some torque's gap, and most of another one's.
 pub(crate) const MOST_OF_CLOSED: f64 = 0.25;
 pub(crate) const NO_WORSE: f64 = 1.1;
+/// Share of a free function's square that the fit leaves: of less than this what it takes off is not stated, whose digits would be those of
+/// the processor's rounding.
+pub(crate) const CLEAR: f64 = 1e-5;
 /// Pieces of a joint's range over which its friction may have levels of their own.
 pub(crate) const FRICTION_KNOTS: usize = 24;
 /// But they may leave this share of the gap, and of a channel's squares: the levers of a spring, and the bodies that carry a load, are off
