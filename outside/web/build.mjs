@@ -41,7 +41,7 @@ const style = await readFile(source("style.css"), "utf8");
 const template = await readFile(source("index.html"), "utf8");
 const { version, hashes } = await frames(binary);
 const frame = [...new Set(hashes)].join(" ");
-const common = `default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; worker-src blob:; frame-src blob:; base-uri 'none'; form-action 'none'`;
+const common = `default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; worker-src blob:; frame-src 'none'; base-uri 'none'; form-action 'none'`;
 
 await mkdir(out, { recursive: true });
 const script = await bundled("start_folder.js", [withWorker]);

@@ -20,4 +20,4 @@ fi
 # a build for tests is larger
 size=()
 if [[ $profile != release ]]; then size=(any-size); fi
-node outside/web/build.mjs "target/$TARGET/$profile/haptical.wasm" "$out" "${size[@]}"
+node outside/web/build.mjs "target/$TARGET/$profile/haptical.wasm" "$out" ${size[@]+"${size[@]}"}

@@ -416,6 +416,10 @@ pub(crate) fn failure_of(error: &clap::Error) -> Failure {
         next.insert(0, format!("possible values: {values}"));
         what = before.to_owned();
     }
+    if what.ends_with("cannot be used with '--json'") {
+        next =
+            vec!["write --json after the command: `haptical check DEVICE LOG --json`".to_owned()];
+    }
     if what.contains("a value is required") {
         next.push("write the value after the flag".to_owned());
     }

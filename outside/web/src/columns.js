@@ -6,6 +6,15 @@ const NAMES = ["t_s", "run", "theta1_rad", "theta1_m", "out1_rad", "torque1_nm",
   "qw", "qx", "qy", "qz", "cable_m", "contact", "plane", "tool", "hand", "fx_n", "fy_n", "fz_n", "temp_degc"];
 const UNITS = ["rad", "deg", "m", "mm", "um", "in", "s", "ms", "us", "ns", "Nm", "Nmm", "N", "A", "mA", "degC", "K"];
 
+/** The text of a TOML string, basic or literal, in one line. */
+function plain(text) {
+  for (const quote of ["\'\'\'", "'"]) {
+    if (text.startsWith(quote) && text.endsWith(quote)) return text.slice(quote.length, -quote.length);
+  }
+  if (text.startsWith('"""')) return JSON.parse(`"${text.slice(3, -3).replace(/(?<!\\)"/g, '\\"')}"`);
+  return JSON.parse(text);
+}
+
 /** What was proposed: the tables before the columns, and the columns. */
 export function parse(text) {
   const lines = text.split("\n");
@@ -24,7 +33,7 @@ export function parse(text) {
     } else if (left) {
       columns.push({ from: left[1], log: "", unit: "", why: left[2], more: [] });
     } else if (value && column && ["from", "log", "unit"].includes(value[1])) {
-      column[value[1]] = JSON.parse(value[2]);
+      column[value[1]] = plain(value[2]);
     } else if (value && column) {
       column.more.push(line);
     } else if (line.startsWith("# ")) {
@@ -47,7 +56,7 @@ export function write({ before, columns }) {
   return `${[before, ...kept.map(text)].join("\n\n")}\n`;
 }
 
-/** Fills the form; `make` gets the mapping file and the command that reads it. */
+/** Fills the form; `make` gets the mapping file's name and text, and the command that reads it. */
 export function show(form, text, { tables, device, isTaken }, make) {
   const proposed = parse(text);
   const element = (name, set, ...children) => {
@@ -79,9 +88,14 @@ export function show(form, text, { tables, device, isTaken }, make) {
   form.onsubmit = (event) => {
     event.preventDefault();
     form.hidden = true;
-    let out = "log.csv";
-    for (let number = 2; isTaken(out); number += 1) out = `log-${number}.csv`;
+    const free = (name, end) => {
+      for (let number = 1; ; number += 1) {
+        const path = `${name}${number > 1 ? `-${number}` : ""}.${end}`;
+        if (!isTaken(path)) return path;
+      }
+    };
+    const [mapping, out] = [free("columns", "toml"), free("log", "csv")];
     const of = device ? ` --device ${quoted(device)}` : "";
-    make(write(proposed), `haptical import --columns columns.toml ${tables.map(quoted).join(" ")}${of} --out ${out}`);
+    make(mapping, write(proposed), `haptical import --columns ${mapping} ${tables.map(quoted).join(" ")}${of} --out ${out}`);
   };
 }

@@ -26,8 +26,13 @@ class Page {
     this.isTyped = false;
     this.runner = new Runner(module, worker);
     this.result = new Result((path) => this.show(path));
-    at("choose-files").onchange = (event) => this.add(chosen(event.target));
-    at("choose-folder").onchange = (event) => this.add(chosen(event.target));
+    for (const id of ["choose-files", "choose-folder"]) {
+      at(id).onchange = ({ target }) => {
+        this.add(chosen(target));
+        // the same file, changed or removed, can be chosen again
+        target.value = "";
+      };
+    }
     const drop = document.body;
     drop.ondragover = (event) => { event.preventDefault(); at("drop").classList.add("over"); };
     drop.ondragleave = () => at("drop").classList.remove("over");
@@ -55,7 +60,11 @@ class Page {
   /** One thing at a time: what is asked for meanwhile waits. */
   alone(work) {
     document.body.setAttribute("aria-busy", "true");
-    const done = this.before.then(work).finally(() => {
+    const failed = (error) => {
+      this.say("Ended.");
+      this.result.refuse(`the page broke down: ${error}`, "choose the files again, or load the page again");
+    };
+    const done = this.before.then(work).catch(failed).finally(() => {
       if (this.before === done) document.body.removeAttribute("aria-busy");
     });
     this.before = done;
@@ -104,15 +113,17 @@ class Page {
   }
 
   steps(next) {
+    const starts = ["diagnose", "identify", "import", "plan --settle", "export", ""];
+    const begins = (start) => next.findIndex(({ command }) => command.startsWith(`haptical ${start}`));
+    const first = starts.map(begins).find((place) => place >= 0);
     const buttons = next.map(({ what, command }, index) => {
       const button = element("button", { type: "button", textContent: what, title: command });
-      if (index === next.length - 1) button.className = "first";
+      if (index === first) button.className = "first";
       button.onclick = () => this.run(command);
       return button;
     });
     at("steps").replaceChildren(...buttons);
-    const last = next.at(-1);
-    if (last && !this.isTyped) at("words").value = last.command;
+    if (next[first] && !this.isTyped) at("words").value = next[first].command;
   }
 
   /** Puts an example in the place of the files, and answers it. */
@@ -159,18 +170,18 @@ class Page {
     const printed = await this.result.tell(done, this.files);
     if (done.written.length > 0 || done.removed.length > 0) {
       await this.look();
-      at("words").value = line;
+      if (!this.isTyped) at("words").value = line;
     }
-    if (done.status === 0 && words[1] === "import" && words.includes("--guess") && !words.includes("--out")) {
-      this.map(printed, words.slice(2).filter((word) => !word.startsWith("--")));
+    if (done.status === 0 && words[1] === "import" && words.includes("--guess") && !words.includes("--out") && !words.includes("--json")) {
+      this.map(printed, operands(words.slice(2)));
     }
   }
 
   /** The form of a mapping file. */
   map(text, tables) {
     const device = this.found?.devices[0];
-    columns.show(at("mapping"), text, { tables, device, isTaken: (name) => this.files.has(name) }, (mapping, command) => {
-      this.files.set("columns.toml", new Blob([mapping]));
+    columns.show(at("mapping"), text, { tables, device, isTaken: (name) => this.files.has(name) }, (name, mapping, command) => {
+      this.files.set(name, new Blob([mapping]));
       this.run(command);
     });
   }
@@ -178,6 +189,12 @@ class Page {
   show(path) {
     this.result.show(path, this.files);
   }
+}
+
+/** Words of `import` that are neither flags nor their values. */
+function operands(words) {
+  const isValue = (index) => /^--(device|rig|base|tip|columns)$/.test(words[index - 1] ?? "");
+  return words.filter((word, index) => !word.startsWith("--") && !isValue(index));
 }
 
 /** Runs a command for a program: words without the program's name, and files as bytes or blobs by their paths. */

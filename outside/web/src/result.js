@@ -80,7 +80,7 @@ export class Result {
     at("shown-name").textContent = path;
     Object.assign(at("shown-save"), { href: this.address(blob, path), download: path.split("/").pop() });
     const isPage = ["html", "svg"].includes(ending(path));
-    const source = isPage ? blob : blob.slice(0, SHOWN);
+    const text = await (isPage ? blob : blob.slice(0, SHOWN)).text();
     frame.onload = () => {
       const inside = frame.contentDocument;
       if (!inside?.documentElement) return;
@@ -90,20 +90,27 @@ export class Result {
       inside.addEventListener("toggle", fit, true);
       inside.addEventListener("click", (event) => this.follow(event, path, files));
     };
-    frame.src = this.address(isPage ? source : new Blob([source], { type: "text/plain" }), path);
+    // of the page's own origin also where it was opened as a file
+    frame.srcdoc = isPage ? text : `<!doctype html><meta name="color-scheme" content="light dark"><pre style="white-space:pre-wrap">${escaped(text)}</pre>`;
   }
 
   /** Links of a page lead to other files of the folder. */
   follow(event, path, files) {
     const link = event.target.closest?.("a[href]");
-    const href = link?.getAttribute("href") ?? "#";
-    if (href.startsWith("#") || /^[a-z]+:/i.test(href)) return;
+    const href = link?.getAttribute("href");
+    if (!href || /^[a-z]+:/i.test(href)) return;
     event.preventDefault();
+    if (href.startsWith("#")) {
+      link.ownerDocument.getElementById(decodeURIComponent(href.slice(1)))?.scrollIntoView();
+      return;
+    }
     const place = new URL(href, `http://folder/${path}`).pathname.slice(1);
     const target = decodeURIComponent(place);
     if (files.has(target)) this.wants(target);
   }
 }
+
+const escaped = (text) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;");
 
 function rank(path) {
   const place = ORDER.indexOf(ending(path));
@@ -114,6 +121,8 @@ function rank(path) {
 function refusal({ status, fault, messages }) {
   if (status !== null) return messages.trim() === "" ? [`exit status ${status}`] : messages.trim().split("\n");
   const isMemory = /memory allocation of|out of memory|Maximum call/i.test(`${fault} ${messages}`);
+  const isGone = /NotReadableError/.test(String(fault));
+  if (isGone) return ["error: a file changed on the disk after it was chosen", "next: choose it again"];
   const what = isMemory
     ? ["error: this tab has no more memory (4 GB at most)", "next: give a shorter or thinner log, leave the second one out, or run the same command in a terminal"]
     : [`error: the command broke down in this browser: ${fault}`, "next: run the same command in a terminal, and report it with the messages below"];

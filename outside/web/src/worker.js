@@ -52,7 +52,7 @@ function lines(take) {
 function folder(entries) {
   const root = new Directory(new Map());
   for (const [path, blob] of entries) {
-    const parts = path.split("/");
+    const parts = path.split("/").filter((part) => part !== "" && part !== ".");
     const name = parts.pop();
     let place = root;
     for (const part of parts) {

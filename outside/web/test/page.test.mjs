@@ -38,13 +38,16 @@ for (const form of ["folder", "single"]) {
   });
 }
 
-test("links of a page lead to the files beside it", async () => {
-  const { context, page } = await open(house.browser, house.folder);
+for (const form of ["folder", "single"]) test(`${form}: links of a page lead to the files beside it`, async () => {
+  const { context, page } = await open(house.browser, house[form]);
   await run(page, "haptical init . --example sockets");
   await run(page, "haptical identify --device arm6.urdf --rig rig.toml --log log.csv --out fit");
   await page.locator("#written").getByText("fit/report.html", { exact: true }).click();
   await page.frameLocator("#page").getByRole("link", { name: /identify\.html|Identification/ }).first().click();
   await page.locator("#shown-name", { hasText: "fit/identify.html" }).waitFor();
+  const height = async () => (await page.locator("#page").boundingBox()).height;
+  await page.waitForFunction(() => document.getElementById("page").offsetHeight !== 640);
+  assert.ok((await height()) > 800, "the frame is as high as its page");
   await context.close();
 });
 
@@ -105,15 +108,15 @@ test("Stop ends a run at once, and the next one works", async () => {
 test("a table of another maker becomes a log by a form", async () => {
   const { context, page } = await open(house.browser, house.folder);
   const rows = Array.from({ length: 50 }, (_, row) => [0.01 * row, 40 * Math.sin(row / 9), 30 * Math.cos(row / 7), 300 + row, 2 * row].join(","));
-  const text = ["time,j1,Joint B,tcp_x,<img src=x onerror=alert(1)>", ...rows].join("\n");
+  const text = ["time,j\\1,Joint \"B\",tcp_x,<img src=x onerror=alert(1)>", ...rows].join("\n");
   await page.locator("#choose-files").setInputFiles({ name: "übung 1.csv", mimeType: "text/csv", buffer: Buffer.from(text) });
   await page.getByRole("button", { name: "Make a log of a table" }).click();
   await ended(page);
-  const name = page.getByLabel("meaning of column j1");
+  const name = page.getByLabel("meaning of column j\\1");
   assert.equal(await name.inputValue(), "theta1_rad");
-  assert.equal(await page.getByLabel("unit of column j1").inputValue(), "deg");
-  await page.getByLabel("meaning of column Joint B").fill("theta2_rad");
-  await page.getByLabel("unit of column Joint B").fill("deg");
+  assert.equal(await page.getByLabel("unit of column j\\1").inputValue(), "deg");
+  await page.getByLabel('meaning of column Joint "B"').fill("theta2_rad");
+  await page.getByLabel('unit of column Joint "B"').fill("deg");
   await page.getByLabel("meaning of column tcp_x").fill("");
   await page.getByRole("button", { name: "Make the log" }).click();
   await page.locator("#shown-name, #written li").first().waitFor();
@@ -139,6 +142,20 @@ test("a program calls the command with bytes, several at once", async () => {
   assert.ok(done.bytes > 1000);
   assert.equal(done.wrong.status, 2);
   assert.match(done.wrong.stderr, /^error: /);
+  assert.deepEqual(errors, []);
+  await context.close();
+});
+
+test("a file that was removed or changed can be chosen again, and an input is not overwritten", async () => {
+  const { context, page, errors } = await open(house.browser, house.folder);
+  const device = join(fixtures, "devices/haptic7.toml");
+  await page.locator("#choose-files").setInputFiles(device);
+  await page.getByRole("button", { name: "Remove haptic7.toml" }).click();
+  await page.locator("#folder").waitFor({ state: "hidden" });
+  await page.locator("#choose-files").setInputFiles(device);
+  await page.getByRole("button", { name: "Remove haptic7.toml" }).waitFor();
+  await run(page, "haptical simulate --device haptic7.toml --seconds 2 --rate-hz 50 --out ./haptic7.toml --force");
+  assert.match(await page.locator("#refusal").textContent(), /is an input of this run/);
   assert.deepEqual(errors, []);
   await context.close();
 });

@@ -16,6 +16,10 @@ pub struct ChannelNoise {
     pub drift_sd: Vec<f64>,
     /// Joints in a part of whose range it is larger; rows are weighted by that.
     pub uneven: Vec<UnevenNoise>,
+    /// Whether lines and weights are in the intervals alone: the step to them leaves the range in which the problem is straight, so the
+    /// values are those without them.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub is_in_intervals_alone: bool,
 }
 
 /// Noise that is larger in a part of a joint's range.
@@ -33,6 +37,7 @@ impl ChannelNoise {
         found: &CorrelatedNoise,
         signals: &[Signal],
         channels: &[Channel],
+        is_taken: bool,
     ) -> Vec<Self> {
         let of_channel = |(group, channel): (usize, &Channel)| {
             let drift = signals.iter().zip(&found.drift);
@@ -50,6 +55,7 @@ impl ChannelNoise {
                         ratio: uneven.ratio,
                     })
                     .collect(),
+                is_in_intervals_alone: !is_taken,
             }
         };
         channels.iter().enumerate().map(of_channel).collect()

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use haptical_identification::{
-    CorrelatedNoise, FEWEST_ROWS, Matrix, OrderedProblem, Signal, correlated_noise,
-    evaluate_jacobian,
+    Component, CorrelatedNoise, FEWEST_ROWS, Matrix, OrderedProblem, Signal, Uncertainty,
+    correlated_noise, evaluate_jacobian,
 };
 use haptical_model::{Device, ParameterId, Recording};
 
@@ -170,7 +170,63 @@ fn look(
         }
         return Ok(fit);
     };
-    fit.channel_noise = ChannelNoise::list(&found, &signals, channels);
+    let changes: Vec<(ParameterId, f64)> = (own.iter().copied())
+        .zip(found.step.iter().copied())
+        .collect();
+    let moved = residuals_after(&device, &changes, (recording, channels), weights);
+    let moved = moved.filter(|after| {
+        let both = (&residuals[..], &after[..]);
+        is_linear(&derivatives, both, &found.step) && is_credible(both, found.drift_p_value)
+    });
+    fit.channel_noise = ChannelNoise::list(&found, &signals, channels, moved.is_some());
+    if moved.is_some() {
+        take_sizes(&problem, recording, &found, sizes);
+    }
+    let CorrelatedNoise {
+        components, held, ..
+    } = found;
+    if let Some(effect) = held {
+        fit.considered = fit.considered.reweighed(&device, &effect);
+    }
+    let components = match moved.is_some() {
+        true => components,
+        false => no_narrower(components, &fit.uncertainty),
+    };
+    fit.uncertainty = fit.uncertainty.with_components(components);
+    if let Some(robust) = robust {
+        let rows = (&of_fit(), &residuals[..]);
+        robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
+    }
+    let Some(after) = moved else {
+        take_step(&mut fit, &[], &[]);
+        return Ok(fit);
+    };
+    take_step(&mut fit, &changes, &[]);
+    fit.cost = after.iter().map(|residual| residual * residual).sum();
+    fit.residuals = after;
+    Ok(fit)
+}
+
+/// Residuals of the device moved by these changes; none where it has no value at a row.
+fn residuals_after(
+    device: &Device,
+    changes: &[(ParameterId, f64)],
+    (recording, channels): (&Recording, &[Channel]),
+    weights: &Weights,
+) -> Option<Vec<f64>> {
+    let mut moved = device.clone();
+    move_device(&mut moved, changes);
+    let problem = DeviceProblem::new(&moved, recording, channels, &[], weights).ok()?;
+    Prepared::new(&problem).ok()?.residuals(&[]).ok()
+}
+
+/// Puts down the local sizes of the noise by channel and line.
+fn take_sizes(
+    problem: &DeviceProblem<'_>,
+    recording: &Recording,
+    found: &CorrelatedNoise,
+    sizes: &mut Sizes,
+) {
     for block in &problem.blocks {
         let own = (block.rows.iter().enumerate()).map(|(reading, &row)| {
             (
@@ -184,36 +240,21 @@ fn look(
             sizes.insert(block.channel, own);
         }
     }
-    let CorrelatedNoise {
-        step,
-        components,
-        held,
-        drift_p_value,
-        ..
-    } = found;
-    if let Some(effect) = held {
-        fit.considered = fit.considered.reweighed(&device, &effect);
+}
+
+/// Components of a covariance, as large for every parameter as that of the values that stay: a weighted fit's can be smaller.
+fn no_narrower(mut components: Vec<Component>, plain: &Uncertainty) -> Vec<Component> {
+    let factor = (0..plain.columns.len()).fold(1.0, |most: f64, k| {
+        let own: f64 = components.iter().map(|part| part.covariance[(k, k)]).sum();
+        most.max(plain.covariance[(k, k)] / own.max(f64::MIN_POSITIVE))
+    });
+    for component in &mut components {
+        for column in 0..component.covariance.columns() {
+            let entries = component.covariance.column_mut(column).iter_mut();
+            entries.for_each(|entry| *entry *= factor);
+        }
     }
-    let changes: Vec<(ParameterId, f64)> = own.iter().copied().zip(step).collect();
-    fit.uncertainty = fit.uncertainty.with_components(components);
-    if let Some(robust) = robust {
-        let rows = (&of_fit(), &residuals[..]);
-        robust_floor::widen(&mut fit, (&problem, recording), rows, (robust, weights));
-    }
-    let step: Vec<f64> = changes.iter().map(|(_, change)| *change).collect();
-    let mut moved = device.clone();
-    move_device(&mut moved, &changes);
-    let problem = DeviceProblem::new(&moved, recording, channels, &[], weights)?;
-    let there = Prepared::new(&problem)?.residuals(&[]).map_err(failed)?;
-    let left = (&residuals[..], &there[..]);
-    if !is_linear(&derivatives, left, &step) || !is_credible(left, drift_p_value) {
-        take_step(&mut fit, &[], &[]);
-        return Ok(fit);
-    }
-    take_step(&mut fit, &changes, &[]);
-    fit.cost = there.iter().map(|residual| residual * residual).sum();
-    fit.residuals = there;
-    Ok(fit)
+    components
 }
 
 /// Whether residuals after a step are those that the derivatives promise: what bends along it is below a part of the noise. Along a

@@ -5,6 +5,8 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
+use haptical::GapFile;
+use haptical::files::Source;
 use serde::Serialize;
 
 /// Entries of a folder that are looked at.
@@ -27,8 +29,19 @@ pub(super) struct Found {
     pub(super) tables: Vec<String>,
     /// Folders with `identified.toml`.
     pub(super) fits: Vec<String>,
-    /// Folders with `gap.json`, and its verdict.
-    pub(super) gaps: Vec<(String, String)>,
+    /// Folders with `gap.json`.
+    pub(super) gaps: Vec<FoundGap>,
+}
+
+/// A diagnosis.
+#[derive(Debug, Serialize)]
+pub(super) struct FoundGap {
+    pub(super) folder: String,
+    pub(super) verdict: String,
+    /// Whether a recording can be chosen that tells its candidates apart.
+    pub(super) is_open: bool,
+    /// Whether there is a device with its causes.
+    pub(super) has_model: bool,
 }
 
 /// A log, and what it has.
@@ -75,8 +88,14 @@ impl Found {
         if folder.join("identified.toml").is_file() {
             self.fits.push(name.to_owned());
         }
-        if let Some(verdict) = verdict(&folder.join("gap.json")) {
-            self.gaps.push((name.to_owned(), verdict));
+        let path = folder.join("gap.json");
+        if let Some(verdict) = verdict(&path) {
+            self.gaps.push(FoundGap {
+                folder: name.to_owned(),
+                verdict,
+                is_open: GapFile::open(&Source::by_path(&path)).is_ok(),
+                has_model: folder.join("corrected.toml").is_file(),
+            });
         }
     }
 }

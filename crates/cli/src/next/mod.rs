@@ -67,7 +67,7 @@ fn text(found: &Found, steps: &[Step]) -> String {
         line("fit", &names(&found.fits));
         let gaps = found.gaps.iter();
         let gaps: Vec<String> = gaps
-            .map(|(name, what)| format!("{name} ({what})"))
+            .map(|gap| format!("{} ({})", gap.folder, gap.verdict))
             .collect();
         line("gap", &names(&gaps));
         text.push_str("\nNext:\n");
@@ -142,15 +142,18 @@ fn of_pair(
         );
     }
     let mut settled = None;
-    for (folder, verdict) in &found.gaps {
-        let folder = shell_word(folder);
-        match verdict.as_str() {
-            "named" => settled = Some(format!("{folder}/corrected.toml")),
-            "ambiguous" | "unknown" => step(
+    for gap in &found.gaps {
+        let folder = shell_word(&gap.folder);
+        if gap.verdict == "named" && gap.has_model {
+            settled = Some(format!("{folder}/corrected.toml"));
+        }
+        if gap.is_open {
+            step(
                 "Choose the recording that tells the candidates apart",
-                format!("haptical plan --settle {folder}/gap.json --log {name} --out next"),
-            ),
-            _ => {}
+                format!(
+                    "haptical plan --device {device}{rig} --settle {folder}/gap.json --log {name} --out next"
+                ),
+            );
         }
     }
     let fit = chosen(&found.fits).map(|folder| format!("{}/identified.toml", shell_word(folder)));

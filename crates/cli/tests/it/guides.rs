@@ -340,6 +340,16 @@ fn a_moving_arm() {
 }
 
 #[test]
+fn armature_damping_and_friction_for_mujoco() {
+    run("simulator-parameters.md");
+}
+
+#[test]
+fn an_arm_that_is_off() {
+    run("arm-is-off.md");
+}
+
+#[test]
 fn elastic_joints() {
     run("elastic-joints.md");
 }

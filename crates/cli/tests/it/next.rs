@@ -77,6 +77,33 @@ fn what_an_example_prints_runs() {
     }
 }
 
+#[test]
+fn the_step_after_an_open_answer_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), "init . --example gap");
+    // a gap that the effect explains alone, and the catalogue without it: nothing is open that a recording tells
+    run(
+        folder.path(),
+        "diagnose --device device.toml --log log.csv --without capstan-compliance --out gap",
+    );
+    let next = commands(&alone(folder.path()));
+    let settle = |next: &[String]| next.iter().find(|own| own.contains("--settle")).cloned();
+    assert_eq!(settle(&next), None);
+    // two that leave the same
+    let path = folder.path().join("gap/gap.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut gap: serde_json::Value = serde_json::from_str(&text).unwrap();
+    gap["verdict"] = "ambiguous".into();
+    let candidate = |effect: &str, parameter: &str, value: f64| serde_json::json!({"effect": effect, "joint": 2, "parameters": {parameter: value}, "nats_behind": 0.1, "gain": 100.0});
+    gap["candidates"] = serde_json::json!([
+        candidate("backlash", "width_rad", 2e-3),
+        candidate("joint-compliance", "stiffness_nm_per_rad", 500.0),
+    ]);
+    std::fs::write(&path, gap.to_string()).unwrap();
+    let next = commands(&alone(folder.path()));
+    run(folder.path(), &settle(&next).unwrap());
+}
+
 /// Blocks of the log are held out; what they hold beyond the angles of the others is not predicted: a polynomial of degree 10 was off
 /// by half a radian there.
 #[test]

@@ -1,6 +1,6 @@
 //! The one rule of what a run may write: nothing that it reads, nothing that another hand wrote, each file whole or not at all.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
@@ -211,7 +211,23 @@ impl WriteRule {
 fn folder_of(file: &Path) -> PathBuf {
     let parent = file.parent().filter(|own| !own.as_os_str().is_empty());
     let folder = parent.unwrap_or(Path::new("."));
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned())
+    folder.canonicalize().unwrap_or_else(|_| plain(folder))
+}
+
+/// A path without `.`, and without `..` behind a name: what a system that knows no canonical paths, such as WebAssembly's, can
+/// compare.
+fn plain(path: &Path) -> PathBuf {
+    let mut parts: Vec<Component<'_>> = Vec::new();
+    for part in path.components() {
+        match (part, parts.last()) {
+            (Component::CurDir, _) => {}
+            (Component::ParentDir, Some(Component::Normal(_))) => {
+                parts.pop();
+            }
+            _ => parts.push(part),
+        }
+    }
+    parts.iter().collect()
 }
 
 /// Whether two paths name one file: by the same place, or by a second name of it.
@@ -220,7 +236,11 @@ fn is_same(one: &Path, other: &Path) -> bool {
         return true;
     }
     let places = (one.canonicalize(), other.canonicalize());
-    matches!(places, (Ok(one), Ok(other)) if one == other) || is_linked(one, other)
+    match places {
+        (Ok(one), Ok(other)) if one == other => true,
+        (Err(_), Err(_)) if plain(one) == plain(other) => true,
+        _ => is_linked(one, other),
+    }
 }
 
 #[cfg(unix)]

@@ -91,16 +91,26 @@ fn of_noise(intervals: &Intervals) -> String {
     }
     for own in channels {
         for uneven in &own.uneven {
+            let then = match own.is_in_intervals_alone {
+                true => "intervals count that",
+                false => "rows are weighted by that",
+            };
             sentences.push(format!(
-                " The noise of {} is up to {:.1} times larger in a part of joint {}'s range: rows are weighted by that.",
+                " The noise of {} is up to {:.1} times larger in a part of joint {}'s range: {then}.",
                 own.channel, uneven.ratio, uneven.joint
             ));
         }
     }
     if let Some(names) = names(&|own| !own.drift_sd.is_empty()) {
-        sentences.push(format!(
-            " A line in time was fitted besides, as a drift is not excluded: {names}."
-        ));
+        sentences.push(match channels.iter().any(|own| own.is_in_intervals_alone) {
+            true => format!(
+                " A drift is not excluded in {names}: intervals count it. A line in time would move the values to where the fit is no longer \
+                 straight, so it is not in them."
+            ),
+            false => format!(
+                " A line in time was fitted besides, as a drift is not excluded: {names}."
+            ),
+        });
     }
     sentences.concat()
 }
