@@ -176,7 +176,12 @@ fn names(info: Option<&Value>, state: &str, joints: usize) -> Vec<String> {
         Some(Value::Object(kinds)) => kinds.values().find_map(Value::as_array),
         _ => None,
     };
-    let own: Vec<String> = (listed.into_iter().flatten())
+    // some have a list of lists
+    let all = listed.into_iter().flatten().flat_map(|entry| match entry {
+        Value::Array(names) => names.iter().collect(),
+        name => vec![name],
+    });
+    let own: Vec<String> = all
         .filter_map(|name| Some(name.as_str()?.trim_end_matches(".pos").to_owned()))
         .collect();
     match own.len() == joints {
@@ -244,4 +249,26 @@ fn scales(
             })
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::names;
+
+    #[test]
+    fn names_are_found_in_each_form_that_recorders_write() {
+        let forms = [
+            json!(["a.pos", "b.pos"]),
+            json!([["a", "b"]]),
+            json!({"motors": ["a", "b"]}),
+        ];
+        for form in forms {
+            let info = json!({"features": {"observation.state": {"names": form}}});
+            assert_eq!(names(Some(&info), "observation.state", 2), ["a", "b"]);
+            // names of other things are none
+            assert_eq!(names(Some(&info), "observation.state", 3), ["1", "2", "3"]);
+        }
+    }
 }
