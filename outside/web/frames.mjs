@@ -1,7 +1,6 @@
 // The scripts of the pages that the command writes: only these may run in the page's frame.
 
 import { createHash } from "node:crypto";
-import { readFile } from "node:fs/promises";
 import { ConsoleStdout, Directory, File, OpenFile, PreopenDirectory, WASI } from "@bjorn3/browser_wasi_shim";
 
 /** Commands that write each kind of page, run in this order. */
@@ -25,8 +24,8 @@ export async function frames(binary) {
       hashes.add(`'sha256-${createHash("sha256").update(script).digest("base64")}'`);
     }
   }
-  const { version } = JSON.parse(await readFile(new URL("package.json", import.meta.url), "utf8"));
-  return { version: `haptical ${version}`, hashes: [...hashes].sort() };
+  const [version] = await run(module, ["--version"], contents);
+  return { version, hashes: [...hashes].sort() };
 }
 
 function* files(contents) {
@@ -36,6 +35,7 @@ function* files(contents) {
   }
 }
 
+/** Runs a command; gives the lines that it prints. */
 async function run(module, words, contents) {
   const said = [];
   const sink = ConsoleStdout.lineBuffered((line) => said.push(line));
@@ -44,4 +44,5 @@ async function run(module, words, contents) {
   const instance = await WebAssembly.instantiate(module, { wasi_snapshot_preview1: wasi.wasiImport });
   const status = wasi.start(instance);
   if (status !== 0) throw new Error(`haptical ${words.join(" ")}: exit status ${status}\n${said.join("\n")}`);
+  return said;
 }

@@ -13,6 +13,16 @@ pub struct Component {
 }
 
 impl Component {
+    /// The same with a covariance that is so many times as large.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        for column in 0..self.covariance.columns() {
+            let entries = self.covariance.column_mut(column).iter_mut();
+            entries.for_each(|entry| *entry *= factor);
+        }
+        self
+    }
+
     /// The same among `count` parameters, its own from `first` on.
     #[must_use]
     pub fn placed(&self, first: usize, count: usize) -> Self {

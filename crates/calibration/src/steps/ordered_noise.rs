@@ -243,18 +243,14 @@ fn take_sizes(
 }
 
 /// Components of a covariance, as large for every parameter as that of the values that stay: a weighted fit's can be smaller.
-fn no_narrower(mut components: Vec<Component>, plain: &Uncertainty) -> Vec<Component> {
+fn no_narrower(components: Vec<Component>, plain: &Uncertainty) -> Vec<Component> {
+    let variance =
+        |k: usize| -> f64 { components.iter().map(|part| part.covariance[(k, k)]).sum() };
     let factor = (0..plain.columns.len()).fold(1.0, |most: f64, k| {
-        let own: f64 = components.iter().map(|part| part.covariance[(k, k)]).sum();
-        most.max(plain.covariance[(k, k)] / own.max(f64::MIN_POSITIVE))
+        most.max(plain.covariance[(k, k)] / variance(k).max(f64::MIN_POSITIVE))
     });
-    for component in &mut components {
-        for column in 0..component.covariance.columns() {
-            let entries = component.covariance.column_mut(column).iter_mut();
-            entries.for_each(|entry| *entry *= factor);
-        }
-    }
-    components
+    let scaled = components.into_iter().map(|part| part.scaled(factor));
+    scaled.collect()
 }
 
 /// Whether residuals after a step are those that the derivatives promise: what bends along it is below a part of the noise. Along a
@@ -368,4 +364,45 @@ fn follow(
         .collect();
     take_step(&mut fit, &changes, moved);
     Ok(fit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_straight_where_residuals_are_what_the_derivatives_promise() {
+        let derivatives = Matrix::from_fn(2, 1, |row, _| [2.0, -1.0][row]);
+        let before = [1.0, 1.0];
+        assert!(is_linear(&derivatives, (&before, &[2.0, 0.5]), &[0.5]));
+        // squares of 2 before: 0.02 may bend
+        assert!(is_linear(&derivatives, (&before, &[2.13, 0.5]), &[0.5]));
+        assert!(!is_linear(&derivatives, (&before, &[2.15, 0.5]), &[0.5]));
+        assert!(!is_linear(&derivatives, (&before, &[0.0, 1.5]), &[0.5]));
+    }
+
+    #[test]
+    fn a_drift_that_is_not_sure_does_not_double_what_is_left() {
+        let before = [1.0, -1.0];
+        assert!(is_credible((&before, &[1.4, -1.4]), 0.2));
+        assert!(!is_credible((&before, &[1.5, -1.4]), 0.2));
+        assert!(is_credible((&before, &[9.0, -9.0]), 9e-4));
+    }
+
+    #[test]
+    fn values_that_stay_have_no_smaller_intervals_than_before() {
+        let component = |variance: f64| Component {
+            covariance: Matrix::from_fn(2, 2, |a, b| if a == b { variance } else { 0.0 }),
+            degrees_of_freedom: 9.0,
+        };
+        let mut plain = Uncertainty::none(10);
+        plain.columns = vec![0, 1];
+        plain.covariance = Matrix::from_fn(2, 2, |a, b| [[6.0, 0.0], [0.0, 1.0]][a][b]);
+        let found = no_narrower(vec![component(1.0), component(2.0)], &plain);
+        let variances: Vec<f64> = found.iter().map(|part| part.covariance[(0, 0)]).collect();
+        assert_eq!(variances, [2.0, 4.0]);
+        // wider ones stay
+        let found = no_narrower(vec![component(9.0)], &plain);
+        assert_eq!(found[0].covariance[(1, 1)], 9.0);
+    }
 }

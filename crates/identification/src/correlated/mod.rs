@@ -147,7 +147,9 @@ pub fn correlated_noise(problem: &OrderedProblem<'_>) -> Option<CorrelatedNoise>
     Some(CorrelatedNoise {
         held,
         step: fitted.step(&rows).iter().copied().collect(),
-        components: inflated(components, sizes.inflation),
+        components: (components.into_iter())
+            .map(|component| component.scaled(sizes.inflation))
+            .collect(),
         correlated: unmixed.correlated(problem.signals),
         drift: fitted.lines(),
         sizes: sizes.by_row(&rows),
@@ -189,14 +191,4 @@ fn scaled_to(components: Vec<Component>, floor: Option<&DVector<f64>>) -> Vec<Co
         ..*component
     };
     components.iter().map(scale).collect()
-}
-
-fn inflated(mut components: Vec<Component>, factor: f64) -> Vec<Component> {
-    for component in &mut components {
-        for column in 0..component.covariance.columns() {
-            let entries = component.covariance.column_mut(column).iter_mut();
-            entries.for_each(|entry| *entry *= factor);
-        }
-    }
-    components
 }
