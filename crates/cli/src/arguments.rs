@@ -34,7 +34,8 @@ Example:
 Alone, `haptical` says what can be done with the files of this folder.
 
 Exit status: 0 done; 1 a result is not what its inputs give (`verify` alone); 2 bad arguments or input;
-3 nothing can be identified from these numbers; 4 the calibration is no longer true (`watch` alone);
+3 nothing can be identified from these numbers; 4 the calibration is no longer true
+(`watch`), or something was found (`doctor`);
 130 interrupted by Ctrl-C.",
     args_conflicts_with_subcommands = true
 )]
@@ -72,6 +73,9 @@ any work unless --force is given.")]
     /// Identify, then say which effect causes what is left between model and measurement
     #[command(after_help = diagnose_help())]
     Diagnose(DiagnoseArguments),
+    /// Say what is wrong with a recording of many episodes: which joint, what, since when
+    #[command(after_help = crate::doctor::HELP)]
+    Doctor(crate::doctor::DoctorArguments),
     /// Simulate a log of a device that a hand moves, with effects that its model leaves out
     #[command(after_help = crate::simulate::help())]
     Simulate(crate::simulate::SimulateArguments),

@@ -7,6 +7,7 @@ mod catalogue;
 mod check;
 mod correct;
 mod diagnose;
+mod doctor;
 mod export;
 mod failure;
 mod flags;
@@ -42,7 +43,7 @@ const STATUS_BAD_INPUT: u8 = 2;
 const STATUS_UNIDENTIFIABLE: u8 = 3;
 
 /// Runs a command line, whose first word is the program's name, and gives its exit status: 0 success, 2 bad arguments or
-/// input, 3 nothing can be identified, 130 interrupted; `verify` and `watch` have others of their own.
+/// input, 3 nothing can be identified, 130 interrupted; `verify`, `watch` and `doctor` have others of their own.
 ///
 /// ```
 /// assert_eq!(haptical_cli::run(["haptical", "--version"].map(Into::into)), 0);
@@ -90,6 +91,7 @@ fn run_command(command: Command) -> Result<u8, Failure> {
         Command::Play(arguments) => play::run(&arguments),
         Command::Report(arguments) => report::run(&arguments),
         // These have statuses of their own.
+        Command::Doctor(arguments) => return doctor::run(&arguments),
         Command::Verify(arguments) => return verify::run(&arguments),
         Command::Watch(arguments) => return watch::run(&arguments),
         Command::Completions { shell } => {

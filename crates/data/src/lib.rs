@@ -54,7 +54,7 @@ pub use read::known::known_file;
 pub use read::table::{Cells, log_from_columns};
 pub use read::{LoadedLog, read_log, read_log_from};
 #[cfg(any(feature = "mcap", feature = "rosbag2"))]
-pub use ros::{BagOptions, read_bag, read_bag_from};
+pub use ros::{BagJoints, BagOptions, bag_joints, read_bag, read_bag_from};
 pub use shape::{JointShape, LogShape};
 pub use size::{MOST_COLUMNS, MOST_MEMORY_BYTES};
 pub use write::LogWriter;

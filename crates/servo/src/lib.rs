@@ -5,6 +5,7 @@
 mod answer;
 mod change;
 mod effect;
+mod episodes;
 mod fit;
 mod joint;
 mod log;
@@ -17,6 +18,10 @@ mod thresholds;
 pub use answer::{Course, Finding, Instant, JointAnswer, Number, Verdict};
 pub use change::torque_gain;
 pub use effect::NAMES;
+pub use episodes::{
+    EpisodeFinding, EpisodeLog, EpisodeReport, EpisodeVerdict, Fault, JointColumns, JointEpisodes,
+    RowFault, RowFaultKind, Side, Use, examine_episodes,
+};
 pub use joint::{diagnose_joint, untested};
 pub use log::{JointLog, Untested};
 pub use predict::Predicted;

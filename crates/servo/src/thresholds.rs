@@ -207,3 +207,97 @@ pub(crate) const SPEED_S: f64 = 0.05;
 // `effect::saturation`
 /// Switches between limit and lag within a row at most: an input along a straight line has two.
 pub(crate) const SWITCHES: usize = 4;
+
+// `episodes`: of 26 joints of a humanoid in 50 episodes at 30 rows a second (docs/episodes.md)
+/// Rows of an episode that is looked at, and episodes that a change of offset, gain or delay is looked for in.
+pub(crate) const FEWEST_EPISODE_ROWS: usize = 30;
+pub(crate) const FEWEST_EPISODES: usize = 6;
+/// Episodes on either side of a change, at least, whose medians must differ by this share of it.
+pub(crate) const NEIGHBOURS: usize = 3;
+pub(crate) const CRISP: f64 = 0.5;
+/// A change of level in scatters of the episodes, and in its standard deviations.
+pub(crate) const STEP_SCATTERS: f64 = 3.0;
+pub(crate) const LEVEL_Z: f64 = 6.0;
+/// Places at which a long series is looked at first.
+pub(crate) const MOST_SCAN: usize = 200;
+/// Steps must leave this share of what a parabola over the poses leaves.
+pub(crate) const POSE_LEAVES: f64 = 0.5;
+/// An episode by itself is at another level by so many scatters.
+pub(crate) const ODD_SCATTERS: f64 = 12.0;
+/// And its rows scatter about it by less than this share of the least.
+pub(crate) const ODD_SPREAD: f64 = 0.25;
+/// An offset of all episodes is so many times what they scatter by.
+pub(crate) const STANDING_SCATTERS: f64 = 10.0;
+/// An offset is of one column where it is so many times what the task's poses scatter by.
+pub(crate) const SIDE_RATIO: f64 = 4.0;
+/// Past of the position and of the command in rows, and how far it is moved either way.
+pub(crate) const EPISODE_PAST: usize = 2;
+pub(crate) const EPISODE_TAPS: usize = 16;
+pub(crate) const EPISODE_LEAD: usize = 4;
+/// Degrees of freedom of the weights of rows.
+pub(crate) const ROBUST_FREEDOM: f64 = 4.0;
+/// A sensor that repeats more of its readings than this, of a moving command, holds them.
+pub(crate) const HELD_REPEATS: f64 = 0.5;
+/// Sum of the taps of a joint that follows its command.
+pub(crate) const PLAUSIBLE_SUM: std::ops::Range<f64> = 0.5..2.0;
+/// Rows that a delay is looked for at.
+pub(crate) const EPISODE_SHIFTS: [f64; 14] = [
+    -3.0, -2.0, -1.5, -1.2, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0,
+];
+pub(crate) const EPISODE_RIDGE: f64 = 1e-9;
+/// What a delay gains \[nats\] (untouched: up to 12; of 20 ms 17 and more in 46 of 52), in standard deviations over the episodes, the
+/// share of the episodes on either side that speak for it, the least one in rows with weights and without, and tenths of a row up to which its size is looked for.
+pub(crate) const EPISODE_DELAY_NATS: f64 = 15.0;
+/// The same of a sensor that holds its readings: few of its rows speak, each for much (20 ms: 60 and more).
+pub(crate) const HELD_DELAY_NATS: f64 = 30.0;
+pub(crate) const EPISODE_DELAY_Z: f64 = 4.0;
+pub(crate) const SMALL_DELAY_Z: f64 = 0.8;
+pub(crate) const EPISODE_DELAY_EVEN: f64 = 0.6;
+pub(crate) const LEAST_SHIFT: f64 = 0.25;
+pub(crate) const LEAST_DELAY: f64 = 0.4;
+pub(crate) const SIZE_TENTHS: u32 = 35;
+/// Episodes on either side in which it is placed again, with that size.
+pub(crate) const PLACED_AGAIN: usize = 6;
+/// Rows farther apart show no delay \[s\].
+pub(crate) const SLOWEST_STEP_S: f64 = 0.11;
+/// A gain that is nearer to 1 is what the laws get wrong, and what one gains over an offset \[nats\].
+pub(crate) const EPISODE_GAIN: f64 = 1.2;
+pub(crate) const EPISODE_GAIN_NATS: f64 = 9.0;
+/// Where the episodes' own gains scatter by more than this share of it, both must be larger (untouched: up to 13 nats, 1.22).
+pub(crate) const GAIN_TOLD: f64 = 0.25;
+pub(crate) const STILL_GAIN: f64 = 1.3;
+pub(crate) const STILL_GAIN_NATS: f64 = 16.0;
+/// A dead joint moves by no more than this share of its command, and by so many counts.
+pub(crate) const DEAD_SHARE: f64 = 0.02;
+pub(crate) const DEAD_COUNTS: f64 = 3.0;
+/// A joint follows where it moves by this share of its command.
+pub(crate) const FOLLOWS_SHARE: f64 = 0.2;
+/// Rows of an episode that are looked at for swapped joints; how much nearer each is to the other's command.
+pub(crate) const SWAP_ROWS: usize = 60;
+pub(crate) const SWAPPED_SHARE: f64 = 0.5;
+/// And no farther than so many times what that joint is from it as a rule.
+pub(crate) const SWAPPED_USUAL: f64 = 3.0;
+/// Rows of an episode at one end, episodes with that end, and how far the command goes beyond, in usual errors.
+pub(crate) const CLIPPED_ROWS: usize = 5;
+pub(crate) const CLIPPED_EPISODES: usize = 2;
+pub(crate) const CLIPPED_SCATTERS: f64 = 3.0;
+/// A sensor that repeats no more readings than this, of a moving command, follows each row; then it is enough that the position stays
+/// at that value in so many episodes while the command moves on.
+pub(crate) const FOLLOWING_REPEATS: f64 = 0.4;
+pub(crate) const CLIPPED_HELD: usize = 3;
+/// Times farther apart than so many usual steps have lost rows between them.
+pub(crate) const LOST_STEPS: f64 = 1.6;
+/// A step of positions and of commands beyond so many times the largest of so many rows before and after (untouched: up to 1.74; of ten
+/// lost rows 2 and more in 91 of 100), which count as at least this many usual ones.
+pub(crate) const JUMP_RATIO: f64 = 2.0;
+pub(crate) const JUMP_NEIGHBOURS: usize = 4;
+pub(crate) const JUMP_REST: f64 = 0.5;
+/// Part of an episode's rows that repeat the row before.
+pub(crate) const REPEATED_SHARE: f64 = 0.02;
+/// Between steps of this many usual ones, all joints together.
+pub(crate) const REPEATED_STEP: f64 = 0.7;
+/// An episode that lost more than this share is left out.
+pub(crate) const LEAVE_OUT_SHARE: f64 = 0.2;
+/// Odds of a fault beforehand, and the largest probability that is said.
+pub(crate) const PRIOR_ODDS: f64 = 0.01;
+pub(crate) const MOST_PROBABILITY: f64 = 0.99;

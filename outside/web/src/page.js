@@ -2,7 +2,7 @@
 
 import * as columns from "./columns.js";
 import { chosen, dropped, size } from "./folder.js";
-import { Result } from "./result.js";
+import { Result, isAnswer } from "./result.js";
 import { Runner } from "./runner.js";
 import { split } from "./words.js";
 
@@ -10,6 +10,7 @@ const FIT = "haptical identify --device arm6.urdf --rig rig.toml --log log.csv -
 const EXAMPLES = [
   ["a haptic arm with a gap", "gap", "haptical diagnose --device device.toml --log log.csv --validate second.csv --out gap"],
   ["a moving arm", "moving-arm", "haptical diagnose --device arm7.xml --log log.csv.gz --out gap"],
+  ["a data set of episodes", "data-set", "haptical doctor . --out doctor"],
   ["an arm and a tracker", "urdf-arm", FIT],
   ["a ball in two sockets", "sockets", FIT],
 ];
@@ -164,7 +165,7 @@ class Page {
     clearInterval(timer);
     at("run").hidden = false;
     at("stop").hidden = true;
-    this.say(done.isStopped ? `Stopped after ${seconds()}; nothing was written.` : `${done.status === 0 ? "Done" : "Ended"} in ${seconds()}.`);
+    this.say(done.isStopped ? `Stopped after ${seconds()}; nothing was written.` : `${isAnswer(done.status) ? "Done" : "Ended"} in ${seconds()}.`);
     done.removed.forEach((path) => this.files.delete(path));
     done.written.forEach(([path, blob]) => this.files.set(path, blob));
     const printed = await this.result.tell(done, this.files);

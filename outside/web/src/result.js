@@ -29,7 +29,7 @@ export class Result {
   async tell(done, files) {
     this.addresses.splice(0).forEach((address) => URL.revokeObjectURL(address));
     const printed = await done.output.text();
-    const isRefused = done.status !== 0 && !done.isStopped;
+    const isRefused = !isAnswer(done.status) && !done.isStopped;
     this.text("printed", printed);
     const error = isRefused ? refusal(done) : null;
     at("refusal").hidden = !error;
@@ -118,6 +118,11 @@ function rank(path) {
 }
 
 /** Lines of a refusal: the command's own, or why the tab could not go on. */
+/** Whether a command answered: 1 and 4 are answers, too (a result is not what it says; something was found, or is no longer true). */
+export function isAnswer(status) {
+  return [0, 1, 4].includes(status);
+}
+
 function refusal({ status, fault, messages }) {
   if (status !== null) return messages.trim() === "" ? [`exit status ${status}`] : messages.trim().split("\n");
   const isMemory = /memory allocation of|out of memory|Maximum call/i.test(`${fault} ${messages}`);

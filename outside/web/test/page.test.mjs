@@ -12,6 +12,7 @@ after(() => house.stop());
 const EXAMPLES = [
   ["a haptic arm with a gap", /^Named\. capstan-compliance at joint 2/, "gap/gap.html", "gap/corrected.toml"],
   ["a moving arm", /^Named\. payload/, "gap/gap.html", "gap/corrected.toml"],
+  ["a data set of episodes", /^2 of 3 joints have a finding/, "doctor/doctor.html", "doctor/doctor.json"],
   ["an arm and a tracker", /30 of 54 parameters identified/, "fit/identify.html", "fit/identified.toml"],
   ["a ball in two sockets", /parameters identified/, "fit/identify.html", "fit/identified.toml"],
 ];

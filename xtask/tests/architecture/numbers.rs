@@ -25,6 +25,11 @@ motion/src/identify/bias.rs NOISE_SEED: a seed, printed in each result
 motion/src/identify/numbers.rs ORDER: places in a list
 motion/src/identify/shape.rs BELOW: places in a matrix
 servo/src/change/sums.rs MOST_COLUMNS: size of an array
+servo/src/episodes/gain.rs AFTER: place of a column
+servo/src/episodes/gain.rs POSITION_AFTER: place of a column
+servo/src/episodes/moments.rs COLUMNS: size of an array
+servo/src/episodes/moments.rs FIRST_TAP: place of a column
+servo/src/episodes/scale.rs NORMAL_MEDIAN: a constant of mathematics
 servo/src/fit/search.rs AXES: size of an array
 ";
 

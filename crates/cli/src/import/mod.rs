@@ -3,12 +3,14 @@
 #[cfg(any(feature = "mcap", feature = "rosbag2"))]
 mod bag;
 #[cfg(feature = "parquet")]
-mod lerobot;
+pub(crate) mod lerobot;
 mod mukca;
 mod poses;
 mod renamed;
 mod sockets;
 mod table;
+
+pub(crate) use table::refused;
 
 use std::path::{Path, PathBuf};
 

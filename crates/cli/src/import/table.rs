@@ -116,7 +116,7 @@ fn shape_of_device(arguments: &TableArguments) -> Result<Option<LogShape>, Failu
 }
 
 /// A refusal of the tables' crate as one of the command.
-pub(super) fn refused(error: TableError) -> Failure {
+pub(crate) fn refused(error: TableError) -> Failure {
     let file = Path::new(&error.file);
     let TableError {
         kind, what, next, ..

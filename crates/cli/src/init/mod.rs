@@ -2,6 +2,8 @@
 
 mod arm6;
 mod arm7;
+#[cfg(feature = "parquet")]
+mod data_set;
 mod haptic7;
 
 use std::path::Path;
@@ -35,7 +37,7 @@ pub(crate) struct InitArguments {
     force: bool,
 }
 
-/// Kinds of examples. All logs are simulated, with a seed: the same bytes each time.
+/// Kinds of examples. All logs but the data set are simulated, with a seed: the same bytes each time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Example {
     /// A 7-DOF haptic device with capstan drives, external encoders and a cable encoder: a template with comments
@@ -48,6 +50,9 @@ enum Example {
     Gap,
     /// An arm whose motors' torques a log has: what does its description lack?
     MovingArm,
+    /// Ten episodes of a robot's arm in LeRobot's format: which of them can be used?
+    #[cfg(feature = "parquet")]
+    DataSet,
 }
 
 /// What an example consists of.
@@ -83,6 +88,8 @@ impl Example {
             Self::UrdfArm => arm6::tracker(),
             Self::Sockets => arm6::sockets(),
             Self::MovingArm => Ok(arm7::moving()),
+            #[cfg(feature = "parquet")]
+            Self::DataSet => Ok(data_set::faults()),
         }
     }
 }
@@ -118,6 +125,7 @@ fn written(words: &[Word], folder: &Path) -> String {
     let word = |word: &Word| match word {
         Word::Plain(word) => (*word).to_owned(),
         Word::Path(name) if folder == Path::new(".") => (*name).to_owned(),
+        Word::Path(".") => shell_word(&folder.display().to_string()),
         Word::Path(name) => shell_word(&folder.join(name).display().to_string()),
     };
     words.iter().map(word).collect::<Vec<_>>().join(" ")

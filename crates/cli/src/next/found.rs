@@ -27,6 +27,8 @@ pub(super) struct Found {
     pub(super) logs: Vec<FoundLog>,
     /// Tables whose columns are no log's.
     pub(super) tables: Vec<String>,
+    /// Folders of LeRobot data sets.
+    pub(super) data_sets: Vec<String>,
     /// Folders with `identified.toml`.
     pub(super) fits: Vec<String>,
     /// Folders with `gap.json`.
@@ -85,6 +87,9 @@ impl Found {
     }
 
     fn add_results(&mut self, folder: &Path, name: &str) {
+        if folder.join("meta/info.json").is_file() {
+            self.data_sets.push(name.to_owned());
+        }
         if folder.join("identified.toml").is_file() {
             self.fits.push(name.to_owned());
         }

@@ -18,6 +18,7 @@ No device and no log in this folder. To begin:
   haptical init demo                      a template for a device of your own, and a log
   haptical init demo --example urdf-arm   an arm described by a URDF, and a tracker
   haptical init demo --example moving-arm positions and torques of an arm, which carries something
+  haptical init demo --example data-set   ten episodes in LeRobot's format: which can be used?
 ";
 const END: &str = "\nAll commands: haptical --help\n";
 
@@ -63,6 +64,7 @@ fn text(found: &Found, steps: &[Step]) -> String {
         line("device", &names(&found.devices));
         line("rig", &names(&found.rigs));
         line("log", &logs.join(", "));
+        line("data set", &names(&found.data_sets));
         line("table", &names(&found.tables));
         line("fit", &names(&found.fits));
         let gaps = found.gaps.iter();
@@ -83,6 +85,12 @@ fn steps(found: &Found) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut step = |what, command| steps.push(Step { what, command });
     let device = chosen(&found.devices);
+    if let Some(data_set) = chosen(&found.data_sets) {
+        step(
+            "See which joints and episodes of the data set are sound",
+            format!("haptical doctor {} --out doctor", shell_word(data_set)),
+        );
+    }
     if let (None, Some(table)) = (found.logs.first(), chosen(&found.tables)) {
         step(
             "Make a log of a table of another maker",
@@ -100,10 +108,17 @@ fn steps(found: &Found) -> Vec<Step> {
                 ),
             );
         }
-        (None, Some(_)) => step(
-            "Describe the device: put its URDF or MJCF here, or change this template",
-            "haptical init template".to_owned(),
-        ),
+        (None, Some(log)) => {
+            let path = if found.logs.len() > 1 { "." } else { &log.name };
+            step(
+                "Without a device: see which joints and recordings are sound",
+                format!("haptical doctor {} --out doctor", shell_word(path)),
+            );
+            step(
+                "Describe the device: put its URDF or MJCF here, or change this template",
+                "haptical init template".to_owned(),
+            );
+        }
         (None, None) => {}
     }
     steps

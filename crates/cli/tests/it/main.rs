@@ -12,6 +12,7 @@ mod correct;
 mod correction;
 mod diagnose;
 mod diagnose_refusals;
+mod doctor;
 mod export;
 mod export_header;
 mod folder;

@@ -42,7 +42,9 @@ fn run(folder: &Path, command: &str) -> String {
         .output()
         .unwrap();
     let said = text(&output.stderr);
-    assert!(output.status.success(), "haptical {command}\n{said}");
+    // the doctor's status says that it found something
+    let is_done = output.status.success() || output.status.code() == Some(4);
+    assert!(is_done, "haptical {command}\n{said}");
     text(&output.stdout)
 }
 
@@ -54,6 +56,7 @@ fn what_an_example_prints_runs() {
         ("sockets", 2),
         ("gap", 1),
         ("moving-arm", 2),
+        ("data-set", 1),
     ] {
         let folder = tempfile::tempdir().unwrap();
         let printed = run(folder.path(), &format!("init here --example {example}"));

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "mcap")]
 mod decompress;
+mod joints;
 #[cfg(feature = "mcap")]
 mod mcap;
 mod messages;
@@ -14,6 +15,7 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::Path;
 
+pub use self::joints::{BagJoints, bag_joints};
 use self::messages::{JOINT_STATE, JointState, POSE, TRANSFORM, decode, pose};
 use self::topics::Topics;
 use crate::error::place::Place;
@@ -84,7 +86,17 @@ pub fn read_bag_from(
 ) -> Result<LoadedLog, DataError> {
     shape.check(name)?;
     let wanted = wanted_names(options, shape, name)?;
-    let mut reader = reader;
+    let topics = topics(reader, name, &wanted, options.is_growing)?;
+    rows::log_of(&topics, &wanted, name, options, shape)
+}
+
+/// The messages of a bag, by its first bytes.
+fn topics(
+    mut reader: impl Read,
+    name: &str,
+    wanted: &[String],
+    is_growing: bool,
+) -> Result<Topics, DataError> {
     let first = first_bytes(&mut reader, N_FIRST)
         .map_err(|source| Place::file(name).error(Fault::Unreadable { source }))?;
     let format = Format::detect(&first);
@@ -92,26 +104,25 @@ pub fn read_bag_from(
     let messages = Messages {
         name,
         format: format.names().0,
-        wanted: &wanted,
+        wanted,
         topics: Topics::default(),
     };
-    let topics = match format {
+    match format {
         #[cfg(feature = "mcap")]
-        Format::Mcap => mcap::read_topics(whole, messages, options.is_growing)?,
+        Format::Mcap => mcap::read_topics(whole, messages, is_growing),
         #[cfg(feature = "rosbag2")]
-        Format::Sqlite => sqlite::read_topics(whole, messages)?,
+        Format::Sqlite => sqlite::read_topics(whole, messages),
         Format::Text | Format::JsonLines | Format::Parquet => {
-            let _ = (whole, messages);
+            let _ = (whole, messages, is_growing);
             let what = "the file is neither MCAP nor a bag of rosbag2 (.db3)".to_owned();
-            return Err(not_a_log(name, what, "give the file that was recorded"));
+            Err(not_a_log(name, what, "give the file that was recorded"))
         }
         #[allow(
             unreachable_patterns,
             reason = "a build with every feature reads them all"
         )]
-        other => return Err(other.not_built_in(name)),
-    };
-    rows::log_of(&topics, &wanted, name, options, shape)
+        other => Err(other.not_built_in(name)),
+    }
 }
 
 /// Names of the device's joints in the messages.

@@ -22,6 +22,8 @@ pub(super) struct JointTopic {
     pub(super) partial: Option<(usize, Vec<String>)>,
     /// Messages without any of the joints, as those of a gripper.
     pub(super) others: usize,
+    /// Names of the first message's joints.
+    pub(super) names: Vec<String>,
     /// Messages so far.
     pub(super) messages: usize,
 }
@@ -56,6 +58,9 @@ impl Topics {
         }
         let topic = entry(&mut self.joints, topic);
         topic.messages += 1;
+        if topic.messages == 1 {
+            topic.names.clone_from(&message.name);
+        }
         if topic.position.is_empty() {
             topic.position = vec![Vec::new(); wanted.len()];
             topic.effort = vec![Vec::new(); wanted.len()];

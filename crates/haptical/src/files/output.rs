@@ -81,6 +81,18 @@ pub(super) fn replace_all(
     for inner in [&new, &before] {
         std::fs::create_dir(inner).map_err(refuse)?;
     }
+    // a name may lie in a folder of its own
+    let parents = files
+        .iter()
+        .filter_map(|(name, _)| Path::new(name).parent());
+    let _inner: Vec<MadeFolders> = (parents.filter(|parent| !parent.as_os_str().is_empty()))
+        .map(|parent| {
+            for inner in [&new, &before] {
+                std::fs::create_dir_all(inner.join(parent)).map_err(refuse)?;
+            }
+            make_folder(&folder.join(parent))
+        })
+        .collect::<Result<_, _>>()?;
     for (name, content) in files {
         go_on()?;
         let mut file = std::fs::File::create(new.join(name)).map_err(refuse)?;

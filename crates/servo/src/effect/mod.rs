@@ -6,6 +6,7 @@ pub(crate) mod gain;
 pub(crate) mod lag;
 pub(crate) mod latency;
 pub(crate) mod offset;
+pub(crate) mod recording;
 pub(crate) mod saturation;
 pub(crate) mod second_order;
 pub(crate) mod torque_gain;

@@ -6,6 +6,7 @@
 )]
 
 mod changes;
+mod episodes;
 mod heavy;
 mod input;
 mod laws;

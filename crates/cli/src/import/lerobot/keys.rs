@@ -30,7 +30,7 @@ const OF_OTHERS: [&str; 13] = [
 
 /// Keys of one data set.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Keys {
+pub(crate) struct Keys {
     pub(super) state: String,
     /// None where the data set has no commands of joints.
     pub(super) action: Option<String>,

@@ -4,9 +4,11 @@ mod keys;
 mod order;
 mod rows;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use haptical_data::read_parquet_columns;
 use haptical_model::{Device, JointType, Recording};
 use serde_json::Value;
 
@@ -138,6 +140,48 @@ pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
     }
     let imported = Imported::of(&recording, &shape, warnings)?;
     arguments.target.write(imported)
+}
+
+/// The rows of a data set, its joints' names, and the rows that its description says each episode has.
+pub(crate) struct NamedRows {
+    pub(crate) rows: Rows,
+    pub(crate) names: Vec<String>,
+    /// By the episode's number; empty where the data set does not say.
+    pub(crate) lengths: BTreeMap<i64, usize>,
+}
+
+/// Reads a data set.
+pub(crate) fn read_rows(dataset: &Path, keys: [Option<&str>; 2]) -> Result<NamedRows, Failure> {
+    let info = info(dataset)?;
+    let rows = Rows::read(dataset, keys, frames_per_second(info.as_ref()))?;
+    let names = names(info.as_ref(), &rows.keys.state, rows.state.len());
+    Ok(NamedRows {
+        rows,
+        names,
+        lengths: lengths(dataset),
+    })
+}
+
+/// Rows of each episode by meta/episodes.jsonl (version 2) or the Parquet files of meta/episodes (version 3).
+fn lengths(dataset: &Path) -> BTreeMap<i64, usize> {
+    let listed = std::fs::read_to_string(dataset.join("meta/episodes.jsonl")).unwrap_or_default();
+    let lines = listed.lines().filter_map(|line| {
+        let line: Value = serde_json::from_str(line).ok()?;
+        let length = usize::try_from(line.get("length")?.as_u64()?).ok()?;
+        Some((line.get("episode_index")?.as_i64()?, length))
+    });
+    let mut all: BTreeMap<i64, usize> = lines.collect();
+    let tables = rows::parquet_files(&dataset.join("meta/episodes")).unwrap_or_default();
+    for table in tables {
+        let Ok(read) = read_parquet_columns(&table, &[], &["episode_index", "length"]) else {
+            continue;
+        };
+        if let [Some(numbers), Some(lengths)] = &read.numbers[..] {
+            let pairs = numbers.iter().zip(lengths);
+            all.extend(pairs.map(|(number, length)| (*number as i64, *length as usize)));
+        }
+    }
+    all
 }
 
 /// The description of a data set; none of a single file without one above it.

@@ -11,20 +11,20 @@ use crate::failure::Failure;
 const NUMBERS: [&str; 3] = ["timestamp", "episode_index", "frame_index"];
 
 /// The rows of all files.
-pub(super) struct Rows {
-    pub(super) keys: Keys,
+pub(crate) struct Rows {
+    pub(crate) keys: Keys,
     /// All keys of the data set.
-    pub(super) known: Vec<String>,
+    pub(crate) known: Vec<String>,
     /// Commands, one column a joint; none where the data set has none of the joints that it observes.
-    pub(super) action: Vec<Vec<f64>>,
-    pub(super) state: Vec<Vec<f64>>,
-    pub(super) time_s: Vec<f64>,
-    pub(super) episode: Vec<i64>,
+    pub(crate) action: Vec<Vec<f64>>,
+    pub(crate) state: Vec<Vec<f64>>,
+    pub(crate) time_s: Vec<f64>,
+    pub(crate) episode: Vec<i64>,
 }
 
 impl Rows {
     /// Reads a folder or a file: `asked` are the keys that the user gives, `fps` the rows in a second where no time is recorded.
-    pub(super) fn read(
+    pub(crate) fn read(
         dataset: &Path,
         asked: [Option<&str>; 2],
         fps: Option<f64>,
@@ -112,8 +112,31 @@ impl Rows {
         Ok(())
     }
 
+    /// Puts the rows in the order of their episodes and times; whether they were.
+    pub(crate) fn sort(&mut self) -> bool {
+        let is_before = |a: usize, b: usize| {
+            let by_time = self.time_s[a].total_cmp(&self.time_s[b]);
+            self.episode[a].cmp(&self.episode[b]).then(by_time)
+        };
+        let mut order: Vec<usize> = (0..self.time_s.len()).collect();
+        if order.is_sorted_by(|a, b| is_before(*a, *b).is_le()) {
+            return true;
+        }
+        order.sort_by(|a, b| is_before(*a, *b));
+        let columns = self
+            .state
+            .iter_mut()
+            .chain(&mut self.action)
+            .chain([&mut self.time_s]);
+        for column in columns {
+            *column = order.iter().map(|row| column[*row]).collect();
+        }
+        self.episode = order.iter().map(|row| self.episode[*row]).collect();
+        false
+    }
+
     /// The largest number of all.
-    pub(super) fn largest(&self) -> f64 {
+    pub(crate) fn largest(&self) -> f64 {
         let all = self.action.iter().chain(&self.state).flatten();
         all.fold(0.0, |most, value| most.max(value.abs()))
     }
@@ -156,8 +179,17 @@ fn files(dataset: &Path) -> Result<Vec<PathBuf>, Failure> {
     if !dataset.is_dir() {
         return Ok(vec![dataset.to_owned()]);
     }
+    let data = dataset.join("data");
+    match data.is_dir() {
+        true => parquet_files(&data),
+        false => Ok(Vec::new()),
+    }
+}
+
+/// The Parquet files in and below a folder, in the order of their names.
+pub(crate) fn parquet_files(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let mut found = Vec::new();
-    let mut folders = vec![dataset.join("data")];
+    let mut folders = vec![folder.to_owned()];
     while let Some(folder) = folders.pop() {
         let next = "give the folder that holds meta/ and data/";
         let entries = std::fs::read_dir(&folder)

@@ -1,0 +1,155 @@
+//! `haptical doctor`: what is wrong with a recording of many episodes, joint by joint and episode by episode.
+
+mod comment;
+mod json;
+mod page;
+mod pictures;
+mod recording;
+mod text;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use haptical::servo::{EpisodeLog, EpisodeReport, JointColumns, examine_episodes};
+
+use self::recording::Recorded;
+use crate::failure::Failure;
+use crate::flags::OverwriteOptions;
+use crate::interrupt::write_all;
+use crate::progress::Progress;
+use crate::{STATUS_SUCCESS, terminal};
+
+/// Its name.
+const COMMAND: &str = "doctor";
+/// Exit status where something was found.
+const STATUS_FOUND: u8 = 4;
+
+pub(crate) const HELP: &str = "\
+Examples:
+  haptical doctor my_dataset
+  haptical doctor my_dataset --out doctor        page with a picture of each finding, doctor.json, comment.md
+  haptical doctor logs/ --json                   a folder of logs, each an episode
+
+PATH is a LeRobot data set (version 2.1 or 3), one of its Parquet files, a log with a column `run`, or a folder of logs
+(CSV, Parquet, MCAP, .db3), each an episode. No device file is needed: a joint is compared with itself. A fault is said with
+its size and the episode since which it is there: offset, gain, delay, a dead joint, swapped joints, a position that ends at a
+value, lost and repeated rows. What a joint does in all episodes alike is its answer: `haptical diagnose` names its cause.
+
+Exit status: 0 nothing was found, 4 something was, 2 bad input.";
+
+/// Arguments of `doctor`.
+#[derive(Debug, Args)]
+pub(crate) struct DoctorArguments {
+    /// Data set (folder with meta/info.json and data/), Parquet file, log with several runs, or folder of logs
+    #[arg(value_name = "PATH")]
+    path: PathBuf,
+    /// Folder for doctor.html, doctor.json and comment.md; made if it is missing
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: OverwriteOptions,
+    /// Print the findings as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print them as Markdown, to paste into the data set's page
+    #[arg(long, conflicts_with = "json")]
+    comment: bool,
+    /// Unit of the data set's numbers; without it radians where none is beyond 7, degrees where one is beyond 101
+    #[arg(long)]
+    units: Option<Units>,
+    /// Key of the joints' positions; without it `observation.state` or the key of such words
+    #[arg(long, value_name = "KEY")]
+    state: Option<String>,
+    /// Key of their commands; without it `action` or the key of such words
+    #[arg(long, value_name = "KEY")]
+    action: Option<String>,
+}
+
+/// Units of a data set's positions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Units {
+    /// Radians
+    Radians,
+    /// Degrees
+    Degrees,
+    /// Percent of a joint's range
+    Percent,
+}
+
+/// A recording and what was found in it.
+struct Examined {
+    /// Path as the user gave it.
+    path: PathBuf,
+    recorded: Recorded,
+    report: EpisodeReport,
+}
+
+/// Runs the command.
+pub(crate) fn run(arguments: &DoctorArguments) -> Result<u8, Failure> {
+    let rule = arguments.overwrite.rule(COMMAND);
+    if let Some(out) = &arguments.out {
+        let files = ["doctor.html", "doctor.json", "comment.md"].map(|name| out.join(name));
+        rule.check(&files)?;
+    }
+    let progress = Progress::start("reading");
+    let keys = [&arguments.state, &arguments.action].map(Option::as_deref);
+    let recorded = recording::read(&arguments.path, keys, arguments.units)?;
+    progress.say("examining the joints");
+    let report = examine(&recorded);
+    let examined = Examined {
+        path: arguments.path.clone(),
+        recorded,
+        report,
+    };
+    if let Some(out) = &arguments.out {
+        progress.say("drawing");
+        write(&examined, out, &rule)?;
+    }
+    drop(progress);
+    terminal::warn(&examined.recorded.warnings);
+    match arguments.comment {
+        true => terminal::write_output(comment::comment(&examined)?.as_bytes())?,
+        false => terminal::tell(
+            arguments.json,
+            &json::json(&examined),
+            text::text(&examined, arguments.out.as_deref())?,
+        )?,
+    }
+    Ok(match examined.report.is_sound() {
+        true => STATUS_SUCCESS,
+        false => STATUS_FOUND,
+    })
+}
+
+fn examine(recorded: &Recorded) -> EpisodeReport {
+    let joints: Vec<JointColumns<'_>> = (recorded.position.iter().enumerate())
+        .map(|(joint, position)| JointColumns {
+            position,
+            command: recorded.command.get(joint).map(Vec::as_slice),
+        })
+        .collect();
+    examine_episodes(&EpisodeLog {
+        time_s: &recorded.time_s,
+        episodes: &recorded.episodes,
+        joints: &joints,
+        described_rows: &recorded.described_rows,
+        least_offset: recorded.unit.least_offset(),
+    })
+}
+
+fn write(
+    examined: &Examined,
+    out: &Path,
+    rule: &haptical::files::WriteRule,
+) -> Result<(), Failure> {
+    let files = vec![
+        ("doctor.html", page::page(examined)?.into_bytes()),
+        (
+            "doctor.json",
+            format!("{:#}\n", json::json(examined)).into_bytes(),
+        ),
+        ("comment.md", comment::comment(examined)?.into_bytes()),
+    ];
+    write_all(rule, out, &files).map(|_| ())
+}
