@@ -190,11 +190,26 @@ fn from_file(
             ));
         }
     }
+    let plus = rule
+        .plus
+        .as_deref()
+        .map(|plus| table.find(plus))
+        .transpose()?;
+    // its zero is in the sum once
+    let added = |row: usize| -> Result<f64, TableError> {
+        match plus {
+            Some(column) => Ok(rule.plus_factor.unwrap_or(1.0) * number_of(table, column, row)?),
+            None => Ok(0.0),
+        }
+    };
     let numbers = matched.of(file).map(|row| {
         let Some(row) = row else {
             return Ok(f64::NAN);
         };
-        let number = number_of(table, column, row)?;
+        let mut number = number_of(table, column, row)?;
+        if plus.is_some() {
+            number += added(row)?;
+        }
         match log {
             "run" => integer_of(table, column, row, number),
             // what is taken as it is keeps its digits

@@ -125,6 +125,11 @@ pub struct ColumnRule {
     pub factor: Option<f64>,
     /// What is added then, in the log's unit.
     pub offset: Option<f64>,
+    /// A second column of the same file and unit that is added, as often as `plus_factor` says (once without it): of a controller whose
+    /// number of a joint counts from another joint's link.
+    pub plus: Option<String>,
+    /// See [`ColumnRule::plus`].
+    pub plus_factor: Option<f64>,
     /// Counts of an encoder for a turn of the joint.
     pub counts_per_turn: Option<f64>,
     /// Count at the joint's zero.
@@ -285,6 +290,18 @@ impl ColumnRule {
         if (is_scaled || self.unit.is_some()) && !sources[0] {
             return Err(format!(
                 "`{first}` has a value, which is in the log's own unit: leave out unit and factor"
+            ));
+        }
+        if self.plus.is_some()
+            && (names.len() != 1 || !sources[0] || TEXTS.contains(&first.as_str()))
+        {
+            return Err(format!(
+                "`{first}` has a column `plus`, which is added to one column of numbers: give each its own [[column]]"
+            ));
+        }
+        if self.plus_factor.is_some() && self.plus.is_none() {
+            return Err(format!(
+                "`{first}` has plus_factor and no `plus`, the column that it is of"
             ));
         }
         for name in names {

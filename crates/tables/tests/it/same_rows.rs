@@ -53,6 +53,41 @@ fn is_the_log(found: &Applied, names: &[&str], within: f64) {
     }
 }
 
+/// A joint that counts from the horizontal is another one's angle more.
+#[test]
+fn a_pendant_with_coupled_joints() {
+    let found = imported("pendant.toml", &["pendant.csv"]);
+    is_the_log(&found, &NAMES, 1e-12);
+    let text = std::fs::read_to_string(fixture("pendant.toml")).unwrap();
+    // without the sum the third joint is another one
+    let alone = Mapping::from_toml(&text.replace("plus = \"J2\"\n", ""), "pendant.toml").unwrap();
+    let log = apply(&tables(&["pendant.csv"], &alone), &alone).unwrap();
+    let (sum, alone) = (column(&found, "theta3_rad"), column(&log, "theta3_rad"));
+    let second = column(&found, "theta2_rad");
+    for ((sum, alone), second) in sum.iter().zip(&alone).zip(&second) {
+        assert!((sum - alone - second).abs() < 1e-12);
+    }
+    for (from, to, what) in [
+        ("plus = \"J2\"", "plus = \"J2\"\nplus_factor = -1", None),
+        (
+            "plus = \"J2\"",
+            "plus_factor = 2",
+            Some("has plus_factor and no `plus`"),
+        ),
+        (
+            "factor = -1",
+            "factor = -1\nplus = \"J2\"",
+            Some("give each its own [[column]]"),
+        ),
+    ] {
+        let read = Mapping::from_toml(&text.replacen(from, to, 1), "pendant.toml");
+        match what {
+            None => assert!(read.is_ok()),
+            Some(what) => assert!(read.unwrap_err().what.contains(what), "{to}"),
+        }
+    }
+}
+
 #[test]
 fn a_controller_s_protocol() {
     is_the_log(&imported("protocol.toml", &["protocol.txt"]), &NAMES, 1e-12);
