@@ -29,6 +29,7 @@ mod watch;
 mod writes_tests;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::{CommandFactory, FromArgMatches};
 
@@ -66,6 +67,19 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(status) => status,
         Err(failure) => failure::report(&failure, wants_json),
     }
+}
+
+/// What `haptical doctor PATH --json` prints, for programs that link the command: `units` is `radians`, `degrees` or `percent`, `keys`
+/// those of positions and commands where they are not found by themselves.
+///
+/// # Errors
+/// As the command: no recording, or one that cannot be read.
+pub fn doctor(
+    path: &Path,
+    units: Option<&str>,
+    keys: [Option<&str>; 2],
+) -> Result<serde_json::Value, haptical::Error> {
+    doctor::report(path, units, keys)
 }
 
 /// The command line; its paths are kept for the rule of what may be written.

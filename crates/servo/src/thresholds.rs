@@ -233,16 +233,26 @@ pub(crate) const SIDE_RATIO: f64 = 4.0;
 /// Past of the position and of the command in rows, and how far it is moved either way.
 pub(crate) const EPISODE_PAST: usize = 2;
 pub(crate) const EPISODE_TAPS: usize = 16;
-pub(crate) const EPISODE_LEAD: usize = 4;
+pub(crate) const EPISODE_LEAD: usize = 8;
+/// Rows of a faster recording are taken so far apart at least \[s\]: the taps then see half a second.
+pub(crate) const EPISODE_STEP_S: f64 = 0.0334;
 /// Degrees of freedom of the weights of rows.
 pub(crate) const ROBUST_FREEDOM: f64 = 4.0;
 /// A sensor that repeats more of its readings than this, of a moving command, holds them.
 pub(crate) const HELD_REPEATS: f64 = 0.5;
-/// Sum of the taps of a joint that follows its command.
-pub(crate) const PLAUSIBLE_SUM: std::ops::Range<f64> = 0.5..2.0;
+/// Sum of the taps of a joint that follows its command in its unit; and the least, and the least share of its squares that they explain, of one that
+/// follows it at all.
+pub(crate) const PLAUSIBLE_SUM: std::ops::Range<f64> = 0.6..1.45;
+pub(crate) const LEAST_SUM: f64 = 0.1;
+pub(crate) const FOLLOWED_SHARE: f64 = 0.3;
+/// An episode in which command and position both move by less than this share of what they do where they move most is a rest.
+pub(crate) const REST_SHARE: f64 = 0.05;
+/// The stretch that is farther from no error by this share of the change is the one that is wrong; else the later one is.
+pub(crate) const WRONG_SIDE: f64 = 0.75;
 /// Rows that a delay is looked for at.
-pub(crate) const EPISODE_SHIFTS: [f64; 14] = [
-    -3.0, -2.0, -1.5, -1.2, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0,
+pub(crate) const EPISODE_SHIFTS: [f64; 20] = [
+    -7.0, -5.5, -4.2, -3.0, -2.0, -1.5, -1.2, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0,
+    4.2, 5.5, 7.0,
 ];
 pub(crate) const EPISODE_RIDGE: f64 = 1e-9;
 /// What a delay gains \[nats\] (untouched: up to 12; of 20 ms 17 and more in 46 of 52), in standard deviations over the episodes, the
@@ -255,7 +265,7 @@ pub(crate) const SMALL_DELAY_Z: f64 = 0.8;
 pub(crate) const EPISODE_DELAY_EVEN: f64 = 0.6;
 pub(crate) const LEAST_SHIFT: f64 = 0.25;
 pub(crate) const LEAST_DELAY: f64 = 0.4;
-pub(crate) const SIZE_TENTHS: u32 = 35;
+pub(crate) const SIZE_TENTHS: u32 = 75;
 /// Episodes on either side in which it is placed again, with that size.
 pub(crate) const PLACED_AGAIN: usize = 6;
 /// Rows farther apart show no delay \[s\].
@@ -291,11 +301,24 @@ pub(crate) const LOST_STEPS: f64 = 1.6;
 /// lost rows 2 and more in 91 of 100), which count as at least this many usual ones.
 pub(crate) const JUMP_RATIO: f64 = 2.0;
 pub(crate) const JUMP_NEIGHBOURS: usize = 4;
-pub(crate) const JUMP_REST: f64 = 0.5;
+pub(crate) const JUMP_REST: f64 = 0.1;
 /// Part of an episode's rows that repeat the row before.
 pub(crate) const REPEATED_SHARE: f64 = 0.02;
 /// Between steps of this many usual ones, all joints together.
-pub(crate) const REPEATED_STEP: f64 = 0.7;
+pub(crate) const REPEATED_STEP: f64 = 0.3;
+/// Rows nearer than this are not looked through for repeated ones \[s\]: sensors in counts repeat by themselves.
+pub(crate) const REPEATED_LEAST_S: f64 = 0.0075;
+/// Where all joints repeat more of their readings than this by themselves, rows that a recorder repeats are not told.
+pub(crate) const REPEATS_ALONE: f64 = 0.3;
+/// And so many times as often as joints that repeat each by itself would all do at once.
+pub(crate) const REPEATED_CHANCE: f64 = 3.0;
+/// Lost rows count from so many in one gap, or from this share of the episode.
+pub(crate) const FEWEST_LOST: usize = 3;
+pub(crate) const LOST_SHARE: f64 = 0.02;
+/// A part of the readings of a joint that are missing.
+pub(crate) const MISSING_SHARE: f64 = 0.05;
+/// An episode at another rate than this share of the usual step.
+pub(crate) const OTHER_RATE: f64 = 0.1;
 /// An episode that lost more than this share is left out.
 pub(crate) const LEAVE_OUT_SHARE: f64 = 0.2;
 /// Odds of a fault beforehand, and the largest probability that is said.

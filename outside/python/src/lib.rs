@@ -5,6 +5,7 @@ mod command;
 mod correct;
 mod device;
 mod diagnose;
+mod doctor;
 mod effects;
 mod export;
 mod failure;
@@ -36,6 +37,7 @@ fn _haptical(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(command::command, module)?)?;
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(diagnose::diagnose, module)?)?;
+    module.add_function(wrap_pyfunction!(doctor::doctor, module)?)?;
     module.add_function(wrap_pyfunction!(plan::plan, module)?)?;
     module.add_function(wrap_pyfunction!(replay::replay, module)?)?;
     module.add_function(wrap_pyfunction!(correct::correct, module)?)?;

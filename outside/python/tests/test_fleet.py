@@ -1,5 +1,6 @@
 """A fleet: many logs, one call, one table; a failure is a row."""
 
+import pathlib
 import time
 
 import haptical
@@ -128,3 +129,77 @@ def test_a_diagnosis_of_each(tmp_path):
         haptical.fleet(DEVICE, paths, metod="joint")
     with pytest.raises(ValueError, match="2 devices and 4 logs"):
         haptical.fleet([DEVICE, DEVICE], paths)
+
+
+def recordings(folder, count):
+    """Folders of logs, twelve episodes each; in the odd ones a joint reads 0.3 rad more from episode 7 on."""
+    random = np.random.default_rng(4)
+    time_s = np.arange(240) / 30.0
+    paths = []
+    for number in range(count):
+        path = folder / f"set_{number}"
+        path.mkdir()
+        for episode in range(12):
+            phases = random.uniform(0, 6, (2, 3))
+            command = sum(0.2 * np.sin(np.outer(time_s, [1.0 + 0.9 * wave, 1.3 + wave]) + phases[:, wave]) for wave in range(3))
+            position = np.vstack([np.repeat(command[:1], 3, axis=0), command[:-3]]) + 1e-3 * random.normal(size=command.shape)
+            position[:, 1] += 0.3 * (number % 2 == 1 and episode >= 7)
+            np.savetxt(path / f"take_{episode}.csv", np.c_[time_s, position, command], delimiter=",", comments="",
+                       header="t_s,theta1_rad,theta2_rad,command1_rad,command2_rad")
+        paths.append(str(path))
+    return paths
+
+
+def test_a_doctor_needs_no_device(tmp_path):
+    sound, faulty = recordings(tmp_path, 2)
+    assert haptical.doctor(sound)["joints"][1]["findings"] == []
+    found = haptical.doctor(faulty)["joints"][1]["findings"]
+    assert [finding["effect"] for finding in found] == ["joint-offset"]
+    assert found[0]["since_episode"] == 7 and abs(found[0]["parameters"]["offset_rad"]["value"] - 0.3) < 0.01
+    with pytest.raises(ValueError, match="neither meta/info.json"):
+        haptical.doctor(tmp_path / "..")
+    with pytest.raises(ValueError, match="units are"):
+        haptical.doctor(sound, units="gradians")
+
+
+def doctored(table, paths):
+    assert table["ok"] == [True, True, False, True, True]
+    assert [table["effect"][place] for place in (0, 1, 3, 4)] == [None, "joint-offset", None, "joint-offset"]
+    assert list(table["since_episode"])[1] == 7 and list(table["leave_out"])[1] == 5
+    assert "no such file" in table["error"][2]
+
+
+def with_one_missing(tmp_path):
+    paths = recordings(tmp_path, 4)
+    return [*paths[:2], str(tmp_path / "missing"), *paths[2:]]
+
+
+def test_doctors_of_many_recordings_go_on_where_they_stopped(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    paths, out = with_one_missing(tmp_path), tmp_path / "table.parquet"
+
+    def stop(row):
+        if row["log"] == paths[2]:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        haptical.fleet(None, paths, call="doctor", workers=1, out=out, on_row=stop)
+    kept = (tmp_path / "table.parquet.jsonl").read_text().splitlines()
+    assert len(kept) == 3 and not out.exists()
+    # the rows that are kept are not worked on again: their recordings may be gone
+    for name in sorted(pathlib.Path(paths[0]).iterdir()):
+        name.unlink()
+    table = haptical.fleet(None, paths, call="doctor", workers=1, out=out, resume=True)
+    doctored(table, paths)
+    assert not (tmp_path / "table.parquet.jsonl").exists()
+    assert parquet.read_table(out).column("effect").to_pylist()[1] == "joint-offset"
+    with pytest.raises(ValueError, match="needs no device"):
+        haptical.fleet(DEVICE, paths, call="doctor")
+
+
+def test_doctors_on_two_local_workers_of_dask(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    paths = with_one_missing(tmp_path)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            doctored(haptical.fleet(None, paths, call="doctor", executor=client), paths)

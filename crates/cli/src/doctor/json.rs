@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::Examined;
 use super::recording::{Label, Recorded, Unit};
-use super::words;
+use super::{text, words};
 
 /// Half-width of a 95 % interval in standard deviations.
 const HALF_WIDTH: f64 = 1.96;
@@ -23,7 +23,7 @@ pub(super) fn json(examined: &Examined) -> Value {
             let findings = own
                 .findings
                 .iter()
-                .map(|finding| of_finding(finding, recorded));
+                .map(|finding| of_finding(joint, finding, recorded));
             json!({
                 "joint": joint + 1,
                 "name": name,
@@ -52,6 +52,7 @@ pub(super) fn json(examined: &Examined) -> Value {
         .collect();
     json!({
         "kind": recorded.kind,
+        "answer": text::headline(examined),
         "unit": unit(recorded.unit),
         "joints": joints,
         "episodes": episodes,
@@ -84,21 +85,21 @@ fn file(label: &Label) -> Option<&str> {
     }
 }
 
-fn of_finding(finding: &EpisodeFinding, recorded: &Recorded) -> Value {
+fn of_finding(joint: usize, finding: &EpisodeFinding, recorded: &Recorded) -> Value {
     let episode = |index: usize| number(recorded, index);
     json!({
         "effect": finding.fault.effect(),
-        "parameters": parameters(&finding.fault, recorded),
+        "parameters": parameters(joint, &finding.fault, recorded),
         "since_episode": episode(finding.since),
         "until_episode": finding.until.map(episode),
         "probability": finding.probability,
     })
 }
 
-fn parameters(fault: &Fault, recorded: &Recorded) -> Value {
+fn parameters(joint: usize, fault: &Fault, recorded: &Recorded) -> Value {
     let with_interval = |value: f64, sd: f64| json!({"value": value, "ci95": [value - HALF_WIDTH * sd, value + HALF_WIDTH * sd]});
     // a position under its name with its unit
-    let (ending, factor) = match recorded.unit {
+    let (ending, factor) = match recorded.unit_of(joint) {
         Unit::Radians => ("_rad", 1.0),
         Unit::Degrees => ("_rad", 1_f64.to_radians()),
         Unit::Percent => ("_percent", 1.0),

@@ -15,7 +15,7 @@ use haptical::servo::{EpisodeLog, EpisodeReport, JointColumns, examine_episodes}
 
 use self::recording::Recorded;
 use crate::failure::Failure;
-use crate::flags::OverwriteOptions;
+use crate::flags::rule;
 use crate::interrupt::write_all;
 use crate::progress::Progress;
 use crate::{STATUS_SUCCESS, terminal};
@@ -32,7 +32,7 @@ Examples:
   haptical doctor logs/ --json                   a folder of logs, each an episode
 
 PATH is a LeRobot data set (version 2.1 or 3), one of its Parquet files, a log with a column `run`, or a folder of logs
-(CSV, Parquet, MCAP, .db3), each an episode. No device file is needed: a joint is compared with itself. A fault is said with
+(.csv, .tsv, .xlsx, .npz, .mat, .jsonl, .mcap, .db3), each an episode. No device file is needed: a joint is compared with itself. A fault is said with
 its size and the episode since which it is there: offset, gain, delay, a dead joint, swapped joints, a position that ends at a
 value, lost and repeated rows. What a joint does in all episodes alike is its answer: `haptical diagnose` names its cause.
 
@@ -47,8 +47,9 @@ pub(crate) struct DoctorArguments {
     /// Folder for doctor.html, doctor.json and comment.md; made if it is missing
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    #[command(flatten)]
-    overwrite: OverwriteOptions,
+    /// Overwrite files at --out that no `haptical doctor` wrote
+    #[arg(long)]
+    force: bool,
     /// Print the findings as JSON
     #[arg(long)]
     json: bool,
@@ -87,7 +88,7 @@ struct Examined {
 
 /// Runs the command.
 pub(crate) fn run(arguments: &DoctorArguments) -> Result<u8, Failure> {
-    let rule = arguments.overwrite.rule(COMMAND);
+    let rule = rule(COMMAND, arguments.force);
     if let Some(out) = &arguments.out {
         let files = ["doctor.html", "doctor.json", "comment.md"].map(|name| out.join(name));
         rule.check(&files)?;
@@ -120,6 +121,24 @@ pub(crate) fn run(arguments: &DoctorArguments) -> Result<u8, Failure> {
         true => STATUS_SUCCESS,
         false => STATUS_FOUND,
     })
+}
+
+/// The findings of a recording as JSON.
+pub(crate) fn report(
+    path: &Path,
+    units: Option<&str>,
+    keys: [Option<&str>; 2],
+) -> Result<serde_json::Value, Failure> {
+    let units = units.map(|word| Units::from_str(word, false)).transpose();
+    let units =
+        units.map_err(|_| Failure::arguments("units are `radians`, `degrees` or `percent`"))?;
+    let recorded = recording::read(path, keys, units)?;
+    let report = examine(&recorded);
+    Ok(json::json(&Examined {
+        path: path.to_owned(),
+        recorded,
+        report,
+    }))
 }
 
 fn examine(recorded: &Recorded) -> EpisodeReport {

@@ -70,7 +70,7 @@ fn findings(examined: &Examined) -> Result<Vec<Block>, Failure> {
     let mut blocks = Vec::new();
     for (joint, finding) in all.iter().take(MOST_PICTURES) {
         let name = &examined.recorded.names[*joint];
-        let what = words::what(finding, &examined.recorded);
+        let what = words::what(*joint, finding, &examined.recorded);
         let place = words::place(finding, &examined.recorded);
         let svg = picture(examined, *joint, finding).to_svg(WIDTH_PX, HEIGHT_PX)?;
         blocks.push(Block::Svg {

@@ -20,7 +20,7 @@ const SHOWN_S: f64 = 8.0;
 pub(super) fn picture(examined: &Examined, joint: usize, finding: &EpisodeFinding) -> FigureGrid {
     let own = &examined.report.joints[joint];
     let name = &examined.recorded.names[joint];
-    let unit = words::symbol(examined.recorded.unit);
+    let unit = words::symbol(examined.recorded.unit_of(joint));
     match finding.fault {
         Fault::Offset { .. } => by_episode(
             examined,
@@ -49,7 +49,8 @@ fn by_episode(
 ) -> FigureGrid {
     let at = |episode: usize| match examined.recorded.labels[episode] {
         Label::Number(number) => number as f64,
-        Label::File(_) => episode as f64 + 1.0,
+        // as in doctor.json
+        Label::File(_) => episode as f64,
     };
     let is_in =
         |episode: usize| (finding.since..=finding.until.unwrap_or(usize::MAX)).contains(&episode);
@@ -107,7 +108,7 @@ fn trace(examined: &Examined, joint: usize, finding: &EpisodeFinding, episode: u
             recorded.names[joint], recorded.labels[episode]
         ),
         "time [s]",
-        format!("[{}]", words::symbol(recorded.unit)),
+        format!("[{}]", words::symbol(recorded.unit_of(joint))),
     );
     if let Some(command) = recorded.command.get(joint) {
         figure.line("command", 6, line(command));

@@ -86,11 +86,11 @@ pub(super) fn joints(examined: &Examined) -> Result<Table, Failure> {
 pub(super) fn findings(examined: &Examined) -> Result<Table, Failure> {
     let recorded = &examined.recorded;
     let mut table = Table::with_heads("", "joint | what | where | probability");
-    for (joint, name) in examined.report.joints.iter().zip(&recorded.names) {
-        for finding in &joint.findings {
+    for (joint, (own, name)) in (examined.report.joints.iter().zip(&recorded.names)).enumerate() {
+        for finding in &own.findings {
             table.push(vec![
                 name.as_str().into(),
-                words::what(finding, recorded).into(),
+                words::what(joint, finding, recorded).into(),
                 words::place(finding, recorded).into(),
                 format!("{:.0} %", 100.0 * finding.probability).into(),
             ])?;
@@ -150,7 +150,15 @@ pub(super) fn headline(examined: &Examined) -> String {
         format!("Of {episodes} use {usable}, look at {look}, leave out {leave}.")
     };
     let without_commands = examined.recorded.command.is_empty();
-    match (report.is_sound(), with) {
+    let apart = report.joints.iter().filter(|joint| !joint.follows).count();
+    let apart = match apart {
+        0 => String::new(),
+        1 => " One joint does not follow its command, and was not compared with it.".to_owned(),
+        _ => format!(
+            " {apart} joints do not follow their commands, and were not compared with them."
+        ),
+    };
+    let said = match (report.is_sound(), with) {
         (true, _) if without_commands => {
             format!(
                 "No rows are lost or repeated in {episodes} of {joints}; without commands nothing else could be looked for."
@@ -168,10 +176,11 @@ pub(super) fn headline(examined: &Examined) -> String {
         }
         (true, _) => format!("Nothing was found in {episodes} of {joints}."),
         (false, 0) => format!(
-            "Rows are lost or repeated; no joint has a finding. {}",
+            "Rows are lost, repeated or without readings; no joint has a finding. {}",
             verdicts()
         ),
         (false, 1) => format!("1 of {joints} has a finding. {}", verdicts()),
         (false, _) => format!("{with} of {joints} have a finding. {}", verdicts()),
-    }
+    };
+    said + &apart
 }

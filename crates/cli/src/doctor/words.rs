@@ -34,8 +34,8 @@ pub(super) fn size(value: f64, unit: Unit) -> String {
 }
 
 /// What is wrong, without where.
-pub(super) fn what(finding: &EpisodeFinding, recorded: &Recorded) -> String {
-    let unit = recorded.unit;
+pub(super) fn what(joint: usize, finding: &EpisodeFinding, recorded: &Recorded) -> String {
+    let unit = recorded.unit_of(joint);
     match &finding.fault {
         Fault::Offset { size: by, side, .. } => {
             let side = match side {
@@ -57,10 +57,16 @@ pub(super) fn what(finding: &EpisodeFinding, recorded: &Recorded) -> String {
         Fault::Gain { factor, .. } => {
             format!("gain: its position changes {factor:.2} times as much as before")
         }
-        Fault::Latency { delay_s, .. } => {
+        Fault::Latency { delay_s, sd_s } => {
             let direction = if *delay_s > 0.0 { "later" } else { "earlier" };
+            // the end of what was looked for
+            let least = if *sd_s >= delay_s.abs() {
+                "at least "
+            } else {
+                ""
+            };
             format!(
-                "delay: it follows {:.0} ms {direction}",
+                "delay: it follows {least}{:.0} ms {direction}",
                 1e3 * delay_s.abs()
             )
         }
@@ -107,6 +113,7 @@ pub(super) fn rows(fault: &RowFault) -> String {
         RowFaultKind::Short => {
             format!("lost rows: the data set says {of} rows, {rows} of them are missing")
         }
+        RowFaultKind::Missing => format!("dropouts: a joint has no reading in {rows} of {of} rows"),
         RowFaultKind::Repeated => {
             format!("repeated rows: {rows} of {of} repeat all positions of the row before")
         }
@@ -125,7 +132,7 @@ pub(super) fn why(examined: &Examined, episode: usize) -> String {
         format!(
             "{}: {}",
             examined.recorded.names[*joint],
-            what(finding, &examined.recorded)
+            what(*joint, finding, &examined.recorded)
         )
     });
     let rows = own.rows.iter().map(|row| rows(&examined.report.rows[*row]));
@@ -150,12 +157,28 @@ pub(super) fn not_tested(examined: &Examined) -> Vec<String> {
             false => format!("{}: {why}", names.join(", ")),
         })
         .collect();
+    if !examined.report.short.is_empty() {
+        let labels = examined
+            .report
+            .short
+            .iter()
+            .take(20)
+            .map(|episode| examined.recorded.labels[*episode].to_string());
+        words.push(format!(
+            "{} of too few rows: {}",
+            if examined.report.short.len() == 1 {
+                "an episode"
+            } else {
+                "episodes"
+            },
+            labels.collect::<Vec<_>>().join(", ")
+        ));
+    }
     words.push(format!(
-        "offsets below {}, gains between 0.83 and 1.2, delays of less than half a row",
-        size(
-            examined.recorded.unit.least_offset(),
-            examined.recorded.unit
-        )
+        "offsets below {}, gains between 0.83 and 1.2 (0.77 and 1.3 of joints that hardly move) and those of all episodes alike, delays of less \
+         than half a row or more than seven, faults of the first two or last two episodes but offsets, rows \
+         that are repeated at more than 133 rows a second",
+        size(examined.recorded.unit.least_offset(), examined.recorded.unit)
     ));
     words.push(
         "the cause of what a joint does in all episodes alike (lag, play, droop, friction): `haptical diagnose` names it".to_owned(),

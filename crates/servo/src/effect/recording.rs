@@ -5,3 +5,4 @@ pub(crate) const SWAPPED: &str = "joints-swapped";
 pub(crate) const CLIPPED: &str = "clipped";
 pub(crate) const LOST: &str = "lost-rows";
 pub(crate) const REPEATED: &str = "repeated-rows";
+pub(crate) const MISSING: &str = "dropouts";

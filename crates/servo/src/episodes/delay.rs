@@ -23,6 +23,15 @@ pub(super) fn fault(joint: &Joint) -> Result<Option<EpisodeFinding>, String> {
             1e3 * joint.step_s
         ));
     }
+    if joint.other_rates > 0 {
+        return Err(format!(
+            "delay: {} episodes have another rate than the others",
+            joint.other_rates
+        ));
+    }
+    if joint.episodes.len() < 2 * NEIGHBOURS {
+        return Err("delay: too few episodes in which the joint moves".to_owned());
+    }
     let equal = moments(joint);
     let moments = weighted_moments(joint, &equal);
     let scan = Scan::new(&moments);
@@ -68,6 +77,8 @@ pub(super) fn fault(joint: &Joint) -> Result<Option<EpisodeFinding>, String> {
             delay_s: rows * joint.step_s,
             // what the straight lines between rows are worth, and of a sensor that holds its readings how long it does
             sd_s: match joint.repeated() {
+                // the end of what was looked for: it may be any longer one
+                _ if rows.abs() >= 0.1 * f64::from(SIZE_TENTHS) - 0.05 => rows.abs() * joint.step_s,
                 held if held > HELD_REPEATS => 0.5 * joint.step_s / (1.0 - held).max(0.02),
                 _ => 0.2 * joint.step_s,
             },

@@ -15,8 +15,8 @@ use super::series::Joint;
 use super::verdict::probability;
 use super::{EpisodeFinding, Fault};
 use crate::thresholds::{
-    CRISP, EPISODE_GAIN, EPISODE_GAIN_NATS, EPISODE_RIDGE, EPISODE_TAPS, GAIN_TOLD, NEIGHBOURS,
-    STILL_GAIN, STILL_GAIN_NATS,
+    CRISP, EPISODE_GAIN, EPISODE_GAIN_NATS, EPISODE_RIDGE, EPISODE_TAPS, FEWEST_EPISODES,
+    GAIN_TOLD, NEIGHBOURS, STILL_GAIN, STILL_GAIN_NATS, WRONG_SIDE,
 };
 
 /// Columns: a constant, one after the change, the taps, and the position after.
@@ -25,6 +25,9 @@ const POSITION_AFTER: usize = 2 + EPISODE_TAPS + 1;
 
 /// A change of the gain from an episode on, or between two changes of the level; episodes are places among those that show the joint.
 pub(super) fn fault(joint: &Joint, least_offset: f64) -> Option<EpisodeFinding> {
+    if joint.episodes.len() < FEWEST_EPISODES {
+        return None;
+    }
     let moments = moments(joint);
     let sums = running(&moments);
     let (episodes, all) = (moments.len(), &sums[moments.len()]);
@@ -48,15 +51,38 @@ pub(super) fn fault(joint: &Joint, least_offset: f64) -> Option<EpisodeFinding> 
         .map(|split| split.offset_nats)
         .fold(0.0, f64::max);
     let gained = best.nats - offset;
-    is_one(joint, best, gained).then(|| EpisodeFinding {
+    if !is_one(joint, best, gained) {
+        return None;
+    }
+    let changed = best.changed.clone();
+    // the stretch before is wrong where it is farther from a gain of 1
+    let (factor, stretch) = match is_first_wrong(joint, best) {
+        true => (1.0 / best.factor, 0..changed.start),
+        false => (best.factor, changed),
+    };
+    Some(EpisodeFinding {
         fault: Fault::Gain {
-            factor: best.factor,
-            sd: best.factor * best.sd,
+            factor,
+            sd: factor * best.sd,
         },
-        since: best.changed.start,
-        until: (best.changed.end < episodes).then(|| best.changed.end - 1),
+        since: stretch.start,
+        until: (stretch.end < episodes).then(|| stretch.end - 1),
         probability: probability(gained, episodes),
     })
+}
+
+/// Whether the gain before a change that lasts to the end is as much farther from 1 as the change is large.
+fn is_first_wrong(joint: &Joint, split: &Split) -> bool {
+    let gains = joint.gains();
+    let size = |part: &[f64]| median(&mut part.to_vec()).max(1e-9).ln().abs();
+    let (before, after) = (
+        size(&gains[..split.changed.start]),
+        size(&gains[split.changed.clone()]),
+    );
+    let logs: Vec<f64> = gains.iter().map(|gain| gain.max(1e-9).ln()).collect();
+    scatter(&logs) <= GAIN_TOLD * split.factor.ln().abs()
+        && split.changed.end == gains.len()
+        && before - after >= WRONG_SIDE * split.factor.ln().abs()
 }
 
 /// Whether a change is large and clear enough. Of a joint that moves enough the episodes next to the change must have different gains,

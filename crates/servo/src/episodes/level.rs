@@ -1,5 +1,7 @@
 //! Offsets: another constant between position and command.
 
+use std::ops::Range;
+
 use haptical_linalg::NormalEquations;
 
 use super::change_points::{Step, change_points};
@@ -8,21 +10,32 @@ use super::scale::{deviation, median, scatter};
 use super::series::Joint;
 use super::{EpisodeFinding, Fault, Side, verdict::probability};
 use crate::thresholds::{
-    NEIGHBOURS, ODD_SCATTERS, ODD_SPREAD, POSE_LEAVES, SIDE_RATIO, STANDING_SCATTERS,
+    NEIGHBOURS, ODD_SCATTERS, ODD_SPREAD, POSE_LEAVES, SIDE_RATIO, STANDING_SCATTERS, WRONG_SIDE,
 };
 
 /// Offsets from an episode on, of odd episodes, and of all of them; episodes are places among those that show the joint.
 pub(super) fn faults(joint: &Joint, least: f64) -> Vec<EpisodeFinding> {
-    let levels = joint.levels();
+    let mut levels = joint.levels();
     let steps = change_points(&levels, least);
-    if !steps.is_empty() && !is_pose(joint, &levels, &steps) {
-        return pieces(joint, &levels, &steps, least);
+    let mut found = match steps.is_empty() || is_pose(joint, &levels, &steps) {
+        true => Vec::new(),
+        false => pieces(joint, &levels, &steps, least),
+    };
+    // what else there is shows once the steps are out
+    for own in &found {
+        let Fault::Offset { size, .. } = own.fault else {
+            continue;
+        };
+        let end = own.until.map_or(levels.len(), |last| last + 1);
+        levels[own.since..end]
+            .iter_mut()
+            .for_each(|level| *level -= size);
     }
-    let odd = odd(joint, &levels, least);
     match standing(&levels, least) {
-        Some(standing) => vec![standing],
-        None => odd,
+        Some(standing) => found.push(standing),
+        None => found.extend(odd(joint, &levels, least)),
     }
+    found
 }
 
 /// Whether where the arm is explains the levels as well as the steps do: what gravity and friction leave depends on it.
@@ -65,25 +78,39 @@ fn is_pose(joint: &Joint, levels: &[f64], steps: &[Step]) -> bool {
     stepped > POSE_LEAVES * left.iter().map(|value| value.abs()).sum::<f64>()
 }
 
-/// A finding for each stretch of episodes at another level than the first.
+/// A finding for each stretch of episodes at another level than the one that is taken for right: the first, or one that is nearer to
+/// no offset by about as much as they differ.
 fn pieces(joint: &Joint, levels: &[f64], steps: &[Step], least: f64) -> Vec<EpisodeFinding> {
-    let ends = steps[1..].iter().map(|step| step.at).chain([levels.len()]);
-    let first = median(&mut levels[..steps[0].at].to_vec());
-    let found = steps.iter().zip(ends).map(|(step, end)| {
-        let size = median(&mut levels[step.at..end].to_vec()) - first;
+    let mut borders: Vec<usize> = steps.iter().map(|step| step.at).collect();
+    borders.insert(0, 0);
+    borders.push(levels.len());
+    let stretches: Vec<Range<usize>> = borders.windows(2).map(|pair| pair[0]..pair[1]).collect();
+    let level = |stretch: &Range<usize>| median(&mut levels[stretch.clone()].to_vec());
+    let first = level(&stretches[0]);
+    let is_right = |other: &f64| first.abs() - other.abs() >= WRONG_SIDE * (first - other).abs();
+    let others = stretches[1..].iter().map(level).filter(is_right);
+    let right = others.fold(first, |best, other| {
+        if other.abs() < best.abs() {
+            other
+        } else {
+            best
+        }
+    });
+    let found = stretches.iter().enumerate().map(|(place, stretch)| {
+        let step = &steps[place.saturating_sub(1)];
         EpisodeFinding {
             fault: Fault::Offset {
-                size,
+                size: level(stretch) - right,
                 sd: step.sd,
                 side: side(joint, step),
             },
-            since: step.at,
-            until: (end < levels.len()).then(|| end - 1),
+            since: stretch.start,
+            until: (stretch.end < levels.len()).then(|| stretch.end - 1),
             probability: probability(0.5 * (step.size / step.sd).powi(2), levels.len()),
         }
     });
-    let is_back = |found: &EpisodeFinding| matches!(found.fault, Fault::Offset { size, .. } if size.abs() < 0.5 * least);
-    found.filter(|found| !is_back(found)).collect()
+    let is_wrong = |found: &EpisodeFinding| matches!(found.fault, Fault::Offset { size, .. } if size.abs() >= 0.5 * least);
+    found.filter(is_wrong).collect()
 }
 
 /// Which column moved: the hands of who leads go where the task is, so the true positions stay.

@@ -23,6 +23,7 @@ pub use self::rows::{RowFault, RowFaultKind};
 pub use self::verdict::{EpisodeVerdict, Use};
 use crate::effect;
 use crate::thresholds::FEWEST_EPISODES;
+use scale::median;
 use series::Joint;
 
 /// Columns of one joint in the order of the rows; a row without a reading is `NaN`.
@@ -150,6 +151,8 @@ pub struct JointEpisodes {
     pub hysteresis: Option<f64>,
     /// Part of the readings that are equal to the one before while the command moves.
     pub repeated: f64,
+    /// Whether the position follows the command; also true where one of them does not move enough to tell.
+    pub follows: bool,
     /// Why a fault could not be looked for: words.
     pub not_tested: Vec<String>,
 }
@@ -163,6 +166,8 @@ pub struct EpisodeReport {
     pub rows: Vec<RowFault>,
     /// Of each episode.
     pub episodes: Vec<EpisodeVerdict>,
+    /// Episodes that have too few rows to be looked at.
+    pub short: Vec<usize>,
 }
 
 impl EpisodeReport {
@@ -181,7 +186,7 @@ impl EpisodeReport {
 /// let time_s: Vec<f64> = (0..rows).map(|row| (row % 90) as f64 / 30.0).collect();
 /// let command: Vec<f64> = (0..rows).map(|row| (0.07 * row as f64).sin() + 0.2 * (0.31 * row as f64).sin()).collect();
 /// let position: Vec<f64> = (0..rows)
-///     .map(|row| command[row.saturating_sub(3)] + if row >= 7 * 90 { 0.3 } else { 0.0 })
+///     .map(|row: usize| command[row.saturating_sub(3)] + if row >= 7 * 90 { 0.3 } else { 0.0 })
 ///     .collect();
 /// let episodes: Vec<_> = (0..12).map(|episode| 90 * episode..90 * (episode + 1)).collect();
 /// let joints = [JointColumns { position: &position, command: Some(&command) }];
@@ -201,8 +206,12 @@ pub fn examine_episodes(log: &EpisodeLog<'_>) -> EpisodeReport {
         joints,
         rows,
         episodes,
+        short: series::short(log),
     }
 }
+
+/// Why nothing is compared with the command.
+const NOT_FOLLOWED: &str = "offset, gain, delay and clipped: the position does not follow the command, which may be a velocity, a step, of another unit or turned round";
 
 fn of_joint(
     log: &EpisodeLog<'_>,
@@ -219,6 +228,7 @@ fn of_joint(
             answer_s: None,
             hysteresis: None,
             repeated: 0.0,
+            follows: true,
             not_tested: vec![
                 "no command: offset, gain, delay, dead, swapped and clipped".to_owned(),
             ],
@@ -242,34 +252,71 @@ fn of_joint(
     let mut left = joint.without(&findings);
     left.leave_out_rows(&clipped);
     findings.extend(clipped);
-    if left.episodes.len() < FEWEST_EPISODES {
+    let mut left = left.thinned();
+    let moves = |column: usize| {
+        median(&mut ranges.iter().map(|range| range[column]).collect::<Vec<_>>())
+            >= log.least_offset
+    };
+    let follows =
+        answer::of(&left).is_none_or(|answer| answer.follows()) || !(moves(0) && moves(1));
+    if !follows {
+        // what the command is, is not known: no fault may be named against it
+        findings.retain(|found| matches!(found.fault, Fault::Dead { .. } | Fault::Swapped { .. }));
+        not_tested.push(NOT_FOLLOWED.to_owned());
+    } else if left.episodes.len() < FEWEST_EPISODES {
         not_tested.push(format!(
             "changes of offset, gain and delay: it needs {FEWEST_EPISODES} episodes that show the joint and has {}",
             left.episodes.len()
         ));
     } else {
-        if let Some(gain) = gain::fault(&left, log.least_offset) {
+        let moving = left.moving();
+        if let Some(gain) = gain::fault(&moving, log.least_offset) {
+            let gain = moving.named(gain);
             left.undo_gain(&gain);
-            findings.push(left.named(gain));
+            findings.push(gain);
         }
-        let offsets = level::faults(&left, log.least_offset);
-        left.undo_offsets(&offsets);
-        findings.extend(offsets.into_iter().map(|found| left.named(found)));
-        match delay::fault(&left) {
-            Ok(found) => findings.extend(found.map(|found| left.named(found))),
+        let is_in_unit = answer::of(&left).is_none_or(|answer| answer.is_in_unit());
+        if is_in_unit || !(moves(0) && moves(1)) {
+            // where a joint rests, friction and gravity of that pose alone make its level
+            let moving = left.moving();
+            let shown = if moving.episodes.len() >= FEWEST_EPISODES {
+                &moving
+            } else {
+                &left
+            };
+            let offsets = level::faults(shown, log.least_offset);
+            let offsets: Vec<EpisodeFinding> = offsets
+                .into_iter()
+                .map(|found| shown.named(found))
+                .collect();
+            left.undo_offsets(&offsets);
+            findings.extend(offsets);
+        } else {
+            not_tested.push(
+                "offset: position and command have other units, or a gain of all episodes"
+                    .to_owned(),
+            );
+        }
+        let moving = left.moving();
+        match delay::fault(&moving) {
+            Ok(found) => findings.extend(found.map(|found| moving.named(found))),
             Err(why) => not_tested.push(why),
         }
     }
     findings.sort_by_key(|finding| finding.since);
-    let answer = answer::of(&left);
+    let answer = answer::of(&left).filter(|answer| answer.follows() && answer.is_in_unit());
     JointEpisodes {
         findings,
         levels: joint.by_episode(log, &levels),
         gains: joint.by_episode(log, &joint.gains()),
         ranges,
-        answer_s: answer.as_ref().map(|answer| answer.after_s),
+        answer_s: answer
+            .as_ref()
+            .map(|answer| answer.after_s)
+            .filter(|after_s| *after_s >= 0.0),
         hysteresis: answer.as_ref().map(|answer| answer.hysteresis),
         repeated: joint.repeated(),
+        follows,
         not_tested,
     }
 }

@@ -3,10 +3,11 @@
 use std::ops::Range;
 
 use super::EpisodeLog;
-use super::series::step_s;
+use super::series::{episode_step_s, step_s};
 use crate::effect::recording;
 use crate::thresholds::{
-    JUMP_NEIGHBOURS, JUMP_RATIO, JUMP_REST, LOST_STEPS, REPEATED_SHARE, REPEATED_STEP,
+    FEWEST_LOST, JUMP_NEIGHBOURS, JUMP_RATIO, JUMP_REST, LOST_SHARE, LOST_STEPS, MISSING_SHARE,
+    REPEATED_CHANCE, REPEATED_LEAST_S, REPEATED_SHARE, REPEATED_STEP, REPEATS_ALONE,
 };
 
 /// A fault of an episode's rows.
@@ -21,6 +22,8 @@ pub enum RowFaultKind {
     Short,
     /// Rows whose positions are all those of the row before, amid a motion.
     Repeated,
+    /// Rows in which a joint has no reading.
+    Missing,
 }
 
 impl RowFaultKind {
@@ -29,6 +32,7 @@ impl RowFaultKind {
         match self {
             Self::Lost | Self::Jump | Self::Short => recording::LOST,
             Self::Repeated => recording::REPEATED,
+            Self::Missing => recording::MISSING,
         }
     }
 }
@@ -57,7 +61,7 @@ pub(super) fn faults(log: &EpisodeLog<'_>) -> Vec<RowFault> {
         let lost = lost(log, episode, step)
             .or_else(|| short(log, episode))
             .or_else(|| jump(log, episode, &scales));
-        [lost, repeated(log, episode, &scales)]
+        [lost, repeated(log, episode, &scales), missing(log, episode)]
     })
     .flatten()
     .collect()
@@ -65,13 +69,20 @@ pub(super) fn faults(log: &EpisodeLog<'_>) -> Vec<RowFault> {
 
 fn lost(log: &EpisodeLog<'_>, episode: usize, step: f64) -> Option<RowFault> {
     let own = &log.time_s[log.episodes[episode].clone()];
+    // an episode may have a rate of its own
+    let usual = episode_step_s(log, episode);
+    let step = if usual.is_finite() { usual } else { step };
     let gaps = own.windows(2).map(|pair| [pair[0], pair[1] - pair[0]]);
     let gaps: Vec<[f64; 2]> = gaps.filter(|gap| gap[1] > LOST_STEPS * step).collect();
     let first = gaps.first()?;
-    let rows = gaps
+    let lost = gaps
         .iter()
-        .map(|gap| (gap[1] / step).round() as usize - 1)
-        .sum();
+        .map(|gap| ((gap[1] / step).round() as usize).saturating_sub(1));
+    let (rows, most) = (lost.clone().sum::<usize>(), lost.max()?);
+    // a row now and then is what every recorder loses
+    if most < FEWEST_LOST && (rows as f64) < LOST_SHARE * own.len() as f64 {
+        return None;
+    }
     Some(RowFault {
         kind: RowFaultKind::Lost,
         episode,
@@ -124,16 +135,21 @@ impl Scales {
     }
 }
 
-/// Sizes of the steps before each row but the first, all columns together, in usual steps.
+/// Sizes of the steps before each row but the first, root mean square over the columns that move, in usual steps.
 fn sizes<'a>(columns: impl Iterator<Item = (&'a [f64], f64)>, rows: &Range<usize>) -> Vec<f64> {
     let mut squares = vec![0.0; rows.len().saturating_sub(1)];
-    for (column, scale) in columns.filter(|(_, scale)| *scale > 0.0) {
+    let columns: Vec<(&[f64], f64)> = columns.filter(|(_, scale)| *scale > 0.0).collect();
+    let count = columns.len().max(1) as f64;
+    for (column, scale) in columns {
         for (square, pair) in squares.iter_mut().zip(column[rows.clone()].windows(2)) {
             let step = (pair[1] - pair[0]) / scale;
             *square += if step.is_finite() { step * step } else { 0.0 };
         }
     }
-    squares.into_iter().map(f64::sqrt).collect()
+    squares
+        .into_iter()
+        .map(|square| (square / count).sqrt())
+        .collect()
 }
 
 fn jump(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<RowFault> {
@@ -159,7 +175,9 @@ fn jump(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<RowFaul
     let last = position.len().checked_sub(JUMP_NEIGHBOURS)?;
     let jumps =
         (JUMP_NEIGHBOURS..last).map(|at| (at, ratio(&position, at).min(ratio(&command, at))));
-    let found: Vec<(usize, f64)> = jumps.filter(|(_, ratio)| *ratio >= JUMP_RATIO).collect();
+    let is_jump =
+        |(at, ratio): &(usize, f64)| *ratio >= JUMP_RATIO && jumps_together(log, rows, *at, scales);
+    let found: Vec<(usize, f64)> = jumps.filter(is_jump).collect();
     let first = found.first()?;
     let lost: usize = found.iter().map(|(_, ratio)| ratio.round() as usize).sum();
     Some(RowFault {
@@ -171,9 +189,28 @@ fn jump(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<RowFaul
     })
 }
 
+/// Whether most joints that move jump at a row: one of a hand that opens at once does so alone.
+fn jumps_together(log: &EpisodeLog<'_>, rows: &Range<usize>, at: usize, scales: &Scales) -> bool {
+    let (mut moving, mut jumping) = (0, 0);
+    for (joint, scale) in log.joints.iter().zip(&scales.position) {
+        let step = |at: usize| {
+            (joint.position[rows.start + at + 1] - joint.position[rows.start + at]).abs() / scale
+        };
+        let near = (at - JUMP_NEIGHBOURS..=at + JUMP_NEIGHBOURS).filter(|other| *other != at);
+        let most = near.map(step).fold(0.0, f64::max);
+        let own = step(at);
+        moving += usize::from(own.max(most) >= JUMP_REST);
+        jumping += usize::from(own >= JUMP_RATIO * most.max(JUMP_REST));
+    }
+    2 * jumping >= moving && jumping >= 2.min(log.joints.len())
+}
+
 /// Runs of rows whose positions are those of the row before, between steps that are no smaller than usual: joints at rest repeat
 /// their readings, too, but come to it slowly.
 fn repeated(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<RowFault> {
+    if episode_step_s(log, episode) < REPEATED_LEAST_S {
+        return None;
+    }
     let rows = &log.episodes[episode];
     let position = log
         .joints
@@ -194,6 +231,14 @@ fn repeated(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<Row
         at += run.len();
     }
     let count: usize = found.iter().map(|run| run.1).sum();
+    let alone = shares(log, rows, &steps);
+    // a joint that reads something new in most rows tells
+    if alone.iter().copied().fold(f64::INFINITY, f64::min) > REPEATS_ALONE {
+        return None;
+    }
+    if (count as f64) < REPEATED_CHANCE * steps.len() as f64 * alone.iter().product::<f64>() {
+        return None;
+    }
     (count as f64 >= REPEATED_SHARE * rows.len() as f64 && count > 0).then(|| RowFault {
         kind: RowFaultKind::Repeated,
         episode,
@@ -202,5 +247,38 @@ fn repeated(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<Row
         first_s: found
             .first()
             .map(|run| log.time_s[rows.start + run.0] - log.time_s[rows.start]),
+    })
+}
+
+/// Share of the readings that each joint repeats by itself: in the rows in which another one does not.
+fn shares(log: &EpisodeLog<'_>, rows: &Range<usize>, steps: &[f64]) -> Vec<f64> {
+    let others: Vec<usize> = (0..steps.len()).filter(|at| steps[*at] > 0.0).collect();
+    let share = |column: &[f64]| {
+        let equal = others
+            .iter()
+            .filter(|at| column[rows.start + *at + 1] == column[rows.start + *at]);
+        equal.count() as f64 / others.len().max(1) as f64
+    };
+    log.joints
+        .iter()
+        .map(|joint| share(joint.position))
+        .collect()
+}
+
+/// Readings of a joint that are missing.
+fn missing(log: &EpisodeLog<'_>, episode: usize) -> Option<RowFault> {
+    let rows = &log.episodes[episode];
+    let of = |joint: &super::JointColumns<'_>| {
+        rows.clone()
+            .filter(|row| !joint.position[*row].is_finite())
+            .count()
+    };
+    let most = log.joints.iter().map(of).max()?;
+    (most as f64 > MISSING_SHARE * rows.len() as f64).then(|| RowFault {
+        kind: RowFaultKind::Missing,
+        episode,
+        rows: most,
+        of: rows.len(),
+        first_s: None,
     })
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::scale::{median, spread};
 use super::{EpisodeFinding, EpisodeLog, Fault, JointColumns};
-use crate::thresholds::FEWEST_EPISODE_ROWS;
+use crate::thresholds::{EPISODE_STEP_S, FEWEST_EPISODE_ROWS, OTHER_RATE, REST_SHARE};
 
 /// Position and command of a joint in the episodes that show it.
 #[derive(Debug, Clone)]
@@ -15,6 +15,8 @@ pub(super) struct Joint {
     pub(super) episodes: Vec<(usize, Range<usize>)>,
     /// Median time between rows \[s\].
     pub(super) step_s: f64,
+    /// Episodes whose rows are another time apart.
+    pub(super) other_rates: usize,
 }
 
 impl Joint {
@@ -34,7 +36,55 @@ impl Joint {
                 .filter(|(_, rows)| is_long(rows) && is_read(rows))
                 .collect(),
             step_s: step_s(log),
+            other_rates: other_rates(log),
         })
+    }
+
+    /// A fast recording at a rate at which half a second is few rows: every so many rows of each episode.
+    pub(super) fn thinned(self) -> Self {
+        let stride = (EPISODE_STEP_S / self.step_s).floor().max(1.0) as usize;
+        if stride == 1 || !self.step_s.is_finite() {
+            return self;
+        }
+        let mut thin = Self {
+            position: Vec::new(),
+            command: Vec::new(),
+            episodes: Vec::new(),
+            step_s: self.step_s * stride as f64,
+            ..self
+        };
+        for (episode, rows) in self.episodes {
+            let start = thin.position.len();
+            thin.position
+                .extend(self.position[rows.clone()].iter().step_by(stride));
+            thin.command
+                .extend(self.command[rows].iter().step_by(stride));
+            thin.episodes.push((episode, start..thin.position.len()));
+        }
+        thin
+    }
+
+    /// Without the episodes in which the joint rests: command and position move by next to nothing of what they do in others.
+    pub(super) fn moving(&self) -> Self {
+        let is_moving = |column: &[f64]| {
+            let spreads =
+                self.of_each(|joint, rows| spread(joint.rows(rows).map(|row| column[row])));
+            let mut sorted = spreads.clone();
+            sorted.sort_by(f64::total_cmp);
+            let large = sorted.get(sorted.len() * 9 / 10).copied().unwrap_or(0.0);
+            spreads
+                .into_iter()
+                .map(move |spread| spread >= REST_SHARE * large && spread > 0.0)
+                .collect::<Vec<_>>()
+        };
+        let (commands, positions) = (is_moving(&self.command), is_moving(&self.position));
+        let mut moves = commands
+            .iter()
+            .zip(&positions)
+            .map(|(command, position)| *command || *position);
+        let mut moving = self.clone();
+        moving.episodes.retain(|_| moves.next().unwrap_or(false));
+        moving
     }
 
     /// Rows of an episode that have both.
@@ -144,17 +194,22 @@ impl Joint {
 
     /// With the numbers of the episodes in place of their places among those that show the joint.
     pub(super) fn named(&self, mut found: EpisodeFinding) -> EpisodeFinding {
-        found.since = self.episodes[found.since].0;
+        // what is there from the first episode that shows the joint on may be there before
+        found.since = if found.since == 0 {
+            0
+        } else {
+            self.episodes[found.since].0
+        };
         found.until = found.until.map(|last| self.episodes[last].0);
         found
     }
 
-    /// Makes a joint of one gain of one whose gain changed; episodes are places here.
+    /// Makes a joint of one gain of one whose gain changed.
     pub(super) fn undo_gain(&mut self, found: &EpisodeFinding) {
         let Fault::Gain { factor, .. } = found.fault else {
             return;
         };
-        let changed = found.since..found.until.map_or(self.episodes.len(), |last| last + 1);
+        let changed = self.places(found);
         self.change(&changed, |value| *value /= factor);
         // about which point it was is the level's
         let levels = self.levels();
@@ -164,20 +219,32 @@ impl Joint {
         self.change(&changed, |value| *value -= shift);
     }
 
+    /// Places of a finding's episodes among those that show the joint.
+    fn places(&self, found: &EpisodeFinding) -> Range<usize> {
+        let before = |number: usize| {
+            self.episodes
+                .partition_point(|(episode, _)| *episode < number)
+        };
+        before(found.since)
+            ..found
+                .until
+                .map_or(self.episodes.len(), |last| before(last + 1))
+    }
+
     fn change(&mut self, places: &Range<usize>, of: impl Fn(&mut f64)) {
         for (_, rows) in &self.episodes[places.clone()] {
             self.position[rows.clone()].iter_mut().for_each(&of);
         }
     }
 
-    /// Takes offsets out of the positions; episodes are places here.
+    /// Takes offsets out of the positions.
     pub(super) fn undo_offsets(&mut self, offsets: &[EpisodeFinding]) {
         for found in offsets {
             let Fault::Offset { size, .. } = found.fault else {
                 continue;
             };
-            let end = found.until.map_or(self.episodes.len(), |last| last + 1);
-            self.change(&(found.since..end), |value| *value -= size);
+            let changed = self.places(found);
+            self.change(&changed, |value| *value -= size);
         }
     }
 }
@@ -199,6 +266,29 @@ pub(super) fn ranges(columns: &JointColumns<'_>, episodes: &[Range<usize>]) -> V
     episodes.iter().map(of).collect()
 }
 
+/// Median time between the rows of an episode \[s\]; `NaN` of one row.
+pub(super) fn episode_step_s(log: &EpisodeLog<'_>, episode: usize) -> f64 {
+    let times = &log.time_s[log.episodes[episode].clone()];
+    let mut steps: Vec<f64> = times
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| *step > 0.0)
+        .collect();
+    if steps.is_empty() {
+        f64::NAN
+    } else {
+        median(&mut steps)
+    }
+}
+
+/// Episodes whose rows are another time apart than the others'.
+fn other_rates(log: &EpisodeLog<'_>) -> usize {
+    let usual = step_s(log);
+    let is_other =
+        |episode: &usize| (episode_step_s(log, *episode) / usual - 1.0).abs() > OTHER_RATE;
+    (0..log.episodes.len()).filter(is_other).count()
+}
+
 /// Median time between rows \[s\].
 pub(super) fn step_s(log: &EpisodeLog<'_>) -> f64 {
     let mut steps: Vec<f64> = Vec::new();
@@ -211,4 +301,11 @@ pub(super) fn step_s(log: &EpisodeLog<'_>) -> f64 {
     }
     steps.retain(|step| *step > 0.0);
     median(&mut steps)
+}
+
+/// Episodes of too few rows.
+pub(super) fn short(log: &EpisodeLog<'_>) -> Vec<usize> {
+    let all = 0..log.episodes.len();
+    all.filter(|episode| log.episodes[*episode].len() < FEWEST_EPISODE_ROWS)
+        .collect()
 }

@@ -1,7 +1,7 @@
 //! What to do with each episode, and how sure a finding is.
 
 use super::{EpisodeLog, Fault, JointEpisodes, RowFault, RowFaultKind};
-use crate::thresholds::{LEAVE_OUT_SHARE, MOST_PROBABILITY, PRIOR_ODDS};
+use crate::thresholds::{LEAVE_OUT_SHARE, MOST_PROBABILITY, NEIGHBOURS, PRIOR_ODDS};
 
 /// Whether an episode is fit for use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -80,9 +80,10 @@ pub(super) fn of_episodes(
 }
 
 impl super::EpisodeFinding {
-    /// Whether all episodes have it.
-    fn is_standing(&self) -> bool {
-        self.since == 0 && self.until.is_none()
+    /// Whether all episodes have it, but one or two at the beginning.
+    pub fn is_standing(&self) -> bool {
+        // an odd one or two at the beginning do not make the others wrong
+        self.since < NEIGHBOURS && self.until.is_none()
     }
 }
 

@@ -153,7 +153,9 @@ fn an_offset_is_sized_and_placed_and_its_side_is_known() {
         assert!(found.probability > 0.95);
         // motions scatter by tenths of a radian: only a large offset shows which column moved
         assert_ne!(side, Some(Side::Command));
-        assert_eq!(report.episodes[since].verdict, Use::LeaveOut);
+        // one episode without it at the beginning does not make all others wrong
+        let verdict = if since < 3 { Use::Look } else { Use::LeaveOut };
+        assert_eq!(report.episodes[since].verdict, verdict);
         assert_eq!(report.episodes[since - 1].verdict, Use::Use);
     }
 }

@@ -9,8 +9,9 @@ nothing. The interpreter's lock is released while numbers are worked out, and Ct
 from __future__ import annotations
 
 import json as _json
+import os as _os
 import sys as _sys
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Literal, Mapping, Optional, Sequence, Union
 from contextlib import contextmanager as _contextmanager
 
 import numpy as _np
@@ -57,6 +58,7 @@ __all__ = [
     "__version__",
     "correct",
     "diagnose",
+    "doctor",
     "effects",
     "export",
     "fleet",
@@ -207,6 +209,23 @@ def diagnose(
             rig=rig,
         )
     return Diagnosis(_json.loads(text), files)
+
+
+def doctor(
+    path: "str | _os.PathLike[str]",
+    *,
+    units: Optional[Literal["radians", "degrees", "percent"]] = None,
+    state: Optional[str] = None,
+    action: Optional[str] = None,
+) -> Dict[str, Any]:
+    """Which joints and episodes of a recording are sound: what `haptical doctor PATH --json` prints.
+
+    `path` is a LeRobot data set, one of its Parquet files, a log with a column `run`, or a folder of logs. `joints` has the findings of
+    each joint with size, interval and `since_episode`, `episodes` a verdict of each, `not_tested` what was not looked for.
+
+    Raises ValueError for what is no recording.
+    """
+    return _json.loads(_haptical.doctor(path, units=units, state=state, action=action))
 
 
 def plan(

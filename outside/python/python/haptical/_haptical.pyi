@@ -1,5 +1,6 @@
 """The compiled module; `haptical` is what to import."""
 
+import os
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union, final
 
 import numpy.typing as npt
@@ -13,6 +14,7 @@ __all__ = [
     "command",
     "correct",
     "diagnose",
+    "doctor",
     "effects",
     "export",
     "forward_kinematics",
@@ -86,6 +88,13 @@ def diagnose(
     tip: Tip = None,
     rig: Optional[Source] = None,
 ) -> Tuple[str, Dict[str, bytes]]: ...
+def doctor(
+    path: "str | os.PathLike[str]",
+    *,
+    units: Optional[str] = None,
+    state: Optional[str] = None,
+    action: Optional[str] = None,
+) -> str: ...
 def plan(
     device: Union[Device, Source],
     measure: Sequence[str],

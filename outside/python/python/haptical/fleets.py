@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import pathlib
 import sys
 import threading
@@ -26,31 +27,37 @@ def fleet(
     device: Any,
     logs: Iterable[Any],
     *,
-    call: Literal["identify", "diagnose"] = "identify",
+    call: Literal["identify", "diagnose", "doctor"] = "identify",
     executor: Optional[Any] = None,
     workers: Optional[int] = None,
     ahead: int = 256,
     out: Optional[Any] = None,
+    resume: bool = False,
     on_row: Optional[Callable[[dict[str, Any]], None]] = None,
     progress: bool = False,
     **options: Any,
 ) -> Fleet:
-    """Identify (or `call="diagnose"`) from every one of `logs`, and put what was found into one table.
+    """Identify (or `call="diagnose"`, or `call="doctor"`) from every one of `logs`, and put what was found into one table.
 
-    `device` is one device for all, or a list with one for each log. `executor` is whatever has `submit` and gives futures
+    `device` is one device for all, or a list with one for each log; None for `doctor`, whose logs are recordings of many episodes. `executor` is whatever has `submit` and gives futures
     with `result`: a `concurrent.futures` executor, or a `dask.distributed.Client`; or the module `ray`. Without it `workers`
     threads of this process, which run side by side because the interpreter's lock is free. `options` are keywords of the call.
     A log that cannot be read, or fixes nothing, or whose worker dies, is a row with `ok` False and its `error`.
 
     `logs` may be a generator: at most `ahead` of them are handed out at a time, so that memory does not grow with their number.
-    `out` is a Parquet file to write (needs pyarrow). `on_row` is called with every row, in the order of the logs;
+    `out` is a Parquet file to write (needs pyarrow). Until then rows are kept in a file of its name with `.jsonl` behind, as they come;
+    with `resume=True` the logs that it has, or that an earlier `out` has, are not worked on again unless they failed. `on_row` is called with every row, in the order of the logs;
     `progress=True` shows how many are done on standard error.
 
     The columns: `log`, `ok`, `error`, `seconds`, `answer`; of `identify` `rank`, `value.NAME` and `sd.NAME` of every parameter,
     `before.CHANNEL` and `after.CHANNEL`, root mean squares; of `diagnose` `verdict`, `cause`, `joint`, `probability`.
     """
-    if call not in ("identify", "diagnose"):
-        raise ValueError(f'call is "{call}"; one of these is expected: identify, diagnose')
+    if call not in ("identify", "diagnose", "doctor"):
+        raise ValueError(f'call is "{call}"; one of these is expected: identify, diagnose, doctor')
+    if call == "doctor" and device is not None:
+        raise ValueError("a doctor needs no device; give None")
+    if resume and out is None:
+        raise ValueError("resume goes on with an `out`; give its path")
     if isinstance(logs, (str, dict)) or any(hasattr(logs, name) for name in ("__fspath__", "columns", "column_names")):
         raise ValueError("logs is one log; give a list of them")
     if ahead < 1:
@@ -63,7 +70,8 @@ def fleet(
     import haptical
 
     # a keyword that is none is the caller's mistake, not one of every log
-    inspect.signature(getattr(haptical, call)).bind(device, None, **options)
+    given = (None,) if call == "doctor" else (device, None)
+    inspect.signature(getattr(haptical, call)).bind(*given, **options)
     if out is not None:
         # said before the work, not after it
         Fleet(log=[]).to_arrow()
@@ -72,12 +80,16 @@ def fleet(
     stopped = threading.Event()
     own = None if executor is not None else ThreadPoolExecutor(max_workers=workers)
     submit = _submit(executor if own is None else own)
-    extra = {} if own is None else {"progress": _until(stopped)}
+    extra = {} if own is None or call == "doctor" else {"progress": _until(stopped)}
+    kept = None if out is None else _Kept(out, resume)
     tasks = ((_label(log, index), one, log) for index, (one, log) in enumerate(zip(devices, logs)))
     rows: list[dict[str, Any]] = []
     try:
-        for row in _rows(submit, ((call, one, log, label, options | extra) for label, one, log in tasks), ahead):
+        work = ((call, one, log, label, options | extra) for label, one, log in tasks)
+        for row in _rows(submit, work, ahead, {} if kept is None else kept.before):
             rows.append(row)
+            if kept is not None:
+                kept.keep(row)
             if on_row is not None:
                 on_row(row)
             if progress:
@@ -90,9 +102,45 @@ def fleet(
         if progress:
             print(file=sys.stderr)
     table = _table(rows)
-    if out is not None:
+    if kept is not None:
         table.write_parquet(out)
+        kept.done()
     return table
+
+
+class _Kept:
+    """The rows of a run that is not at its end, one line of JSON each."""
+
+    def __init__(self, out: Any, resume: bool) -> None:
+        self.path = pathlib.Path(f"{out}.jsonl")
+        self.before: dict[str, dict[str, Any]] = {}
+        if resume:
+            self._read(pathlib.Path(out))
+        self.file = open(self.path, "a" if resume else "w", encoding="utf-8")
+
+    def _read(self, out: pathlib.Path) -> None:
+        found: list[dict[str, Any]] = []
+        if out.is_file():
+            import pyarrow.parquet
+
+            found.extend(pyarrow.parquet.read_table(out).to_pylist())
+        if self.path.is_file():
+            for line in self.path.read_text(encoding="utf-8").splitlines():
+                try:
+                    found.append(json.loads(line))
+                except ValueError:
+                    continue  # a line that was cut off
+        self.before = {row["log"]: row for row in found if row.get("ok")}
+
+    def keep(self, row: dict[str, Any]) -> None:
+        if row["log"] in self.before:
+            return
+        self.file.write(json.dumps(row) + "\n")
+        self.file.flush()
+
+    def done(self) -> None:
+        self.file.close()
+        self.path.unlink()
 
 
 def _submit(executor: Any) -> Callable[..., Any]:
@@ -117,8 +165,10 @@ def _until(stopped: threading.Event) -> Callable[[float], None]:
     return listen
 
 
-def _rows(submit: Callable[..., Any], tasks: Iterator[tuple[Any, ...]], ahead: int) -> Iterator[dict[str, Any]]:
-    """The rows in the order of the tasks."""
+def _rows(
+    submit: Callable[..., Any], tasks: Iterator[tuple[Any, ...]], ahead: int, before: dict[str, dict[str, Any]]
+) -> Iterator[dict[str, Any]]:
+    """The rows in the order of the tasks; those of `before` are there already."""
     waiting: deque[tuple[str, Any]] = deque()
 
     def first() -> dict[str, Any]:
@@ -131,6 +181,11 @@ def _rows(submit: Callable[..., Any], tasks: Iterator[tuple[Any, ...]], ahead: i
 
     for task in tasks:
         label = task[3]
+        if label in before:
+            waiting.append((label, before[label]))
+            if len(waiting) >= ahead:
+                yield first()
+            continue
         try:
             waiting.append((label, submit(_one, *task)))
         except Exception as error:  # an executor that takes no more, or a log that cannot be sent
@@ -157,10 +212,12 @@ def _one(call: str, device: Any, log: Any, label: str, options: dict[str, Any]) 
 
     begun = time.perf_counter()
     try:
-        found = getattr(haptical, call)(device, log, **options)
+        found = haptical.doctor(log, **options) if call == "doctor" else getattr(haptical, call)(device, log, **options)
     except Exception as error:
         return _failure(label, error, time.perf_counter() - begun)
     row = {"log": label, "ok": True, "error": None, "seconds": time.perf_counter() - begun, "answer": found["answer"]}
+    if call == "doctor":
+        return row | _doctored(found)
     if call == "diagnose":
         cause = found["causes"][0] if found["causes"] else {}
         row["verdict"] = found["verdict"]
@@ -179,6 +236,16 @@ def _one(call: str, device: Any, log: Any, label: str, options: dict[str, Any]) 
             residuals = np.asarray(channel[key], dtype=float)
             row[f"{key}.{name}"] = float(np.sqrt(np.nanmean(residuals**2))) if residuals.size else float("nan")
     return row
+
+
+def _doctored(found: dict[str, Any]) -> dict[str, Any]:
+    """A recording's row: how much was found, and what is most probable."""
+    all_found = [(finding, joint["name"]) for joint in found["joints"] for finding in joint["findings"]]
+    row: dict[str, Any] = {"findings": len(all_found) + sum(len(episode["findings"]) for episode in found["episodes"])}
+    for verdict in ("use", "look", "leave out"):
+        row[verdict.replace(" ", "_")] = sum(episode["verdict"] == verdict for episode in found["episodes"])
+    finding, name = max(all_found, key=lambda own: own[0]["probability"], default=({}, None))
+    return row | {"effect": finding.get("effect"), "joint": name} | {key: finding.get(key) for key in ("since_episode", "probability")}
 
 
 def _table(rows: list[dict[str, Any]]) -> Fleet:

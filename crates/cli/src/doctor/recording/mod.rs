@@ -63,6 +63,17 @@ impl std::fmt::Display for Label {
     }
 }
 
+impl Recorded {
+    /// Unit of a joint: grippers of arms in degrees are in percent of their range.
+    pub(super) fn unit_of(&self, joint: usize) -> Unit {
+        let is_gripper = self.names[joint].to_ascii_lowercase().contains("gripper");
+        match self.unit {
+            Unit::Degrees | Unit::Unknown if is_gripper => Unit::Percent,
+            unit => unit,
+        }
+    }
+}
+
 impl Unit {
     /// 1.5 degrees: half of the least fault that matters; of percent as much of a range of a third of a turn.
     pub(super) fn least_offset(self) -> f64 {
@@ -146,9 +157,7 @@ enum Form {
 }
 
 /// Ends of the names of tables and of bags.
-const TABLES: [&str; 8] = [
-    ".csv", ".csv.gz", ".tsv", ".txt", ".xlsx", ".npz", ".mat", ".jsonl",
-];
+const TABLES: [&str; 7] = [".csv", ".csv.gz", ".tsv", ".xlsx", ".npz", ".mat", ".jsonl"];
 const BAGS: [&str; 2] = [".mcap", ".db3"];
 
 fn ends_with(path: &Path, ends: &[&str]) -> bool {
