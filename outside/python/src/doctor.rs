@@ -16,6 +16,12 @@ pub(crate) fn doctor(
     state: Option<String>,
     action: Option<String>,
 ) -> PyResult<String> {
-    let found = py.detach(|| haptical_cli::doctor(&path, units.as_deref(), [state.as_deref(), action.as_deref()]));
+    let found = py.detach(|| {
+        haptical_cli::doctor(
+            &path,
+            units.as_deref(),
+            [state.as_deref(), action.as_deref()],
+        )
+    });
     Ok(found.map_err(Failure::from)?.to_string())
 }
