@@ -65,6 +65,10 @@ const CASES: &[Case] = &[
         DIAGNOSED,
     ),
     case(
+        "doctor {1} --out {out}",
+        &["/doctor.html", "/doctor.json", "/comment.md"],
+    ),
+    case(
         "plan --device {1} --rig {2} --log {3} --settle {4} --out {out}",
         &[
             "/plan.json",

@@ -11,6 +11,7 @@ mod words;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use haptical::files::{UNSEALED, sealed_json, sealed_text};
 use haptical::servo::{EpisodeLog, EpisodeReport, JointColumns, examine_episodes};
 
 use self::recording::Recorded;
@@ -43,7 +44,7 @@ Exit status: 0 nothing was found, 4 something was, 2 bad input.";
 pub(crate) struct DoctorArguments {
     /// Data set (folder with meta/info.json and data/), Parquet file, log with several runs, or folder of logs
     #[arg(value_name = "PATH")]
-    path: PathBuf,
+    recording: PathBuf,
     /// Folder for doctor.html, doctor.json and comment.md; made if it is missing
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -95,11 +96,11 @@ pub(crate) fn run(arguments: &DoctorArguments) -> Result<u8, Failure> {
     }
     let progress = Progress::start("reading");
     let keys = [&arguments.state, &arguments.action].map(Option::as_deref);
-    let recorded = recording::read(&arguments.path, keys, arguments.units)?;
+    let recorded = recording::read(&arguments.recording, keys, arguments.units)?;
     progress.say("examining the joints");
     let report = examine(&recorded);
     let examined = Examined {
-        path: arguments.path.clone(),
+        path: arguments.recording.clone(),
         recorded,
         report,
     };
@@ -162,13 +163,18 @@ fn write(
     out: &Path,
     rule: &haptical::files::WriteRule,
 ) -> Result<(), Failure> {
+    let by = format!("haptical {COMMAND}");
+    let sealed = |text: &str| sealed_text(text, &by, ["<!-- ", " -->"]).into_bytes();
+    let mut report = json::json(examined);
+    if let Some(report) = report.as_object_mut() {
+        // by these a later run knows its files
+        report.insert("command".to_owned(), COMMAND.into());
+        report.insert("result_sha256".to_owned(), UNSEALED.into());
+    }
     let files = vec![
-        ("doctor.html", page::page(examined)?.into_bytes()),
-        (
-            "doctor.json",
-            format!("{:#}\n", json::json(examined)).into_bytes(),
-        ),
-        ("comment.md", comment::comment(examined)?.into_bytes()),
+        ("doctor.html", sealed(&page::page(examined)?)),
+        ("doctor.json", sealed_json(&report)?.into_bytes()),
+        ("comment.md", sealed(&comment::comment(examined)?)),
     ];
     write_all(rule, out, &files).map(|_| ())
 }

@@ -8,8 +8,8 @@ use haptical::files::{Overwrite, WriteRule};
 
 /// Names of the arguments that are paths to write; every other path of a command line is read.
 pub(crate) const OUTPUTS: [&str; 3] = ["out", "page", "dir"];
-/// The folder of a result: the files in it that are read are those that it names.
-const RESULT: &str = "result";
+/// Folders that may hold outputs, too: of a result the files that are read are those that it names, of a recording its data.
+const FOLDERS: [&str; 2] = ["result", "recording"];
 
 /// Files and folders that the command line names to be read.
 static READ: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -54,7 +54,9 @@ fn collect(command: &Command, matches: &ArgMatches, found: &mut Vec<PathBuf>) {
         }
         let given = matches.try_get_raw(name).ok().flatten();
         let given = given.into_iter().flatten().map(PathBuf::from);
-        found.extend(given.filter(|path| path.exists() && !(name == RESULT && path.is_dir())));
+        found.extend(
+            given.filter(|path| path.exists() && !(FOLDERS.contains(&name) && path.is_dir())),
+        );
     }
     if let Some((name, matches)) = matches.subcommand()
         && let Some(command) = command.find_subcommand(name)

@@ -285,6 +285,20 @@ fn the_example_has_a_page_a_comment_and_json() {
         comment.contains("| 2 | look | lost rows: 15 of 343"),
         "{comment}"
     );
+    // again, and with other numbers, into the same folder, which may lie in the data set
+    for further in [
+        &["--out", "out"][..],
+        &["--out", "out", "--units", "degrees"],
+        &["--out", "demo/doctor"],
+        &["--out", "demo/doctor"],
+    ] {
+        assert_eq!(
+            run(further).status.code(),
+            Some(4),
+            "{further:?} {}",
+            text(&run(further).stderr)
+        );
+    }
     // what is there is not overwritten but by what would write it
     std::fs::write(folder.path().join("out/comment.md"), "mine").unwrap();
     assert_eq!(run(&["--out", "out"]).status.code(), Some(2));

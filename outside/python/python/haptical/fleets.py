@@ -97,6 +97,8 @@ def fleet(
     finally:
         # after Ctrl-C the logs that are being worked on end too
         stopped.set()
+        if kept is not None:
+            kept.file.close()
         if own is not None:
             own.shutdown(cancel_futures=True)
         if progress:
@@ -139,7 +141,6 @@ class _Kept:
         self.file.flush()
 
     def done(self) -> None:
-        self.file.close()
         self.path.unlink()
 
 
