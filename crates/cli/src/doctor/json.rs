@@ -19,8 +19,8 @@ pub(super) fn json(examined: &Examined) -> Value {
         .zip(&recorded.names)
         .enumerate();
     let joints: Vec<Value> = joints
-        .map(|(joint, (own, name))| {
-            let findings = own
+        .map(|(joint, (report, name))| {
+            let findings = report
                 .findings
                 .iter()
                 .map(|finding| of_finding(joint, finding, recorded));
@@ -28,22 +28,22 @@ pub(super) fn json(examined: &Examined) -> Value {
                 "joint": joint + 1,
                 "name": name,
                 "findings": findings.collect::<Vec<_>>(),
-                "answer_s": own.answer_s,
-                "play_and_friction": own.hysteresis,
-                "repeated_readings": own.repeated,
+                "answer_s": report.answer_s,
+                "play_and_friction": report.hysteresis,
+                "repeated_readings": report.repeated,
             })
         })
         .collect();
     let episodes: Vec<Value> = (examined.report.episodes.iter().enumerate())
-        .map(|(episode, own)| {
-            let effects = own.rows.iter().map(|row| {
+        .map(|(episode, verdict)| {
+            let effects = verdict.rows.iter().map(|row| {
                 let fault = &examined.report.rows[*row];
                 json!({"effect": fault.kind.effect(), "parameters": {"rows": fault.rows, "of": fault.of, "first_s": fault.first_s}})
             });
             json!({
                 "episode": number(recorded, episode),
                 "file": file(&recorded.labels[episode]),
-                "verdict": words::verdict(own.verdict),
+                "verdict": words::verdict(verdict.verdict),
                 "why": words::why(examined, episode),
                 "rows": recorded.episodes[episode].len(),
                 "findings": effects.collect::<Vec<_>>(),

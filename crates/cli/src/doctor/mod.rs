@@ -10,13 +10,13 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum as _};
 use haptical::files::{UNSEALED, sealed_json, sealed_text};
 use haptical::servo::{EpisodeLog, EpisodeReport, JointColumns, examine_episodes};
 
 use self::recording::Recorded;
 use crate::failure::Failure;
-use crate::flags::rule;
+use crate::flags::{Units, rule};
 use crate::interrupt::write_all;
 use crate::progress::Progress;
 use crate::{STATUS_SUCCESS, terminal};
@@ -66,17 +66,6 @@ pub(crate) struct DoctorArguments {
     /// Key of their commands; without it `action` or the key of such words
     #[arg(long, value_name = "KEY")]
     action: Option<String>,
-}
-
-/// Units of a data set's positions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Units {
-    /// Radians
-    Radians,
-    /// Degrees
-    Degrees,
-    /// Percent of a joint's range
-    Percent,
 }
 
 /// A recording and what was found in it.

@@ -65,7 +65,7 @@ pub(super) fn page(examined: &Examined) -> Result<String, Failure> {
 
 fn findings(examined: &Examined) -> Result<Vec<Block>, Failure> {
     let all: Vec<(usize, &EpisodeFinding)> = (examined.report.joints.iter().enumerate())
-        .flat_map(|(joint, own)| own.findings.iter().map(move |finding| (joint, finding)))
+        .flat_map(|(joint, report)| report.findings.iter().map(move |finding| (joint, finding)))
         .collect();
     let mut blocks = Vec::new();
     for (joint, finding) in all.iter().take(MOST_PICTURES) {

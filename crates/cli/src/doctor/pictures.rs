@@ -18,21 +18,21 @@ const SHOWN_S: f64 = 8.0;
 
 /// One number an episode where the fault shows in one, else what was asked and what came before and after.
 pub(super) fn picture(examined: &Examined, joint: usize, finding: &EpisodeFinding) -> FigureGrid {
-    let own = &examined.report.joints[joint];
+    let report = &examined.report.joints[joint];
     let name = &examined.recorded.names[joint];
     let unit = words::symbol(examined.recorded.unit_of(joint));
     match finding.fault {
         Fault::Offset { .. } => by_episode(
             examined,
             finding,
-            &own.levels,
+            &report.levels,
             &format!("{name}: position less command, median of an episode"),
             &format!("[{unit}]"),
         ),
         Fault::Gain { .. } => by_episode(
             examined,
             finding,
-            &own.gains,
+            &report.gains,
             &format!("{name}: spread of the position over spread of the command"),
             "[1]",
         ),

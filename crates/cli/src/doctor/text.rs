@@ -49,36 +49,38 @@ pub(super) fn joints(examined: &Examined) -> Result<Table, Failure> {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied()
     };
-    let rows = (examined.report.joints.iter().zip(&examined.recorded.names)).map(|(own, name)| {
-        let found = own.findings.iter().map(|finding| {
-            let kind = finding
-                .fault
-                .effect()
-                .replace("joint-", "")
-                .replace("servo-", "")
-                .replace("command-", "");
-            format!("{kind} {}", words::place(finding, &examined.recorded))
-        });
-        let found: Vec<String> = found.collect();
-        vec![
-            name.as_str().into(),
-            number(
-                middle(&mut own.ranges.iter().map(|range| range[0])),
-                decimals - 1,
-            )
-            .into(),
-            number(middle(&mut own.levels.iter().copied()), decimals).into(),
-            number(own.answer_s.map(|s| 1e3 * s), 0).into(),
-            number(own.hysteresis, decimals).into(),
-            format!("{:.0}", 100.0 * own.repeated).into(),
-            if found.is_empty() {
-                "nothing".to_owned()
-            } else {
-                found.join(", ")
-            }
-            .into(),
-        ]
-    });
+    let rows = (examined.report.joints.iter().zip(&examined.recorded.names)).map(
+        |(joint_report, name)| {
+            let found = joint_report.findings.iter().map(|finding| {
+                let kind = finding
+                    .fault
+                    .effect()
+                    .replace("joint-", "")
+                    .replace("servo-", "")
+                    .replace("command-", "");
+                format!("{kind} {}", words::place(finding, &examined.recorded))
+            });
+            let found: Vec<String> = found.collect();
+            vec![
+                name.as_str().into(),
+                number(
+                    middle(&mut joint_report.ranges.iter().map(|range| range[0])),
+                    decimals - 1,
+                )
+                .into(),
+                number(middle(&mut joint_report.levels.iter().copied()), decimals).into(),
+                number(joint_report.answer_s.map(|s| 1e3 * s), 0).into(),
+                number(joint_report.hysteresis, decimals).into(),
+                format!("{:.0}", 100.0 * joint_report.repeated).into(),
+                if found.is_empty() {
+                    "nothing".to_owned()
+                } else {
+                    found.join(", ")
+                }
+                .into(),
+            ]
+        },
+    );
     Ok(Table::with_heads("", &heads).with_rows(rows)?)
 }
 
@@ -86,8 +88,10 @@ pub(super) fn joints(examined: &Examined) -> Result<Table, Failure> {
 pub(super) fn findings(examined: &Examined) -> Result<Table, Failure> {
     let recorded = &examined.recorded;
     let mut table = Table::with_heads("", "joint | what | where | probability");
-    for (joint, (own, name)) in (examined.report.joints.iter().zip(&recorded.names)).enumerate() {
-        for finding in &own.findings {
+    for (joint, (joint_report, name)) in
+        (examined.report.joints.iter().zip(&recorded.names)).enumerate()
+    {
+        for finding in &joint_report.findings {
             table.push(vec![
                 name.as_str().into(),
                 words::what(joint, finding, recorded).into(),
@@ -103,7 +107,13 @@ pub(super) fn findings(examined: &Examined) -> Result<Table, Failure> {
 pub(super) fn episodes(examined: &Examined) -> Result<Table, Failure> {
     let all = examined.report.episodes.iter().enumerate();
     let all: Vec<(usize, Use, String)> = all
-        .map(|(episode, own)| (episode, own.verdict, words::why(examined, episode)))
+        .map(|(episode, episode_verdict)| {
+            (
+                episode,
+                episode_verdict.verdict,
+                words::why(examined, episode),
+            )
+        })
         .collect();
     let mut table = Table::with_heads("", "episode | verdict | why");
     for group in all.chunk_by(|a, b| (a.1, &a.2) == (b.1, &b.2)) {
@@ -142,7 +152,7 @@ pub(super) fn headline(examined: &Examined) -> String {
         report
             .episodes
             .iter()
-            .filter(|own| own.verdict == verdict)
+            .filter(|episode_verdict| episode_verdict.verdict == verdict)
             .count()
     };
     let verdicts = || {

@@ -126,8 +126,8 @@ pub(super) fn rows(fault: &RowFault) -> String {
 
 /// Why an episode has its verdict.
 pub(super) fn why(examined: &Examined, episode: usize) -> String {
-    let own = &examined.report.episodes[episode];
-    let joints = own.findings.iter().map(|[joint, index]| {
+    let verdict = &examined.report.episodes[episode];
+    let joints = verdict.findings.iter().map(|[joint, index]| {
         let finding = &examined.report.joints[*joint].findings[*index];
         format!(
             "{}: {}",
@@ -135,7 +135,10 @@ pub(super) fn why(examined: &Examined, episode: usize) -> String {
             what(*joint, finding, &examined.recorded)
         )
     });
-    let rows = own.rows.iter().map(|row| rows(&examined.report.rows[*row]));
+    let rows = verdict
+        .rows
+        .iter()
+        .map(|row| rows(&examined.report.rows[*row]));
     joints.chain(rows).collect::<Vec<_>>().join("; ")
 }
 
@@ -144,7 +147,7 @@ pub(super) fn not_tested(examined: &Examined) -> Vec<String> {
     let mut by_reason: Vec<(String, Vec<&str>)> = Vec::new();
     for (joint, name) in examined.report.joints.iter().zip(&examined.recorded.names) {
         for why in &joint.not_tested {
-            match by_reason.iter_mut().find(|(own, _)| own == why) {
+            match by_reason.iter_mut().find(|(reason, _)| reason == why) {
                 Some((_, names)) => names.push(name),
                 None => by_reason.push((why.clone(), vec![name])),
             }

@@ -5,6 +5,7 @@ mod hold;
 mod method;
 pub(crate) mod outputs;
 mod overwrite;
+mod units;
 
 use std::path::Path;
 
@@ -15,6 +16,7 @@ pub(crate) use hold::HoldOptions;
 #[cfg(test)]
 pub(crate) use overwrite::OUTPUTS;
 pub(crate) use overwrite::{OverwriteOptions, keep_inputs, rule};
+pub(crate) use units::{MOST_PERCENT, Units};
 
 /// Folder and name of the file that `--out` names.
 pub(crate) fn folder_and_name(out: &Path) -> Result<(&Path, &str), Failure> {

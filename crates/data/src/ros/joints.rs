@@ -35,17 +35,17 @@ pub fn bag_joints(path: &Path) -> Result<Vec<BagJoints>, DataError> {
     named
         .map(|(topic, found)| {
             let mut all = read(&found.names)?.joints;
-            let own = all.remove(&topic).unwrap_or_default();
-            let has_stamps = own.stamps_ns.iter().any(|stamp| *stamp != 0);
+            let joints = all.remove(&topic).unwrap_or_default();
+            let has_stamps = joints.stamps_ns.iter().any(|stamp| *stamp != 0);
             Ok(BagJoints {
                 topic,
                 names: found.names,
                 time_ns: if has_stamps {
-                    own.stamps_ns
+                    joints.stamps_ns
                 } else {
-                    own.recorded_ns
+                    joints.recorded_ns
                 },
-                position: own.position,
+                position: joints.position,
             })
         })
         .collect()

@@ -16,14 +16,35 @@ pub(super) struct Answer {
     pub(super) share: f64,
     /// Mean time from a command to what follows \[s\]: the taps' first moment over their sum.
     pub(super) after_s: f64,
-    /// Median of what the taps leave while the command falls, less that while it rises.
-    pub(super) hysteresis: f64,
+    /// The taps.
+    weights: Vec<f64>,
 }
 
 impl Answer {
     /// Whether the position follows the command at all.
     pub(super) fn follows(&self) -> bool {
         self.share >= FOLLOWED_SHARE && self.sum >= LEAST_SUM
+    }
+
+    /// Median of what the taps leave while the command falls, less that while it rises.
+    pub(super) fn hysteresis(&self, joint: &Joint) -> f64 {
+        let (mut rising, mut falling) = (Vec::new(), Vec::new());
+        let rows = Rows::new(joint);
+        for place in 0..joint.episodes.len() {
+            rows.each(place, |values| {
+                let known = taps()
+                    .zip(&self.weights)
+                    .map(|(column, weight)| values[column] * weight);
+                let left = values[values.len() - 1] - known.sum::<f64>();
+                // the newest tap less the oldest: which way the command goes
+                match values[taps().start] - values[taps().end - 1] {
+                    change if change > 0.0 => rising.push(left),
+                    change if change < 0.0 => falling.push(left),
+                    _ => {}
+                }
+            });
+        }
+        (median(&mut falling) - median(&mut rising)).max(0.0)
     }
 
     /// Whether both are in one unit.
@@ -35,8 +56,8 @@ impl Answer {
 /// None of a joint or a command without motion.
 pub(super) fn of(joint: &Joint) -> Option<Answer> {
     let mut within = NormalEquations::new(COLUMNS);
-    for own in moments(joint) {
-        within.add(&centred(&own), 1.0);
+    for episode in moments(joint) {
+        within.add(&centred(&episode), 1.0);
     }
     let columns: Vec<usize> = taps().collect();
     let fit = within.solve(&columns, |column| {
@@ -52,28 +73,11 @@ pub(super) fn of(joint: &Joint) -> Option<Answer> {
     if !share.is_finite() || !sum.is_finite() {
         return None;
     }
-    let (mut rising, mut falling) = (Vec::new(), Vec::new());
-    let rows = Rows::new(joint);
-    for place in 0..joint.episodes.len() {
-        rows.each(place, |values| {
-            let known = columns
-                .iter()
-                .zip(weights)
-                .map(|(column, weight)| values[*column] * weight);
-            let left = values[values.len() - 1] - known.sum::<f64>();
-            // the newest tap less the oldest: which way the command goes
-            match values[taps().start] - values[taps().end - 1] {
-                change if change > 0.0 => rising.push(left),
-                change if change < 0.0 => falling.push(left),
-                _ => {}
-            }
-        });
-    }
     Some(Answer {
         sum,
         share,
         after_s,
-        hysteresis: (median(&mut falling) - median(&mut rising)).max(0.0),
+        weights: weights.to_vec(),
     })
 }
 

@@ -21,13 +21,13 @@ pub(super) fn change_points(values: &[f64], least: f64) -> Vec<Step> {
     let mut found: Vec<Step> = Vec::new();
     let mut parts: Vec<Range<usize>> = std::iter::once(0..values.len()).collect();
     while let Some(part) = parts.pop() {
-        let (own, start) = (&values[part.clone()], part.start);
-        let Some(stretch) = stretch(own, least) else {
+        let (here, start) = (&values[part.clone()], part.start);
+        let Some(stretch) = stretch(here, least) else {
             continue;
         };
-        let borders = [0, stretch.start, stretch.end, own.len()];
+        let borders = [0, stretch.start, stretch.end, here.len()];
         found.extend(borders[1..3].iter().filter_map(|at| {
-            let step = step(own, *at, least)?;
+            let step = step(here, *at, least)?;
             Some(Step {
                 at: start + at,
                 ..step
@@ -105,7 +105,7 @@ fn step(values: &[f64], at: usize, least: f64) -> Option<Step> {
     ];
     let size = borders[1] - borders[0];
     let is_own = |value: &&f64, side: usize| (**value - borders[side]).abs() <= 0.5 * size.abs();
-    let own = [
+    let lengths = [
         before
             .iter()
             .rev()
@@ -118,10 +118,10 @@ fn step(values: &[f64], at: usize, least: f64) -> Option<Step> {
             .count()
             .max(NEIGHBOURS),
     ];
-    let size_of_levels = middle(&after[..own[1]]) - middle(&before[at - own[0]..]);
+    let size_of_levels = middle(&after[..lengths[1]]) - middle(&before[at - lengths[0]..]);
     let scatter = scatter(values);
     // a median's variance is pi/2 of a mean's
-    let parts = 1.0 / own[0] as f64 + 1.0 / own[1] as f64;
+    let parts = 1.0 / lengths[0] as f64 + 1.0 / lengths[1] as f64;
     let sd = scatter * (std::f64::consts::FRAC_PI_2 * parts).sqrt();
     let is_crisp = size / size_of_levels >= CRISP;
     let is_large = size_of_levels.abs() >= (STEP_SCATTERS * scatter).max(LEVEL_Z * sd).max(least);

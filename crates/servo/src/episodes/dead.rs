@@ -7,7 +7,7 @@ use crate::thresholds::{DEAD_COUNTS, DEAD_SHARE, FOLLOWS_SHARE};
 /// Stretches of episodes in which the joint is dead.
 pub(super) fn faults(joint: &Joint, ranges: &[[f64; 2]], least: f64) -> Vec<EpisodeFinding> {
     let count = joint.count();
-    let own: Vec<[f64; 2]> = joint
+    let moved_ranges: Vec<[f64; 2]> = joint
         .episodes
         .iter()
         .map(|(episode, _)| ranges[*episode])
@@ -18,16 +18,17 @@ pub(super) fn faults(joint: &Joint, ranges: &[[f64; 2]], least: f64) -> Vec<Epis
     };
     // it follows as small a motion in another episode, or no joint rests through so large a one
     let follows = |least: f64| {
-        own.iter()
+        moved_ranges
+            .iter()
             .any(|[position, command]| *position >= FOLLOWS_SHARE * command && *command <= least)
     };
-    let mut dead: Vec<bool> = (own.iter())
+    let mut dead: Vec<bool> = (moved_ranges.iter())
         .map(|ranges| is_still(*ranges) && (ranges[1] >= 4.0 * least || follows(ranges[1])))
         .collect();
     // the episodes next to a dead one that stay at its value, or at one to the last digit, are dead, too, however little was asked
     let stays = |place: usize, next: usize| {
         let is_near = (start(place) - start(next)).abs() <= DEAD_COUNTS * count;
-        own[place][0] <= DEAD_COUNTS * count && (is_near || own[place][0] == 0.0)
+        moved_ranges[place][0] <= DEAD_COUNTS * count && (is_near || moved_ranges[place][0] == 0.0)
     };
     for place in 1..dead.len() {
         dead[place] |= dead[place - 1] && stays(place, place - 1);

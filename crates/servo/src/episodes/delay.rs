@@ -51,7 +51,7 @@ pub(super) fn fault(joint: &Joint) -> Result<Option<EpisodeFinding>, String> {
         (-3..=3).map(|tenths| scan.best(rough.rows + 0.1 * f64::from(tenths), near.clone()));
     let best = tried.fold(
         rough,
-        |best, own| if own.nats > best.nats { own } else { best },
+        |best, tried| if tried.nats > best.nats { tried } else { best },
     );
     let least = if joint.repeated() > HELD_REPEATS {
         HELD_DELAY_NATS
@@ -134,7 +134,7 @@ impl Scan {
         };
         tried.fold(
             none,
-            |best, own| if own.nats > best.nats { own } else { best },
+            |best, tried| if tried.nats > best.nats { tried } else { best },
         )
     }
 
@@ -152,9 +152,9 @@ impl Scan {
         let all = &self.sums[self.sums.len() - 1];
         let changed = self.before[at].plus(&late(&all.plus(&self.sums[at], -1.0), rows), 1.0);
         let columns: Vec<usize> = (0..changed.columns()).collect();
-        let own = solved(&changed);
+        let coefficients = solved(&changed);
         let gains = moments.iter().enumerate().map(|(place, sums)| {
-            let of = |rows: f64| late(sums, rows).left(&columns, &own);
+            let of = |rows: f64| late(sums, rows).left(&columns, &coefficients);
             let (here, there) = if place < at { (0.0, rows) } else { (rows, 0.0) };
             of(there) - of(here)
         });

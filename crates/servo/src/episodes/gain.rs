@@ -51,12 +51,17 @@ pub(super) fn fault(joint: &Joint, least_offset: f64) -> Option<EpisodeFinding> 
         .map(|split| split.offset_nats)
         .fold(0.0, f64::max);
     let gained = best.nats - offset;
-    if !is_one(joint, best, gained) {
+    let gains: Vec<f64> = joint
+        .gains()
+        .iter()
+        .map(|gain| gain.max(1e-9).ln())
+        .collect();
+    if !is_one(&gains, best, gained) {
         return None;
     }
     let changed = best.changed.clone();
     // the stretch before is wrong where it is farther from a gain of 1
-    let (factor, stretch) = match is_first_wrong(joint, best) {
+    let (factor, stretch) = match is_first_wrong(&gains, best) {
         true => (1.0 / best.factor, 0..changed.start),
         false => (best.factor, changed),
     };
@@ -72,29 +77,22 @@ pub(super) fn fault(joint: &Joint, least_offset: f64) -> Option<EpisodeFinding> 
 }
 
 /// Whether the gain before a change that lasts to the end is as much farther from 1 as the change is large.
-fn is_first_wrong(joint: &Joint, split: &Split) -> bool {
-    let gains = joint.gains();
-    let size = |part: &[f64]| median(&mut part.to_vec()).max(1e-9).ln().abs();
+fn is_first_wrong(logs: &[f64], split: &Split) -> bool {
+    let size = |part: &[f64]| median(&mut part.to_vec()).abs();
     let (before, after) = (
-        size(&gains[..split.changed.start]),
-        size(&gains[split.changed.clone()]),
+        size(&logs[..split.changed.start]),
+        size(&logs[split.changed.clone()]),
     );
-    let logs: Vec<f64> = gains.iter().map(|gain| gain.max(1e-9).ln()).collect();
-    scatter(&logs) <= GAIN_TOLD * split.factor.ln().abs()
-        && split.changed.end == gains.len()
+    scatter(logs) <= GAIN_TOLD * split.factor.ln().abs()
+        && split.changed.end == logs.len()
         && before - after >= WRONG_SIDE * split.factor.ln().abs()
 }
 
 /// Whether a change is large and clear enough. Of a joint that moves enough the episodes next to the change must have different gains,
 /// each by itself; one that hardly moves must gain more, and by a larger factor.
-fn is_one(joint: &Joint, split: &Split, gained: f64) -> bool {
+fn is_one(logs: &[f64], split: &Split, gained: f64) -> bool {
     let size = split.factor.ln();
-    let logs: Vec<f64> = joint
-        .gains()
-        .iter()
-        .map(|gain| gain.max(1e-9).ln())
-        .collect();
-    if scatter(&logs) > GAIN_TOLD * size.abs() {
+    if scatter(logs) > GAIN_TOLD * size.abs() {
         return gained >= STILL_GAIN_NATS && size.abs() >= STILL_GAIN.ln();
     }
     let middle = |part: &[f64]| median(&mut part.to_vec());

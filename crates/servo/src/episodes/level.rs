@@ -22,12 +22,12 @@ pub(super) fn faults(joint: &Joint, least: f64) -> Vec<EpisodeFinding> {
         false => pieces(joint, &levels, &steps, least),
     };
     // what else there is shows once the steps are out
-    for own in &found {
-        let Fault::Offset { size, .. } = own.fault else {
+    for finding in &found {
+        let Fault::Offset { size, .. } = finding.fault else {
             continue;
         };
-        let end = own.until.map_or(levels.len(), |last| last + 1);
-        levels[own.since..end]
+        let end = finding.until.map_or(levels.len(), |last| last + 1);
+        levels[finding.since..end]
             .iter_mut()
             .for_each(|level| *level -= size);
     }

@@ -314,7 +314,7 @@ fn of_joint(
             .as_ref()
             .map(|answer| answer.after_s)
             .filter(|after_s| *after_s >= 0.0),
-        hysteresis: answer.as_ref().map(|answer| answer.hysteresis),
+        hysteresis: answer.as_ref().map(|answer| answer.hysteresis(&left)),
         repeated: joint.repeated(),
         follows,
         not_tested,

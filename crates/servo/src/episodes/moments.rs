@@ -27,7 +27,7 @@ pub(super) fn moments(joint: &Joint) -> Vec<NormalEquations> {
 /// as many degrees of freedom): a joint that sticks and slips has few rows that would outweigh all others.
 pub(super) fn weighted_moments(joint: &Joint, equal: &[NormalEquations]) -> Vec<NormalEquations> {
     let mut sums = NormalEquations::new(COLUMNS);
-    equal.iter().for_each(|own| sums.add(own, 1.0));
+    equal.iter().for_each(|episode| sums.add(episode, 1.0));
     let columns: Vec<usize> = (0..=CONSTANT).chain(taps()).collect();
     let fit = sums.solve(&columns, |column| {
         EPISODE_RIDGE * sums.product(column, column)
@@ -144,8 +144,8 @@ pub(super) fn late(sums: &NormalEquations, rows: f64) -> NormalEquations {
 pub(super) fn running(moments: &[NormalEquations]) -> Vec<NormalEquations> {
     let mut sums = NormalEquations::new(COLUMNS);
     let mut all = vec![sums.clone()];
-    for own in moments {
-        sums.add(own, 1.0);
+    for episode in moments {
+        sums.add(episode, 1.0);
         all.push(sums.clone());
     }
     all

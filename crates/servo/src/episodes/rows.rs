@@ -68,11 +68,11 @@ pub(super) fn faults(log: &EpisodeLog<'_>) -> Vec<RowFault> {
 }
 
 fn lost(log: &EpisodeLog<'_>, episode: usize, step: f64) -> Option<RowFault> {
-    let own = &log.time_s[log.episodes[episode].clone()];
+    let times = &log.time_s[log.episodes[episode].clone()];
     // an episode may have a rate of its own
     let usual = episode_step_s(log, episode);
     let step = if usual.is_finite() { usual } else { step };
-    let gaps = own.windows(2).map(|pair| [pair[0], pair[1] - pair[0]]);
+    let gaps = times.windows(2).map(|pair| [pair[0], pair[1] - pair[0]]);
     let gaps: Vec<[f64; 2]> = gaps.filter(|gap| gap[1] > LOST_STEPS * step).collect();
     let first = gaps.first()?;
     let lost = gaps
@@ -80,15 +80,15 @@ fn lost(log: &EpisodeLog<'_>, episode: usize, step: f64) -> Option<RowFault> {
         .map(|gap| ((gap[1] / step).round() as usize).saturating_sub(1));
     let (rows, most) = (lost.clone().sum::<usize>(), lost.max()?);
     // a row now and then is what every recorder loses
-    if most < FEWEST_LOST && (rows as f64) < LOST_SHARE * own.len() as f64 {
+    if most < FEWEST_LOST && (rows as f64) < LOST_SHARE * times.len() as f64 {
         return None;
     }
     Some(RowFault {
         kind: RowFaultKind::Lost,
         episode,
         rows,
-        of: own.len() + rows,
-        first_s: Some(first[0] - own[0]),
+        of: times.len() + rows,
+        first_s: Some(first[0] - times[0]),
     })
 }
 
@@ -152,16 +152,17 @@ fn sizes<'a>(columns: impl Iterator<Item = (&'a [f64], f64)>, rows: &Range<usize
         .collect()
 }
 
+/// The same of the positions.
+fn position_sizes(log: &EpisodeLog<'_>, rows: &Range<usize>, scales: &Scales) -> Vec<f64> {
+    let columns = log.joints.iter().map(|joint| joint.position);
+    sizes(columns.zip(scales.position.iter().copied()), rows)
+}
+
 fn jump(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<RowFault> {
     let rows = &log.episodes[episode];
-    let position = log
-        .joints
-        .iter()
-        .map(|joint| joint.position)
-        .zip(scales.position.iter().copied());
     let command = log.joints.iter().zip(&scales.command);
     let command = command.filter_map(|(joint, scale)| Some((joint.command?, *scale)));
-    let (position, command) = (sizes(position, rows), sizes(command, rows));
+    let (position, command) = (position_sizes(log, rows, scales), sizes(command, rows));
     // what a jump is of: the largest steps next to it
     let ratio = |sizes: &[f64], at: usize| {
         let near = &sizes[at - JUMP_NEIGHBOURS..=at + JUMP_NEIGHBOURS];
@@ -198,9 +199,9 @@ fn jumps_together(log: &EpisodeLog<'_>, rows: &Range<usize>, at: usize, scales: 
         };
         let near = (at - JUMP_NEIGHBOURS..=at + JUMP_NEIGHBOURS).filter(|other| *other != at);
         let most = near.map(step).fold(0.0, f64::max);
-        let own = step(at);
-        moving += usize::from(own.max(most) >= JUMP_REST);
-        jumping += usize::from(own >= JUMP_RATIO * most.max(JUMP_REST));
+        let size = step(at);
+        moving += usize::from(size.max(most) >= JUMP_REST);
+        jumping += usize::from(size >= JUMP_RATIO * most.max(JUMP_REST));
     }
     2 * jumping >= moving && jumping >= 2.min(log.joints.len())
 }
@@ -212,12 +213,7 @@ fn repeated(log: &EpisodeLog<'_>, episode: usize, scales: &Scales) -> Option<Row
         return None;
     }
     let rows = &log.episodes[episode];
-    let position = log
-        .joints
-        .iter()
-        .map(|joint| joint.position)
-        .zip(scales.position.iter().copied());
-    let steps = sizes(position, rows);
+    let steps = position_sizes(log, rows, scales);
     let mut at = 0_usize;
     let mut found: Vec<(usize, usize)> = Vec::new();
     for run in steps.chunk_by(|a, b| (*a == 0.0) == (*b == 0.0)) {

@@ -26,8 +26,8 @@ impl Joint {
         let episodes = log.episodes.iter().cloned().enumerate();
         let is_long = |rows: &Range<usize>| rows.len() >= FEWEST_EPISODE_ROWS;
         let is_read = |rows: &Range<usize>| {
-            let mut own = rows.clone();
-            own.any(|row| columns.position[row].is_finite() && command[row].is_finite())
+            let mut left = rows.clone();
+            left.any(|row| columns.position[row].is_finite() && command[row].is_finite())
         };
         Some(Self {
             position: columns.position.to_vec(),

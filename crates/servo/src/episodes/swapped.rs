@@ -24,7 +24,7 @@ pub(super) fn swaps(log: &EpisodeLog<'_>) -> Vec<Vec<EpisodeFinding>> {
         (sum / f64::max(count, 1.0)).sqrt()
     };
     let episodes = log.episodes.len();
-    let own: Vec<Vec<f64>> = (0..joints)
+    let to_command: Vec<Vec<f64>> = (0..joints)
         .map(|joint| {
             (0..episodes)
                 .map(|episode| error(episode, joint, joint))
@@ -32,7 +32,7 @@ pub(super) fn swaps(log: &EpisodeLog<'_>) -> Vec<Vec<EpisodeFinding>> {
         })
         .collect();
     // how far each joint's reading is from its command as a rule
-    let usual: Vec<f64> = own
+    let usual: Vec<f64> = to_command
         .iter()
         .map(|errors| median(&mut errors.clone()))
         .collect();
@@ -45,7 +45,7 @@ pub(super) fn swaps(log: &EpisodeLog<'_>) -> Vec<Vec<EpisodeFinding>> {
             };
             // nearer to the other's command by so many times, both; and how near that is as a rule
             let is_swapped = |episode: usize, share: f64| {
-                let [a, b] = [own[first][episode], own[second][episode]];
+                let [a, b] = [to_command[first][episode], to_command[second][episode]];
                 // both are far from their commands before the dearer question is asked
                 a > log.least_offset
                     && b > log.least_offset

@@ -31,14 +31,14 @@ pub(super) fn of_episodes(
     rows: &[RowFault],
 ) -> Vec<EpisodeVerdict> {
     let of = |episode: usize| {
-        let in_it = joints.iter().enumerate().flat_map(|(joint, own)| {
+        let in_it = joints.iter().enumerate().flat_map(|(joint, joint_report)| {
             let has = move |(index, found): (usize, &super::EpisodeFinding)| {
                 let last = found.until.unwrap_or(usize::MAX);
                 (found.since..=last)
                     .contains(&episode)
                     .then_some([joint, index])
             };
-            own.findings.iter().enumerate().filter_map(has)
+            joint_report.findings.iter().enumerate().filter_map(has)
         });
         let findings: Vec<[usize; 2]> = in_it.collect();
         let rows_of: Vec<usize> = (0..rows.len())

@@ -78,9 +78,9 @@ def fleet(
         if not pathlib.Path(out).resolve().parent.is_dir():
             raise FileNotFoundError(f"out is {out}; its folder is not there")
     stopped = threading.Event()
-    own = None if executor is not None else ThreadPoolExecutor(max_workers=workers)
-    submit = _submit(executor if own is None else own)
-    extra = {} if own is None or call == "doctor" else {"progress": _until(stopped)}
+    threads = None if executor is not None else ThreadPoolExecutor(max_workers=workers)
+    submit = _submit(executor if threads is None else threads)
+    extra = {} if threads is None or call == "doctor" else {"progress": _until(stopped)}
     kept = None if out is None else _Kept(out, resume)
     tasks = ((_label(log, index), one, log) for index, (one, log) in enumerate(zip(devices, logs)))
     rows: list[dict[str, Any]] = []
@@ -99,8 +99,8 @@ def fleet(
         stopped.set()
         if kept is not None:
             kept.file.close()
-        if own is not None:
-            own.shutdown(cancel_futures=True)
+        if threads is not None:
+            threads.shutdown(cancel_futures=True)
         if progress:
             print(file=sys.stderr)
     table = _table(rows)
@@ -245,7 +245,7 @@ def _doctored(found: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {"findings": len(all_found) + sum(len(episode["findings"]) for episode in found["episodes"])}
     for verdict in ("use", "look", "leave out"):
         row[verdict.replace(" ", "_")] = sum(episode["verdict"] == verdict for episode in found["episodes"])
-    finding, name = max(all_found, key=lambda own: own[0]["probability"], default=({}, None))
+    finding, name = max(all_found, key=lambda one: one[0]["probability"], default=({}, None))
     return row | {"effect": finding.get("effect"), "joint": name} | {key: finding.get(key) for key in ("since_episode", "probability")}
 
 

@@ -66,7 +66,7 @@ fn held(state: &BagJoints, command: &BagJoints) -> Option<Vec<Vec<f64>>> {
         let place = command.names.iter().position(|other| other == name)?;
         let column = &command.position[place];
         let at = |time: &i64| {
-            let after = command.time_ns.partition_point(|own| own <= time);
+            let after = command.time_ns.partition_point(|stamp| stamp <= time);
             after.checked_sub(1).map_or(f64::NAN, |last| column[last])
         };
         Some(state.time_ns.iter().map(at).collect())

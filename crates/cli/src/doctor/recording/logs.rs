@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{Label, Recorded, Unit, ends_with, tables};
-use crate::doctor::Units;
 use crate::failure::Failure;
+use crate::flags::Units;
 
 /// One log's episodes; a log without runs is one.
 pub(super) struct Log {

@@ -8,15 +8,13 @@ mod tables;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::Units;
 use crate::failure::Failure;
-use crate::flags::word;
+use crate::flags::{MOST_PERCENT, Units, word};
 #[cfg(feature = "parquet")]
 use crate::import::lerobot;
 
-/// Largest number of radians, and of degrees that may be percent.
+/// Largest number of radians.
 const MOST_RAD: f64 = 7.0;
-const MOST_PERCENT: f64 = 101.0;
 
 /// What the numbers are in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -7,7 +7,7 @@ mod rows;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use haptical_data::read_parquet_columns;
 use haptical_model::{Device, JointType, Recording};
 use serde_json::Value;
@@ -16,7 +16,7 @@ use self::order::order;
 use self::rows::Rows;
 use super::{Imported, Target, shape_without_limits};
 use crate::failure::Failure;
-use crate::flags::DeviceOptions;
+use crate::flags::{DeviceOptions, MOST_PERCENT, Units};
 
 /// End of the help of `haptical import lerobot`.
 pub(super) const HELP: &str = "\
@@ -55,19 +55,6 @@ pub(super) struct LerobotArguments {
     device_options: DeviceOptions,
 }
 
-/// Units of a data set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Units {
-    /// Degrees
-    Degrees,
-    /// -100 to 100 between the joint's limits; 0 to 100 for a gripper
-    Percent,
-    /// Radians
-    Radians,
-}
-
-/// No joint turns by more percent.
-const MOST_PERCENT: f64 = 101.0;
 /// Runs the command.
 pub(super) fn run(arguments: &LerobotArguments) -> Result<(), Failure> {
     arguments.target.check(None)?;
