@@ -29,7 +29,6 @@ pub(super) fn json(examined: &Examined) -> Value {
                 "name": name,
                 "findings": findings.collect::<Vec<_>>(),
                 "answer_s": report.answer_s,
-                "play_and_friction": report.hysteresis,
                 "repeated_readings": report.repeated,
             })
         })

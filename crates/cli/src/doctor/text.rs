@@ -38,7 +38,7 @@ pub(super) fn text(examined: &Examined, out: Option<&Path>) -> Result<String, Fa
 pub(super) fn joints(examined: &Examined) -> Result<Table, Failure> {
     let unit = words::symbol(examined.recorded.unit);
     let heads = format!(
-        "joint | moves [{unit}] | offset [{unit}] | follows after [ms] | play and friction [{unit}] | equal readings [%] | found"
+        "joint | moves [{unit}] | offset [{unit}] | follows after [ms] | equal readings [%] | found"
     );
     let number = |value: Option<f64>, decimals: usize| {
         value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
@@ -70,7 +70,6 @@ pub(super) fn joints(examined: &Examined) -> Result<Table, Failure> {
                 .into(),
                 number(middle(&mut joint_report.levels.iter().copied()), decimals).into(),
                 number(joint_report.answer_s.map(|s| 1e3 * s), 0).into(),
-                number(joint_report.hysteresis, decimals).into(),
                 format!("{:.0}", 100.0 * joint_report.repeated).into(),
                 if found.is_empty() {
                     "nothing".to_owned()

@@ -1,9 +1,8 @@
-//! How a joint answers its command in all episodes: how late, and how far apart the positions of both directions are.
+//! How a joint answers its command in all episodes: whether it follows it, in which unit, and how late.
 
 use haptical_linalg::NormalEquations;
 
-use super::moments::{COLUMNS, CONSTANT, Rows, moments, taps};
-use super::scale::median;
+use super::moments::{COLUMNS, CONSTANT, moments, taps};
 use super::series::Joint;
 use crate::thresholds::{EPISODE_RIDGE, FOLLOWED_SHARE, LEAST_SUM, PLAUSIBLE_SUM};
 
@@ -16,35 +15,12 @@ pub(super) struct Answer {
     pub(super) share: f64,
     /// Mean time from a command to what follows \[s\]: the taps' first moment over their sum.
     pub(super) after_s: f64,
-    /// The taps.
-    weights: Vec<f64>,
 }
 
 impl Answer {
     /// Whether the position follows the command at all.
     pub(super) fn follows(&self) -> bool {
         self.share >= FOLLOWED_SHARE && self.sum >= LEAST_SUM
-    }
-
-    /// Median of what the taps leave while the command falls, less that while it rises.
-    pub(super) fn hysteresis(&self, joint: &Joint) -> f64 {
-        let (mut rising, mut falling) = (Vec::new(), Vec::new());
-        let rows = Rows::new(joint);
-        for place in 0..joint.episodes.len() {
-            rows.each(place, |values| {
-                let known = taps()
-                    .zip(&self.weights)
-                    .map(|(column, weight)| values[column] * weight);
-                let left = values[values.len() - 1] - known.sum::<f64>();
-                // the newest tap less the oldest: which way the command goes
-                match values[taps().start] - values[taps().end - 1] {
-                    change if change > 0.0 => rising.push(left),
-                    change if change < 0.0 => falling.push(left),
-                    _ => {}
-                }
-            });
-        }
-        (median(&mut falling) - median(&mut rising)).max(0.0)
     }
 
     /// Whether both are in one unit.
@@ -77,7 +53,6 @@ pub(super) fn of(joint: &Joint) -> Option<Answer> {
         sum,
         share,
         after_s,
-        weights: weights.to_vec(),
     })
 }
 

@@ -147,8 +147,6 @@ pub struct JointEpisodes {
     pub ranges: Vec<[f64; 2]>,
     /// How long after its command the joint is where it says, on average \[s\].
     pub answer_s: Option<f64>,
-    /// How far apart the positions of both directions are at one command, lag taken out, in the joint's unit: play and friction.
-    pub hysteresis: Option<f64>,
     /// Part of the readings that are equal to the one before while the command moves.
     pub repeated: f64,
     /// Whether the position follows the command; also true where one of them does not move enough to tell.
@@ -226,7 +224,6 @@ fn of_joint(
             gains: Vec::new(),
             ranges,
             answer_s: None,
-            hysteresis: None,
             repeated: 0.0,
             follows: true,
             not_tested: vec![
@@ -314,7 +311,6 @@ fn of_joint(
             .as_ref()
             .map(|answer| answer.after_s)
             .filter(|after_s| *after_s >= 0.0),
-        hysteresis: answer.as_ref().map(|answer| answer.hysteresis(&left)),
         repeated: joint.repeated(),
         follows,
         not_tested,

@@ -52,7 +52,7 @@ pub(super) fn weighted_moments(joint: &Joint, equal: &[NormalEquations]) -> Vec<
 }
 
 /// The rows of a regression.
-pub(super) struct Rows<'a> {
+struct Rows<'a> {
     joint: &'a Joint,
     /// Positions and commands are taken from here: sums of squares of large numbers lose digits.
     middle: f64,
@@ -61,7 +61,7 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub(super) fn new(joint: &'a Joint) -> Self {
+    fn new(joint: &'a Joint) -> Self {
         let rows = || joint.episodes.iter().flat_map(|(_, rows)| joint.rows(rows));
         Self {
             joint,
@@ -72,7 +72,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Goes through the rows of an episode.
-    pub(super) fn each(&self, place: usize, mut of: impl FnMut(&[f64; COLUMNS + 1])) {
+    fn each(&self, place: usize, mut of: impl FnMut(&[f64; COLUMNS + 1])) {
         let (joint, middle) = (self.joint, self.middle);
         let rows = &joint.episodes[place].1;
         let (behind, ahead) = (EPISODE_TAPS + EPISODE_LEAD, EPISODE_LEAD);

@@ -364,3 +364,84 @@ fn what_cannot_be_looked_for_is_said() {
         few.joints[0].not_tested
     );
 }
+
+/// Of a change it is not the first side that is right, but the one that is nearer to none.
+#[test]
+fn what_was_wrong_at_first_and_mended_is_wrong_at_first() {
+    let early = |change: &dyn Fn(&mut Servo)| {
+        let recording = Recording::new(3, |episode, joint| {
+            let mut own_servo = servo(joint as u64);
+            if joint == 0 && episode < 5 {
+                change(&mut own_servo);
+            }
+            own_servo
+        });
+        recording.examined()
+    };
+    let offset = early(&|servo| servo.offset_rad = 0.2);
+    let found = only(&offset);
+    assert!(
+        matches!(found.fault, Fault::Offset { size, .. } if (size - 0.2).abs() < 0.02),
+        "{found:?}"
+    );
+    assert_eq!((found.since, found.until), (0, Some(4)));
+    assert_eq!(
+        (offset.episodes[4].verdict, offset.episodes[5].verdict),
+        (Use::LeaveOut, Use::Use)
+    );
+    let gain = early(&|servo| servo.gain = 2.0);
+    let found = only(&gain);
+    assert!(
+        matches!(found.fault, Fault::Gain { factor, .. } if (factor - 2.0).abs() < 0.1),
+        "{found:?}"
+    );
+    assert_eq!((found.since, found.until), (0, Some(4)));
+}
+
+#[test]
+fn the_answer_of_all_episodes_is_measured() {
+    let of = |servo: &Servo| {
+        let report = Recording::new(9, |_, _| servo.clone()).examined();
+        let joint = &report.joints[0];
+        joint.answer_s.unwrap()
+    };
+    let late_s = of(&Servo {
+        delay_s: 0.06,
+        ..Servo::default()
+    });
+    assert!((late_s - 0.06).abs() < 0.003, "{late_s}");
+    // 2 zeta / omega of a loop of the second order
+    let lag_s = of(&Servo {
+        rad_per_s: Some(40.0),
+        damping: 1.0,
+        ..Servo::default()
+    });
+    assert!((lag_s - 0.05).abs() < 0.01, "{lag_s}");
+}
+
+/// A command that is no position of the joint is compared with nothing, and that is said.
+#[test]
+fn a_command_that_is_no_position_leads_to_no_finding() {
+    for sign in [-1.0, 0.0] {
+        let mut recording = Recording::sound(4);
+        let [first, _] = &mut recording.command;
+        for rows in &recording.episodes {
+            let positions = first[rows.clone()].to_vec();
+            for (row, value) in first[rows.clone()].iter_mut().enumerate() {
+                // turned round, or a velocity
+                *value = if sign < 0.0 {
+                    sign * positions[row]
+                } else {
+                    50.0 * (positions[row] - positions[row.saturating_sub(1)])
+                };
+            }
+        }
+        let report = recording.examined();
+        let joint = &report.joints[0];
+        assert!(joint.findings.is_empty(), "{:?}", joint.findings);
+        assert!(
+            !joint.not_tested.is_empty() && joint.answer_s.is_none(),
+            "{sign}"
+        );
+    }
+}
