@@ -178,11 +178,11 @@ pub(super) fn not_tested(examined: &Examined) -> Vec<String> {
         ));
     }
     words.push(format!(
-        "offsets below {}, gains between 0.83 and 1.2 (0.77 and 1.3 of joints that hardly move) and those of all episodes alike, delays of less \
-         than half a row or more than seven, faults of the first two or last two episodes but offsets, rows \
-         that are repeated at more than 133 rows a second",
+        "offsets below {}, gains between 0.83 and 1.2 (0.77 and 1.3 of joints that hardly move), delays below half a row or above seven rows",
         size(examined.recorded.unit.least_offset(), examined.recorded.unit)
     ));
+    words.push("gains and delays that all episodes share, or that begin in the first three or the last two episodes".to_owned());
+    words.push("repeated rows of recordings with more than 133 rows a second".to_owned());
     words.push(
         "the cause of what a joint does in all episodes alike (lag, play, droop, friction): `haptical diagnose` names it".to_owned(),
     );
